@@ -1,0 +1,1 @@
+//! The pendulum rig on the PC.

@@ -1,0 +1,3 @@
+//! The pendulum rig's physics and messages.
+#![no_std]
+#![forbid(unsafe_code)]
