@@ -1,3 +1,27 @@
-//! The pendulum rig's physics and messages.
+//! The pendulum rig's physics, filter, observer and messages, used alike by the board and the PC.
+//!
+//! No allocation, no input or output, no clock. Everything is in SI units and radians; the angle is zero when the
+//! pendulum hangs at rest and grows counter-clockwise.
+//!
+//! Where to start: [`model::Model`] is the pendulum, [`effect`] lists what may act on it, [`rig::Rig`] is the
+//! application that runs on the board, [`wire`] what it says to the PC.
 #![no_std]
 #![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod effect;
+pub mod filter;
+pub mod karnopp;
+pub mod model;
+pub mod motion;
+pub mod observer;
+pub mod paper;
+pub mod parameters;
+pub mod potentiometer;
+pub mod real;
+pub mod rig;
+mod rk4;
+pub mod units;
+pub mod wire;

@@ -1,0 +1,207 @@
+//! Physical effects: what may act on the pendulum or on its measurement. One file an effect, one list of all.
+//!
+//! An effect is data plus functions. The fit, the diagnosis, the commands, the page, the firmware, the documents and
+//! the tests loop over [`Effect::ALL`]; none of them names an effect. To add one, write its file and its line in the
+//! list.
+
+use crate::motion::Motion;
+use crate::real::Real;
+
+pub mod coulomb;
+pub mod presliding;
+pub mod quadratic_drag;
+pub mod sensor_gain;
+pub mod stiction;
+pub mod viscous;
+
+/// The most parameters an effect may have.
+pub const MAX_VALUES: usize = 4;
+
+/// How many numbers an effect may remember between steps.
+pub const MEMORY: usize = 2;
+
+/// Reserved for the formula that a user types; its frame kind in [`crate::wire`] is reserved as well.
+pub const CUSTOM_FORMULA_ID: u16 = 1000;
+
+/// One adjustable number of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// The symbol of the literature, e.g. `Mc`.
+    pub symbol: &'static str,
+    /// SI unit, `1` if it has none.
+    pub unit: &'static str,
+    /// Smallest value with a physical meaning.
+    pub low: f64,
+    /// Largest value to be expected on a rig of this size.
+    pub high: f64,
+    /// The value at which the effect is absent, or a usual one where the strength is another parameter.
+    pub start: f64,
+    /// What it says, in one phrase.
+    pub meaning: &'static str,
+}
+
+/// Torque in N·m at an instant, positive counter-clockwise.
+pub type Torque<R> = fn(&Motion<R>, &[R; MAX_VALUES]) -> R;
+
+/// Where and how an effect acts.
+#[derive(Clone, Copy)]
+pub enum Action<R> {
+    /// Part of the base model: [`crate::model`] calls its functions directly, because they run in every step.
+    Base,
+    /// A torque that is there at rest too (a spring, a magnet). Stiction has to hold against it.
+    Drive(Torque<R>),
+    /// A torque that opposes sliding. At rest stiction takes its place.
+    Friction(Torque<R>),
+    /// A torque with a memory of its own.
+    State(Memory<R>),
+    /// What the sensor makes of the angle.
+    Sensor(Sensor<R>),
+}
+
+/// An effect with an added state. It brings its own exact or implicit update, because a stiff one would diverge under
+/// the fixed Runge–Kutta step.
+#[derive(Clone, Copy)]
+pub struct Memory<R> {
+    /// The memory of a pendulum that was held still at this instant.
+    pub start: fn(&Motion<R>, &[R; MAX_VALUES]) -> [R; MEMORY],
+    /// Torque in N·m at an instant, given the memory of the last accepted step; acts at rest too.
+    pub torque: fn(&Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> R,
+    /// The memory after a step from the first instant to the second; the sliding direction did not change in between.
+    pub advance: fn(&Motion<R>, &Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> [R; MEMORY],
+}
+
+/// An effect on the measurement.
+#[derive(Clone, Copy)]
+pub struct Sensor<R> {
+    /// The memory on a pendulum that was held still at this instant.
+    pub start: fn(&Motion<R>, &[R; MAX_VALUES]) -> [R; MEMORY],
+    /// Takes the reading of what lies before it (the true angle for the first), gives its own, in rad.
+    pub read: fn(R, &Motion<R>, &mut [R; MEMORY], &[R; MAX_VALUES]) -> R,
+}
+
+/// A physical effect.
+#[derive(Clone, Copy)]
+pub struct Effect<R: 'static> {
+    /// Stored in flash, rig files and recordings; never reused.
+    pub id: u16,
+    /// kebab-case.
+    pub name: &'static str,
+    /// One sentence for a student.
+    pub summary: &'static str,
+    /// The law in the symbols of `parameters`.
+    pub formula: &'static str,
+    /// Where the law comes from.
+    pub source: &'static str,
+    /// The experiment that shows it best.
+    pub experiment: &'static str,
+    /// Its numbers, at most [`MAX_VALUES`].
+    pub parameters: &'static [Parameter],
+    /// Where and how it acts.
+    pub action: Action<R>,
+}
+
+impl<R: Real> Effect<R> {
+    /// Every effect there is.
+    pub const ALL: &'static [Effect<R>] = &[
+        viscous::effect(),
+        coulomb::effect(),
+        stiction::effect(),
+        quadratic_drag::effect(),
+        sensor_gain::effect(),
+        presliding::effect(),
+    ];
+
+    /// Index in [`Effect::ALL`] of the effect with this id.
+    pub fn index_of(id: u16) -> Option<usize> {
+        Self::ALL.iter().position(|effect| effect.id == id)
+    }
+
+    /// The effect with this id.
+    pub fn by_id(id: u16) -> Option<&'static Effect<R>> {
+        Self::index_of(id).map(|index| &Self::ALL[index])
+    }
+
+    /// The effect with this name.
+    pub fn by_name(name: &str) -> Option<&'static Effect<R>> {
+        Self::ALL.iter().find(|effect| effect.name == name)
+    }
+
+    /// Part of the base model (viscous, Coulomb, stiction)?
+    pub const fn is_base(&self) -> bool {
+        matches!(self.action, Action::Base)
+    }
+}
+
+/// Ids are unique, not reserved, and no effect has too many parameters: checked when the crate is compiled.
+const _: () = {
+    let all = Effect::<f64>::ALL;
+    let mut i = 0;
+    while i < all.len() {
+        assert!(all[i].id != CUSTOM_FORMULA_ID, "this id is reserved for custom formulas");
+        assert!(all[i].parameters.len() <= MAX_VALUES, "an effect has too many parameters");
+        let mut j = i + 1;
+        while j < all.len() {
+            assert!(all[i].id != all[j].id, "two effects share an id");
+            j += 1;
+        }
+        i += 1;
+    }
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_explains_itself() {
+        for effect in Effect::<f64>::ALL {
+            assert!(effect.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'));
+            for text in [effect.summary, effect.formula, effect.source, effect.experiment] {
+                assert!(text.len() > 5, "{}: a text is missing", effect.name);
+            }
+            for p in effect.parameters {
+                assert!(p.low < p.high && (p.low..=p.high).contains(&p.start), "{} {}", effect.name, p.symbol);
+            }
+        }
+    }
+
+    #[test]
+    fn names_find_their_effects_on_both_number_types() {
+        for effect in Effect::<f32>::ALL {
+            assert_eq!(Effect::<f64>::by_name(effect.name).unwrap().id, effect.id);
+            assert_eq!(Effect::<f64>::by_id(effect.id).unwrap().name, effect.name);
+        }
+    }
+}
+
+/// Calls an effect's function at one instant, for the tests of the effects.
+#[cfg(test)]
+pub(crate) mod tests_support {
+    use super::*;
+    use crate::motion::Pendulum;
+
+    fn motion(angle_rad: f64, velocity_rad_s: f64) -> Motion<f64> {
+        let pendulum = Pendulum { mass_kg: 0.15, length_m: 0.16, inertia_kg_m2: 2.7e-3, gravity_m_s2: 9.81 };
+        Motion { angle_rad, velocity_rad_s, direction: velocity_rad_s.sign(), time_s: 0.0, pendulum }
+    }
+
+    fn padded(values: &[f64]) -> [f64; MAX_VALUES] {
+        core::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0))
+    }
+
+    pub(crate) fn torque_at(effect: &Effect<f64>, angle_rad: f64, velocity_rad_s: f64, values: &[f64]) -> f64 {
+        let motion = motion(angle_rad, velocity_rad_s);
+        match effect.action {
+            Action::Drive(torque) | Action::Friction(torque) => torque(&motion, &padded(values)),
+            _ => panic!("{} has no torque of this instant alone", effect.name),
+        }
+    }
+
+    pub(crate) fn reading_at(effect: &Effect<f64>, angle_rad: f64, velocity_rad_s: f64, values: &[f64]) -> f64 {
+        let (motion, values) = (motion(angle_rad, velocity_rad_s), padded(values));
+        match effect.action {
+            Action::Sensor(sensor) => (sensor.read)(angle_rad, &motion, &mut (sensor.start)(&motion, &values), &values),
+            _ => panic!("{} is not a sensor effect", effect.name),
+        }
+    }
+}

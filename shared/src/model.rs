@@ -1,0 +1,402 @@
+//! The pendulum: sums the effects, applies the Karnopp rule, steps through time.
+//!
+//! (m·l² + I)·dω/dt = −m·g·l·sin θ − friction + added effects (paper, Eqs 1–3 and 14, physical sign).
+//!
+//! One step function serves board and PC. It is the fixed Runge–Kutta step, except that a step in which sliding
+//! begins or ends is cut at that instant; a plain 1 ms step would be 7e-4 rad off at Ms = 0.01 N·m and would chatter
+//! at DV = 0.
+
+use crate::effect::{Action, Effect, MAX_VALUES, MEMORY, Memory, Sensor, Torque, coulomb, viscous};
+use crate::karnopp::{Balance, Contact};
+use crate::motion::{Motion, Pendulum};
+use crate::parameters::{MAX_EFFECTS, Parameters, base};
+use crate::real::{Mask, Real};
+use crate::rk4::{self, Phase};
+use heapless::Vec;
+
+/// How many effects with a memory, of torque and of sensor each, a model may have.
+pub const MAX_MEMORIES: usize = 2;
+
+/// A step is cut at most this often; the rest of it is then taken without looking.
+const MAX_CUTS: usize = 6;
+
+/// Secant steps to where friction takes hold in the band.
+const HOLD_STEPS: usize = 4;
+
+/// An effect's function with its numbers.
+#[derive(Clone, Copy)]
+struct Term<F, R> {
+    law: F,
+    values: [R; MAX_VALUES],
+}
+
+/// A pendulum with everything that acts on it, ready to run.
+#[derive(Clone)]
+pub struct Model<R: 'static> {
+    pendulum: Pendulum<R>,
+    gravity_nm: R,
+    inverse_inertia: R,
+    viscous: R,
+    coulomb_nm: R,
+    stiction_nm: R,
+    velocity_band: R,
+    drives: Vec<Term<Torque<R>, R>, MAX_EFFECTS>,
+    frictions: Vec<Term<Torque<R>, R>, MAX_EFFECTS>,
+    memories: Vec<Term<Memory<R>, R>, MAX_MEMORIES>,
+    sensors: Vec<Term<Sensor<R>, R>, MAX_MEMORIES>,
+    /// Nothing beyond the base effects: the inner loop skips the lists.
+    plain: bool,
+}
+
+/// What the pendulum knows of itself between two steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State<R> {
+    /// θ in rad.
+    pub angle_rad: R,
+    /// ω in rad/s.
+    pub velocity_rad_s: R,
+    /// Seconds since the release.
+    pub time_s: R,
+    /// Sliding, in the band, or at rest.
+    pub contact: Contact<R>,
+    memories: [[R; MEMORY]; MAX_MEMORIES],
+}
+
+/// What the sensor effects remember between two readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorState<R>([[R; MEMORY]; MAX_MEMORIES]);
+
+/// The coefficients of the base model in the present contact: which of them act, divided by the inertia.
+#[derive(Clone, Copy)]
+struct Regime<R> {
+    gravity: R,
+    viscous: R,
+    dry: R,
+    contact: Contact<R>,
+}
+
+impl<R: Real> Model<R> {
+    /// Builds the model from parameters that passed [`Parameters::check`]; unknown effects are left out.
+    /// At most [`MAX_MEMORIES`] effects with a memory, and as many on the sensor, are taken.
+    pub fn new(parameters: &Parameters<R>) -> Self {
+        let value = |id, index: usize| parameters.values(id).and_then(|v| v.get(index)).copied().unwrap_or(R::zero());
+        let pendulum = parameters.pendulum;
+        let mut model = Self {
+            pendulum,
+            gravity_nm: pendulum.gravity_torque_nm(),
+            inverse_inertia: R::one() / pendulum.pivot_inertia_kg_m2(),
+            viscous: value(base::VISCOUS, 0),
+            coulomb_nm: value(base::COULOMB, 0),
+            stiction_nm: value(base::STICTION, 0),
+            velocity_band: value(base::STICTION, 1),
+            drives: Vec::new(),
+            frictions: Vec::new(),
+            memories: Vec::new(),
+            sensors: Vec::new(),
+            plain: true,
+        };
+        for present in &parameters.effects {
+            if let Some(effect) = Effect::<R>::by_id(present.id) {
+                model.add(effect, &present.values);
+            }
+        }
+        model.plain = model.drives.is_empty() && model.frictions.is_empty() && model.memories.is_empty();
+        model
+    }
+
+    fn add(&mut self, effect: &Effect<R>, values: &[R]) {
+        let values = core::array::from_fn(|i| values.get(i).copied().unwrap_or(R::zero()));
+        // The lists are as long as the parameter list may be; only the memories can run out, as documented.
+        let _ = match effect.action {
+            Action::Base => true,
+            Action::Drive(law) => self.drives.push(Term { law, values }).is_ok(),
+            Action::Friction(law) => self.frictions.push(Term { law, values }).is_ok(),
+            Action::State(law) => self.memories.push(Term { law, values }).is_ok(),
+            Action::Sensor(law) => self.sensors.push(Term { law, values }).is_ok(),
+        };
+    }
+
+    /// The pendulum's fixed quantities.
+    pub fn pendulum(&self) -> &Pendulum<R> {
+        &self.pendulum
+    }
+
+    /// Lets the pendulum go at an angle (rad) with a velocity (rad/s), time zero.
+    pub fn release(&self, angle_rad: R, velocity_rad_s: R) -> State<R> {
+        let time_s = R::zero();
+        let contact = Contact::sliding(R::zero());
+        let motion = self.motion(angle_rad, velocity_rad_s, R::zero(), time_s);
+        let mut memories = [[R::zero(); MEMORY]; MAX_MEMORIES];
+        for (memory, term) in memories.iter_mut().zip(&self.memories) {
+            *memory = (term.law.start)(&motion, &term.values);
+        }
+        let mut state = State { angle_rad, velocity_rad_s, time_s, contact, memories };
+        self.reconsider(&mut state);
+        state
+    }
+
+    /// Decides anew whether the pendulum slides or rests, after its state was changed from outside.
+    pub fn reconsider(&self, state: &mut State<R>) {
+        let velocity = state.velocity_rad_s;
+        let fast = self.velocity_band.le(velocity.abs()).and(R::zero().lt(velocity.abs()));
+        let slow = self.balance(state.angle_rad, velocity, state.time_s, &state.memories);
+        state.contact = Contact::select(fast, Contact::sliding(velocity.sign()), slow.contact());
+        state.velocity_rad_s = R::select(state.contact.is_resting(), R::zero(), velocity);
+    }
+
+    /// Advances by `dt_s` seconds.
+    #[inline]
+    pub fn step(&self, state: &mut State<R>, dt_s: R) {
+        let trial = self.trial(state, dt_s);
+        let onward = self.velocity_band.le(state.contact.slide * trial.velocity);
+        if state.contact.is_sliding().and(onward).all() {
+            self.accept(state, trial, dt_s);
+        } else {
+            self.step_in_pieces(state, dt_s);
+        }
+    }
+
+    /// A step in which sliding may begin or end: cut there as often as needed.
+    #[inline(never)]
+    fn step_in_pieces(&self, state: &mut State<R>, dt_s: R) {
+        let mut left_s = dt_s;
+        for _ in 0..MAX_CUTS {
+            left_s = self.step_to_change(state, left_s);
+            if !R::zero().lt(left_s).any() {
+                return;
+            }
+        }
+        self.accept(state, self.trial(state, left_s), left_s);
+    }
+
+    /// Steps until the contact changes, at most `dt_s`; gives what is left of it.
+    fn step_to_change(&self, state: &mut State<R>, dt_s: R) -> R {
+        let before = state.contact;
+        let trial = self.trial(state, dt_s);
+        let (sliding, in_band, resting) = (before.is_sliding(), before.is_in_band(), before.is_resting());
+
+        // What happens within this step, lane by lane.
+        let enters = sliding.and(self.velocity_band.le(before.slide * trial.velocity).not());
+        let leaves = in_band.and(self.velocity_band.lt(trial.velocity.abs()));
+        let excess = |angle, velocity, time| {
+            before.push * self.drive_nm(angle, velocity, time, &state.memories) - before.level_nm
+        };
+        let excess_end = excess(trial.angle, trial.velocity, state.time_s + dt_s);
+        let holds = in_band.and(leaves.not()).and(excess_end.lt(R::zero()));
+        let breaks =
+            resting.and(self.balance(state.angle_rad, R::zero(), state.time_s + dt_s, &state.memories).holds().not());
+
+        // When it happens, as a share of the step.
+        let regime = self.regime(&before);
+        let rise_start =
+            self.acceleration(&regime, state.angle_rad, state.velocity_rad_s, state.time_s, &state.memories);
+        let rise_end = self.acceleration(&regime, trial.angle, trial.velocity, state.time_s + dt_s, &state.memories);
+        let edge = R::select(sliding, before.slide, trial.velocity.sign()) * self.velocity_band;
+        let crosses = enters.or(leaves);
+        let share_cross =
+            rk4::share_until(state.velocity_rad_s, rise_start * dt_s, trial.velocity, rise_end * dt_s, edge);
+        let share_hold = self.share_until_held(state, trial, dt_s, excess);
+        let share_break = R::select(breaks, R::zero(), R::one());
+        let share = R::select(crosses, share_cross, R::select(holds, share_hold, share_break));
+
+        let reached = self.trial(state, share * dt_s);
+        let velocity = R::select(crosses, edge, reached.velocity);
+        self.accept(state, Phase { angle: reached.angle, velocity }, share * dt_s);
+
+        let settled = self.balance(state.angle_rad, velocity, state.time_s, &state.memories).contact();
+        let held = Contact { slide: R::zero(), push: R::zero(), level_nm: before.level_nm };
+        let kept = Contact::select(holds, held, before);
+        let outside = Contact::select(leaves, Contact::sliding(edge.sign()), kept);
+        state.contact = Contact::select(enters.or(breaks), settled, outside);
+        state.velocity_rad_s = R::select(state.contact.is_resting(), R::zero(), velocity);
+        (R::one() - share) * dt_s
+    }
+
+    /// The share of a step in the band at which the drive falls to what friction holds: secant steps along the cubic
+    /// through both ends.
+    fn share_until_held(&self, state: &State<R>, trial: Phase<R>, dt_s: R, excess: impl Fn(R, R, R) -> R) -> R {
+        let at = |share: R| {
+            let (v0, v1) = (state.velocity_rad_s * dt_s, trial.velocity * dt_s);
+            let change = trial.angle - state.angle_rad;
+            let c2 = R::of(3.0) * change - (v0 + v0) - v1;
+            let c3 = v0 + v1 - (change + change);
+            let angle = state.angle_rad + share * (v0 + share * (c2 + share * c3));
+            let velocity = state.velocity_rad_s + share * (trial.velocity - state.velocity_rad_s);
+            excess(angle, velocity, state.time_s + share * dt_s)
+        };
+        let (mut left, mut right) = (R::zero(), R::one());
+        let (mut excess_left, mut excess_right) = (at(left), at(right));
+        let mut share = R::zero();
+        for _ in 0..HOLD_STEPS {
+            share = left + (right - left) * excess_left / (excess_left - excess_right);
+            let here = at(share);
+            let still = R::zero().lt(here);
+            left = R::select(still, share, left);
+            excess_left = R::select(still, here, excess_left);
+            right = R::select(still, right, share);
+            excess_right = R::select(still, excess_right, here);
+        }
+        let inside = R::zero().le(share).and(share.le(R::one()));
+        R::select(inside, share, R::zero())
+    }
+
+    #[inline(always)]
+    fn trial(&self, state: &State<R>, dt_s: R) -> Phase<R> {
+        let regime = self.regime(&state.contact);
+        let start = Phase { angle: state.angle_rad, velocity: state.velocity_rad_s };
+        let acceleration = |angle, velocity, time| self.acceleration(&regime, angle, velocity, time, &state.memories);
+        rk4::step(acceleration, start, state.time_s, dt_s)
+    }
+
+    #[inline(always)]
+    fn accept(&self, state: &mut State<R>, reached: Phase<R>, dt_s: R) {
+        if !self.memories.is_empty() {
+            self.advance_memories(state, reached, dt_s);
+        }
+        state.angle_rad = reached.angle;
+        state.velocity_rad_s = reached.velocity;
+        state.time_s = state.time_s + dt_s;
+    }
+
+    #[inline(never)]
+    fn advance_memories(&self, state: &mut State<R>, reached: Phase<R>, dt_s: R) {
+        let direction = state.contact.slide;
+        let before = self.motion(state.angle_rad, state.velocity_rad_s, direction, state.time_s);
+        let after = self.motion(reached.angle, reached.velocity, direction, state.time_s + dt_s);
+        for (memory, term) in state.memories.iter_mut().zip(&self.memories) {
+            *memory = (term.law.advance)(&before, &after, memory, &term.values);
+        }
+    }
+
+    #[inline(always)]
+    fn regime(&self, contact: &Contact<R>) -> Regime<R> {
+        let sliding = contact.slide.abs();
+        let moving = sliding + contact.push.abs();
+        Regime {
+            gravity: moving * self.gravity_nm * self.inverse_inertia,
+            viscous: viscous::torque_nm(sliding, self.viscous) * self.inverse_inertia,
+            dry: (coulomb::torque_nm(contact.slide, self.coulomb_nm) - contact.push * contact.level_nm)
+                * self.inverse_inertia,
+            contact: *contact,
+        }
+    }
+
+    #[inline(always)]
+    fn acceleration(
+        &self,
+        regime: &Regime<R>,
+        angle: R,
+        velocity: R,
+        time: R,
+        memories: &[[R; MEMORY]; MAX_MEMORIES],
+    ) -> R {
+        let base = (regime.dry + regime.viscous * velocity) - regime.gravity * angle.sin();
+        if self.plain { base } else { base + self.added_acceleration(regime, angle, velocity, time, memories) }
+    }
+
+    #[inline(never)]
+    fn added_acceleration(
+        &self,
+        regime: &Regime<R>,
+        angle: R,
+        velocity: R,
+        time: R,
+        memories: &[[R; MEMORY]; MAX_MEMORIES],
+    ) -> R {
+        let contact = &regime.contact;
+        let motion = self.motion(angle, velocity, contact.slide, time);
+        let sliding = contact.slide.abs();
+        let moving = sliding + contact.push.abs();
+        let torque = moving * self.added_drive_nm(&motion, memories) + sliding * self.added_friction_nm(&motion);
+        torque * self.inverse_inertia
+    }
+
+    fn added_drive_nm(&self, motion: &Motion<R>, memories: &[[R; MEMORY]; MAX_MEMORIES]) -> R {
+        let of_state = self.memories.iter().zip(memories).map(|(term, m)| (term.law.torque)(motion, m, &term.values));
+        self.drives
+            .iter()
+            .map(|term| (term.law)(motion, &term.values))
+            .chain(of_state)
+            .fold(R::zero(), |sum, t| sum + t)
+    }
+
+    fn added_friction_nm(&self, motion: &Motion<R>) -> R {
+        self.frictions.iter().fold(R::zero(), |sum, term| sum + (term.law)(motion, &term.values))
+    }
+
+    /// Torque of everything that acts at rest too: gravity, springs, magnets, bristles.
+    fn drive_nm(&self, angle: R, velocity: R, time: R, memories: &[[R; MEMORY]; MAX_MEMORIES]) -> R {
+        let gravity = -self.gravity_nm * angle.sin();
+        if self.drives.is_empty() && self.memories.is_empty() {
+            return gravity;
+        }
+        gravity + self.added_drive_nm(&self.motion(angle, velocity, R::zero(), time), memories)
+    }
+
+    /// Torque of everything that opposes sliding in a direction (−1 or +1).
+    fn friction_nm(&self, angle: R, velocity: R, direction: R, time: R) -> R {
+        let base = viscous::torque_nm(velocity, self.viscous) + coulomb::torque_nm(direction, self.coulomb_nm);
+        if self.frictions.is_empty() {
+            return base;
+        }
+        base + self.added_friction_nm(&self.motion(angle, velocity, direction, time))
+    }
+
+    fn balance(&self, angle: R, velocity: R, time: R, memories: &[[R; MEMORY]; MAX_MEMORIES]) -> Balance<R> {
+        let edge = self.velocity_band;
+        Balance {
+            drive_nm: self.drive_nm(angle, velocity, time, memories),
+            hold_positive_nm: self.stiction_nm.max(-self.friction_nm(angle, edge, R::one(), time)),
+            hold_negative_nm: self.stiction_nm.max(self.friction_nm(angle, -edge, -R::one(), time)),
+            velocity_band: edge,
+        }
+    }
+
+    fn motion(&self, angle_rad: R, velocity_rad_s: R, direction: R, time_s: R) -> Motion<R> {
+        Motion { angle_rad, velocity_rad_s, direction, time_s, pendulum: self.pendulum }
+    }
+
+    fn motion_of(&self, state: &State<R>) -> Motion<R> {
+        self.motion(state.angle_rad, state.velocity_rad_s, state.contact.slide, state.time_s)
+    }
+
+    /// Kinetic and potential energy in J, zero hanging at rest; springs are not counted.
+    pub fn energy_j(&self, state: &State<R>) -> R {
+        let v = state.velocity_rad_s;
+        let kinetic = R::of(0.5) * v * v / self.inverse_inertia;
+        let half_sine = (R::of(0.5) * state.angle_rad).sin();
+        kinetic + self.gravity_nm * R::of(2.0) * half_sine * half_sine
+    }
+
+    /// Torque in N·m of friction and all added effects at present; what the bearing holds while at rest.
+    pub fn friction_torque_nm(&self, state: &State<R>) -> R {
+        let regime = self.regime(&state.contact);
+        let moving = self.acceleration(&regime, state.angle_rad, state.velocity_rad_s, state.time_s, &state.memories);
+        moving / self.inverse_inertia + self.gravity_nm * state.angle_rad.sin()
+    }
+
+    /// The sensor on a pendulum that is held still in this state.
+    pub fn sensor_at_rest(&self, state: &State<R>) -> SensorState<R> {
+        let motion = self.motion_of(state);
+        let mut memories = [[R::zero(); MEMORY]; MAX_MEMORIES];
+        for (memory, term) in memories.iter_mut().zip(&self.sensors) {
+            *memory = (term.law.start)(&motion, &term.values);
+        }
+        SensorState(memories)
+    }
+
+    /// What the sensor reads in this state, in rad. Call it at each sample in turn: some sensors remember.
+    pub fn read(&self, state: &State<R>, sensor: &mut SensorState<R>) -> R {
+        if self.sensors.is_empty() {
+            return state.angle_rad;
+        }
+        let motion = self.motion_of(state);
+        let chain = self.sensors.iter().zip(&mut sensor.0);
+        chain.fold(state.angle_rad, |reading, (term, memory)| (term.law.read)(reading, &motion, memory, &term.values))
+    }
+
+    /// Does the sensor read the angle as it is?
+    pub fn has_plain_sensor(&self) -> bool {
+        self.sensors.is_empty()
+    }
+}

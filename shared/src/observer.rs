@@ -1,0 +1,165 @@
+//! The observer: runs the model beside the pendulum, corrects it a little by each measurement, and tells how well the
+//! model still fits.
+//!
+//! Luenberger form with both poles at the bandwidth b: θ += 2·b·Δt·e, ω += b²·Δt·e, where the innovation e is the
+//! measured minus the predicted angle, neither of them filtered. Keep the bandwidth low, about 3 rad/s: at 100 rad/s
+//! right and wrong parameters give the same innovation.
+
+use crate::model::{Model, SensorState, State};
+use crate::parameters::Parameters;
+use crate::real::{Mask, Real};
+
+/// The innovation's running mean square forgets with this time constant.
+const FORGETTING_S: f64 = 2.0;
+
+/// What the observer says after a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate<R> {
+    /// θ in rad.
+    pub angle_rad: R,
+    /// ω in rad/s.
+    pub velocity_rad_s: R,
+    /// Friction and added effects, N·m.
+    pub friction_nm: R,
+    /// Measured minus predicted angle, rad.
+    pub innovation_rad: R,
+}
+
+/// A model that follows a measurement.
+#[derive(Clone)]
+pub struct Observer<R: 'static> {
+    model: Model<R>,
+    state: State<R>,
+    sensor: SensorState<R>,
+    bandwidth_rad_s: R,
+    mean_square: R,
+    started: bool,
+}
+
+impl<R: Real> Observer<R> {
+    /// Bandwidth in rad/s; zero lets the model run alone. It starts with the first measurement.
+    pub fn new(parameters: &Parameters<R>, bandwidth_rad_s: R) -> Self {
+        let model = Model::new(parameters);
+        let state = model.release(R::zero(), R::zero());
+        let sensor = model.sensor_at_rest(&state);
+        Self { model, state, sensor, bandwidth_rad_s, mean_square: R::zero(), started: false }
+    }
+
+    /// Other parameters, the same state: nothing jumps while the pendulum swings.
+    pub fn set_parameters(&mut self, parameters: &Parameters<R>) {
+        self.model = Model::new(parameters);
+        let mut fresh = self.model.release(self.state.angle_rad, self.state.velocity_rad_s);
+        fresh.time_s = self.state.time_s;
+        self.sensor = self.model.sensor_at_rest(&fresh);
+        self.state = fresh;
+    }
+
+    /// Bandwidth in rad/s.
+    pub fn set_bandwidth(&mut self, bandwidth_rad_s: R) {
+        self.bandwidth_rad_s = bandwidth_rad_s;
+    }
+
+    /// Starts anew at a known angle (rad) and velocity (rad/s), time zero.
+    pub fn start_at(&mut self, angle_rad: R, velocity_rad_s: R) {
+        self.state = self.model.release(angle_rad, velocity_rad_s);
+        self.sensor = self.model.sensor_at_rest(&self.state);
+        self.mean_square = R::zero();
+        self.started = true;
+    }
+
+    /// Takes a measured angle (rad), `dt_s` after the one before. The first one only sets the state.
+    pub fn on_measurement(&mut self, measured_rad: R, dt_s: R) -> Estimate<R> {
+        if !self.started {
+            self.start_at(measured_rad, R::zero());
+        } else {
+            self.model.step(&mut self.state, dt_s);
+        }
+        let innovation = measured_rad - self.model.read(&self.state, &mut self.sensor);
+        self.correct(innovation, dt_s);
+        let forget = (dt_s * R::of(1.0 / FORGETTING_S)).min(R::one());
+        self.mean_square = self.mean_square + forget * (innovation * innovation - self.mean_square);
+        self.estimate(innovation)
+    }
+
+    /// Lets `dt_s` pass without a usable measurement.
+    pub fn on_gap(&mut self, dt_s: R) -> Estimate<R> {
+        if self.started {
+            self.model.step(&mut self.state, dt_s);
+        }
+        self.estimate(R::zero())
+    }
+
+    fn correct(&mut self, innovation: R, dt_s: R) {
+        let b = self.bandwidth_rad_s;
+        if !R::zero().lt(b).any() {
+            return;
+        }
+        self.state.angle_rad = self.state.angle_rad + R::of(2.0) * b * dt_s * innovation;
+        self.state.velocity_rad_s = self.state.velocity_rad_s + b * b * dt_s * innovation;
+        self.model.reconsider(&mut self.state);
+    }
+
+    fn estimate(&self, innovation_rad: R) -> Estimate<R> {
+        Estimate {
+            angle_rad: self.state.angle_rad,
+            velocity_rad_s: self.state.velocity_rad_s,
+            friction_nm: self.model.friction_torque_nm(&self.state),
+            innovation_rad,
+        }
+    }
+
+    /// Root mean square of the innovation over the last few seconds, rad: near the noise, the model fits.
+    pub fn innovation_rms_rad(&self) -> R {
+        self.mean_square.max(R::zero()).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT_S: f64 = 1e-3;
+
+    /// Innovation over the last 8 of 10 s of a swing of `truth`, observed with `assumed`.
+    fn innovation_rms(truth: &Parameters<f64>, assumed: &Parameters<f64>, bandwidth_rad_s: f64) -> f64 {
+        let plant = Model::new(truth);
+        let mut swing = plant.release(1.0, 0.0);
+        let mut observer = Observer::new(assumed, bandwidth_rad_s);
+        let mut sum = 0.0;
+        for i in 0..10_000 {
+            let estimate = observer.on_measurement(swing.angle_rad, DT_S);
+            sum += if i >= 2000 { estimate.innovation_rad * estimate.innovation_rad } else { 0.0 };
+            plant.step(&mut swing, DT_S);
+        }
+        libm::sqrt(sum / 8000.0)
+    }
+
+    #[test]
+    fn the_right_model_leaves_no_innovation() {
+        let truth = Parameters::paper();
+        assert!(innovation_rms(&truth, &truth, 3.0) < 1e-12);
+    }
+
+    #[test]
+    fn a_wrong_model_shows_at_low_bandwidth_and_hides_at_high() {
+        let truth = Parameters::paper();
+        let mut wrong = truth.clone();
+        wrong.pendulum.inertia_kg_m2 *= 1.05;
+        let (low, high) = (innovation_rms(&truth, &wrong, 3.0), innovation_rms(&truth, &wrong, 100.0));
+        assert!(low > 5e-3 && high < 0.1 * low, "{low} {high}");
+    }
+
+    #[test]
+    fn without_bandwidth_it_is_the_model_alone() {
+        let truth = Parameters::paper();
+        let mut observer = Observer::new(&truth, 0.0);
+        observer.start_at(1.0, 0.0);
+        let model = Model::new(&truth);
+        let mut state = model.release(1.0, 0.0);
+        for _ in 0..1000 {
+            let estimate = observer.on_measurement(0.3, DT_S);
+            model.step(&mut state, DT_S);
+            assert_eq!(estimate.angle_rad, state.angle_rad);
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! The numbers of a model: the pendulum and a bounded list of (effect id, values), as they stand in flash, in
+//! messages and in `rig.toml`.
+
+use crate::effect::{Effect, MAX_VALUES};
+use crate::motion::Pendulum;
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// The most effects a model may have, the base effects included.
+pub const MAX_EFFECTS: usize = 10;
+
+/// A value this many times above the usual range of its parameter is refused as a mistake of units.
+const ABSURD: f64 = 1000.0;
+
+/// One effect's numbers, in the order of its parameter list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EffectValues<R> {
+    /// The effect's id.
+    pub id: u16,
+    /// As many as the effect has parameters.
+    pub values: Vec<R, MAX_VALUES>,
+}
+
+/// The pendulum and everything that acts on it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Parameters<R> {
+    /// Geometry and inertia.
+    pub pendulum: Pendulum<R>,
+    /// Present effects; one that is not listed does not act.
+    pub effects: Vec<EffectValues<R>, MAX_EFFECTS>,
+}
+
+/// What is wrong with a set of parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ParameterError {
+    /// Mass, length or gravity not positive, inertia negative, or one of them not a number: which, by position.
+    Pendulum {
+        /// 0 mass, 1 length, 2 inertia, 3 gravity.
+        index: u8,
+    },
+    /// This firmware or program has no effect with the id.
+    UnknownEffect {
+        /// The unknown id.
+        id: u16,
+    },
+    /// An effect came with too few or too many values.
+    WrongCount {
+        /// The effect.
+        id: u16,
+        /// How many it has.
+        expected: u8,
+        /// How many came.
+        got: u8,
+    },
+    /// A value is not a number or outside its range.
+    OutOfRange {
+        /// The effect.
+        id: u16,
+        /// Which of its parameters.
+        index: u8,
+    },
+    /// An effect is listed twice.
+    Twice {
+        /// The effect.
+        id: u16,
+    },
+    /// More effects than [`MAX_EFFECTS`].
+    TooMany,
+}
+
+impl core::fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let name = |id| Effect::<f64>::by_id(id).map_or("?", |effect| effect.name);
+        match *self {
+            Self::Pendulum { index } => {
+                let what = ["mass", "length", "inertia", "gravity"].get(usize::from(index)).copied().unwrap_or("?");
+                write!(f, "the pendulum's {what} is not a positive number")
+            }
+            Self::UnknownEffect { id } => write!(f, "there is no effect with the id {id} here; is the firmware older?"),
+            Self::WrongCount { id, expected, got } => {
+                write!(f, "effect {} takes {expected} values, not {got}", name(id))
+            }
+            Self::OutOfRange { id, index } => {
+                let parameter = Effect::<f64>::by_id(id).and_then(|effect| effect.parameters.get(usize::from(index)));
+                match parameter {
+                    Some(p) => {
+                        write!(f, "{} of effect {} is outside {} … {} {}", p.symbol, name(id), p.low, p.high, p.unit)
+                    }
+                    None => write!(f, "a value of effect {} is outside its range", name(id)),
+                }
+            }
+            Self::Twice { id } => write!(f, "effect {} is listed twice", name(id)),
+            Self::TooMany => write!(f, "a model has at most {MAX_EFFECTS} effects"),
+        }
+    }
+}
+
+impl core::error::Error for ParameterError {}
+
+impl<R: Copy> Parameters<R> {
+    /// A pendulum on which nothing acts but gravity.
+    pub fn frictionless(pendulum: Pendulum<R>) -> Self {
+        Self { pendulum, effects: Vec::new() }
+    }
+
+    /// The values of an effect, if it is present.
+    pub fn values(&self, id: u16) -> Option<&[R]> {
+        self.effects.iter().find(|effect| effect.id == id).map(|effect| effect.values.as_slice())
+    }
+
+    /// Sets an effect's values, adding it if absent.
+    pub fn set(&mut self, id: u16, values: &[R]) -> Result<(), ParameterError> {
+        let too_long = ParameterError::WrongCount { id, expected: MAX_VALUES as u8, got: values.len().min(255) as u8 };
+        let values = Vec::from_slice(values).map_err(|_| too_long)?;
+        match self.effects.iter_mut().find(|effect| effect.id == id) {
+            Some(effect) => effect.values = values,
+            None => self.effects.push(EffectValues { id, values }).map_err(|_| ParameterError::TooMany)?,
+        }
+        Ok(())
+    }
+
+    /// Takes an effect out.
+    pub fn remove(&mut self, id: u16) {
+        self.effects.retain(|effect| effect.id != id);
+    }
+
+    /// The same numbers in another type.
+    pub fn map<S: Copy>(&self, convert: impl Fn(R) -> S) -> Parameters<S> {
+        let p = &self.pendulum;
+        let pendulum = Pendulum {
+            mass_kg: convert(p.mass_kg),
+            length_m: convert(p.length_m),
+            inertia_kg_m2: convert(p.inertia_kg_m2),
+            gravity_m_s2: convert(p.gravity_m_s2),
+        };
+        let convert_effect = |effect: &EffectValues<R>| EffectValues {
+            id: effect.id,
+            values: effect.values.iter().map(|value| convert(*value)).collect(),
+        };
+        Parameters { pendulum, effects: self.effects.iter().map(convert_effect).collect() }
+    }
+}
+
+impl<R: Copy + Into<f64>> Parameters<R> {
+    /// Checks everything that a model relies on; behind this point nothing can fail.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        self.check_pendulum()?;
+        for (position, effect) in self.effects.iter().enumerate() {
+            if self.effects[..position].iter().any(|earlier| earlier.id == effect.id) {
+                return Err(ParameterError::Twice { id: effect.id });
+            }
+            check_effect(effect)?;
+        }
+        Ok(())
+    }
+
+    fn check_pendulum(&self) -> Result<(), ParameterError> {
+        let p = &self.pendulum;
+        let positive = |value: R| value.into().is_finite() && value.into() > 0.0;
+        let inertia = p.inertia_kg_m2.into();
+        let good = [
+            positive(p.mass_kg),
+            positive(p.length_m),
+            inertia.is_finite() && inertia >= 0.0,
+            positive(p.gravity_m_s2),
+        ];
+        match good.iter().position(|good| !good) {
+            Some(index) => Err(ParameterError::Pendulum { index: index as u8 }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn check_effect<R: Copy + Into<f64>>(effect: &EffectValues<R>) -> Result<(), ParameterError> {
+    let id = effect.id;
+    let known = Effect::<f64>::by_id(id).ok_or(ParameterError::UnknownEffect { id })?;
+    if known.parameters.len() != effect.values.len() {
+        let (expected, got) = (known.parameters.len() as u8, effect.values.len() as u8);
+        return Err(ParameterError::WrongCount { id, expected, got });
+    }
+    for (index, (parameter, value)) in known.parameters.iter().zip(&effect.values).enumerate() {
+        let value: f64 = (*value).into();
+        let low = if parameter.low < 0.0 { parameter.low * ABSURD } else { f64::from(parameter.low as f32) };
+        // Not a number fails the comparison and is refused as well.
+        if !(low..=parameter.high * ABSURD).contains(&value) {
+            return Err(ParameterError::OutOfRange { id, index: index as u8 });
+        }
+    }
+    Ok(())
+}
+
+/// The ids of the base effects, by the name the paper gives their numbers.
+pub mod base {
+    /// Viscous friction: Mw.
+    pub const VISCOUS: u16 = 1;
+    /// Coulomb friction: Mc.
+    pub const COULOMB: u16 = 2;
+    /// Stiction: Ms and DV.
+    pub const STICTION: u16 = 3;
+}
+
+impl Parameters<f64> {
+    /// The paper's model at the optimum of its third design (Tables 1 and 9).
+    pub fn paper() -> Self {
+        let pendulum = Pendulum {
+            mass_kg: 0.146_608_4,
+            length_m: 0.156_217_7,
+            inertia_kg_m2: 0.002_706_768_718,
+            gravity_m_s2: 9.81,
+        };
+        let mut parameters = Self::frictionless(pendulum);
+        parameters.set_friction(0.000_540_104_134, 0.000_712_350_307, 0.001, 0.055);
+        parameters
+    }
+
+    /// Sets the base effects: Mw in N·m·s/rad, Mc and Ms in N·m, DV in rad/s.
+    pub fn set_friction(&mut self, viscous: f64, coulomb: f64, stiction: f64, velocity_band: f64) {
+        let entries: [(u16, &[f64]); 3] =
+            [(base::VISCOUS, &[viscous]), (base::COULOMB, &[coulomb]), (base::STICTION, &[stiction, velocity_band])];
+        for (id, values) in entries {
+            self.effects.retain(|effect| effect.id != id);
+            let values = values.iter().copied().collect();
+            // The three base effects are part of the bound on the list.
+            let _ = self.effects.push(EffectValues { id, values });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_papers_parameters_are_accepted() {
+        assert_eq!(Parameters::paper().check(), Ok(()));
+        assert_eq!(Parameters::paper().map(|v| v as f32).check(), Ok(()));
+    }
+
+    #[test]
+    fn bad_numbers_are_named() {
+        let mut p = Parameters::paper();
+        p.pendulum.mass_kg = -1.0;
+        assert_eq!(p.check(), Err(ParameterError::Pendulum { index: 0 }));
+
+        let check_with = |id: u16, values: &[f64]| {
+            let mut p = Parameters::paper();
+            p.set(id, values).unwrap();
+            p.check()
+        };
+        assert_eq!(check_with(1, &[f64::NAN]), Err(ParameterError::OutOfRange { id: 1, index: 0 }));
+        assert_eq!(check_with(3, &[1e-3, -0.1]), Err(ParameterError::OutOfRange { id: 3, index: 1 }));
+        assert_eq!(check_with(3, &[1e-3]), Err(ParameterError::WrongCount { id: 3, expected: 2, got: 1 }));
+        assert_eq!(check_with(999, &[1.0]), Err(ParameterError::UnknownEffect { id: 999 }));
+    }
+
+    #[test]
+    fn an_effect_listed_twice_is_refused() {
+        let mut p = Parameters::paper();
+        p.effects.push(p.effects[0].clone()).unwrap();
+        assert_eq!(p.check(), Err(ParameterError::Twice { id: p.effects[0].id }));
+    }
+}

@@ -1,0 +1,93 @@
+//! The servo potentiometer: converter code to angle, and what a broken wire looks like.
+//!
+//! Vishay Spectrol 157 data sheet: electrical angle 340° ± 4°, linearity ± 2 %, end voltage at most 0.5 %.
+
+use crate::units::{Code, Radian};
+use serde::{Deserialize, Serialize};
+
+/// Electrical travel of the Vishay 157 in radians (340°).
+pub const ELECTRICAL_TRAVEL_RAD: f32 = 340.0 * core::f32::consts::PI / 180.0;
+
+/// Full scale of the plain 12-bit converter.
+pub const FULL_SCALE_12_BIT: u16 = 4095;
+
+/// Readings this close to an end (as a share of full scale) are the dead zone, an end stop or a broken wire.
+const END_SHARE: f32 = 0.004;
+
+/// Calibration of the potentiometer: angle = (code − zero) · gain.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Potentiometer {
+    /// The code (with a fraction, from averaging) at which the pendulum hangs at rest.
+    pub zero_code: f32,
+    /// Angle per code in radians; negative if the wiper turns the other way.
+    pub radian_per_code: f32,
+    /// The largest code of the converter, oversampling included.
+    pub full_scale: u16,
+}
+
+impl Potentiometer {
+    /// The data sheet's potentiometer on a converter with the given full scale, hanging pendulum in mid-travel.
+    pub const fn nominal(full_scale: u16) -> Self {
+        let steps = full_scale as f32 + 1.0;
+        Self { zero_code: steps / 2.0, radian_per_code: ELECTRICAL_TRAVEL_RAD / steps, full_scale }
+    }
+
+    /// The angle that a code means.
+    pub fn angle(&self, code: Code) -> Radian {
+        Radian((f32::from(code.0) - self.zero_code) * self.radian_per_code)
+    }
+
+    /// The nearest code to an angle, held at the converter's ends.
+    pub fn code(&self, angle: Radian) -> Code {
+        let exact = angle.0 / self.radian_per_code + self.zero_code;
+        Code(libm::roundf(exact).clamp(0.0, f32::from(self.full_scale)) as u16)
+    }
+
+    /// False near the ends of the travel, where the wiper has left the track or a wire is broken.
+    pub fn is_connected(&self, code: Code) -> bool {
+        let margin = END_SHARE * f32::from(self.full_scale);
+        let code = f32::from(code.0);
+        code > margin && code < f32::from(self.full_scale) - margin
+    }
+
+    /// Is this a calibration to compute with? Gain finite and not zero, zero within the converter's range.
+    pub fn is_valid(&self) -> bool {
+        self.radian_per_code.is_finite()
+            && self.radian_per_code != 0.0
+            && (0.0..=f32::from(self.full_scale)).contains(&self.zero_code)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_comes_back_from_its_angle() {
+        let pot = Potentiometer::nominal(FULL_SCALE_12_BIT);
+        for code in 0..=FULL_SCALE_12_BIT {
+            assert_eq!(pot.code(pot.angle(Code(code))), Code(code));
+        }
+    }
+
+    #[test]
+    fn the_travel_is_340_degrees() {
+        let pot = Potentiometer::nominal(FULL_SCALE_12_BIT);
+        let travel = pot.angle(Code(4095)).0 - pot.angle(Code(0)).0;
+        assert!((travel.to_degrees() - 340.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn the_ends_count_as_disconnected() {
+        let pot = Potentiometer::nominal(FULL_SCALE_12_BIT);
+        assert!(!pot.is_connected(Code(0)) && !pot.is_connected(Code(4095)));
+        assert!(pot.is_connected(Code(2048)));
+    }
+
+    #[test]
+    fn angles_beyond_the_track_stay_on_the_converter() {
+        let pot = Potentiometer::nominal(FULL_SCALE_12_BIT);
+        assert_eq!(pot.code(Radian(10.0)), Code(4095));
+        assert_eq!(pot.code(Radian(-10.0)), Code(0));
+    }
+}

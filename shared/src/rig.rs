@@ -1,0 +1,598 @@
+//! The application on the board, without input, output or clock: codes in, frames out, commands in, answers out.
+//!
+//! Firmware, simulated rig and tests run this same code. What needs the board (flash, sampling rate, reset) comes out
+//! as a [`Request`]; the board carries it out and reports back with [`Rig::finished`].
+
+use crate::filter::{Butterworth, FilterState};
+use crate::observer::{Estimate, Observer};
+use crate::parameters::Parameters;
+use crate::potentiometer::Potentiometer;
+use crate::units::{Code, Radian};
+use crate::wire::{
+    Answer, Command, Frame, Health, Hello, Live, PROTOCOL, Point, Refusal, Samples, Settings, Statistics, StoreState,
+    Stream, status,
+};
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Version of [`Stored`] in flash.
+const STORED_VERSION: u16 = 1;
+
+/// The longest encoded [`Stored`].
+pub const MAX_STORED: usize = 320;
+
+/// For calibration: codes are averaged with this time constant.
+const AVERAGING_S: f32 = 0.25;
+
+/// The pendulum counts as still while its codes spread less than this share of full scale (about 2.5 codes of 4096).
+const STILL_SPREAD: f32 = 6e-4;
+
+/// A gain further than this factor from the data sheet's is a mistake.
+const GAIN_FACTOR: f32 = 2.0;
+
+/// Least distance from zero, rad by the nominal gain, at which a gain can be calibrated.
+const LEAST_GAIN_ANGLE_RAD: f32 = 0.2;
+
+/// What survives a power cut.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stored {
+    /// Model.
+    pub parameters: Parameters<f32>,
+    /// Settings and calibration.
+    pub settings: Settings,
+}
+
+impl Stored {
+    /// Bytes for flash, a version before the content; the flash store adds its own check sum.
+    pub fn encode<'b>(&self, buffer: &'b mut [u8; MAX_STORED]) -> Option<&'b [u8]> {
+        postcard::to_slice(&(STORED_VERSION, self), buffer).ok().map(|bytes| &*bytes)
+    }
+
+    /// Reads what [`Stored::encode`] wrote; content that does not fit this build is refused with its reason.
+    pub fn decode(bytes: &[u8]) -> Result<Self, StoreState> {
+        let (version, rest) = postcard::take_from_bytes::<u16>(bytes).map_err(|_| StoreState::Damaged)?;
+        if version != STORED_VERSION {
+            return Err(StoreState::OtherVersion);
+        }
+        let stored: Self = postcard::from_bytes(rest).map_err(|_| StoreState::Damaged)?;
+        let sound = stored.parameters.check().is_ok() && check_settings(&stored.settings).is_ok();
+        if sound { Ok(stored) } else { Err(StoreState::Damaged) }
+    }
+}
+
+/// What the rig asks of its board.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// Write this to flash and read it back.
+    Save(Stored),
+    /// Read flash.
+    Load,
+    /// Sample at this rate from now on.
+    SetRate(f32),
+    /// Restart.
+    Reset,
+    /// Restart into the chip's bootloader.
+    Bootloader,
+}
+
+/// How a [`Request`] ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Finished {
+    /// As asked.
+    Done,
+    /// Flash held this.
+    Loaded(Stored),
+    /// Not done.
+    Failed(Refusal),
+}
+
+/// What a received frame leads to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// Send this.
+    Send(Frame),
+    /// Send this, then do that.
+    SendThenDo(Frame, Request),
+    /// Do that, then send what [`Rig::finished`] gives for the number.
+    Do(u16, Request),
+    /// Nothing to do.
+    Nothing,
+}
+
+/// The pendulum rig.
+pub struct Rig {
+    hello: Hello,
+    defaults: Stored,
+    parameters: Parameters<f32>,
+    settings: Settings,
+    filter: Butterworth<f32>,
+    filter_state: Option<FilterState<f32>>,
+    observer: Observer<f32>,
+    stream: Option<Stream>,
+    raw: Samples,
+    live: Live,
+    until_point: u16,
+    next_sample: u64,
+    mean_code: f32,
+    mean_square_code: f32,
+    refused_protocol: Option<u16>,
+    statistics: Statistics,
+}
+
+impl Rig {
+    /// A rig called `name` with what its flash held. `full_scale` is its converter's largest code.
+    pub fn new(name: &str, full_scale: u16, stored: Result<Stored, StoreState>) -> Self {
+        let defaults = Stored { parameters: default_parameters(), settings: default_settings(full_scale) };
+        let (store, in_use) = match stored {
+            Ok(stored) => (StoreState::Loaded, stored),
+            Err(reason) => (reason, defaults.clone()),
+        };
+        let statistics = Statistics { health: Health { store, ..Health::default() }, ..Statistics::default() };
+        let observer = Observer::new(&in_use.parameters, in_use.settings.bandwidth_rad_s);
+        let mut rig = Self {
+            hello: Hello::new(name),
+            defaults,
+            parameters: in_use.parameters.clone(),
+            settings: in_use.settings,
+            filter: filter_of(&default_settings(full_scale)),
+            filter_state: None,
+            observer,
+            stream: None,
+            raw: empty_samples(),
+            live: empty_live(),
+            until_point: 0,
+            next_sample: 0,
+            mean_code: 0.0,
+            mean_square_code: 0.0,
+            refused_protocol: None,
+            statistics,
+        };
+        rig.use_settings(in_use.settings);
+        rig
+    }
+
+    /// Settings and calibration in use.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Parameters in use.
+    pub fn parameters(&self) -> &Parameters<f32> {
+        &self.parameters
+    }
+
+    /// The counters that only the board can fill.
+    pub fn health(&mut self) -> &mut Health {
+        &mut self.statistics.health
+    }
+
+    /// Makes the sample counter start elsewhere, to test its limits.
+    pub fn start_counting_at(&mut self, sample: u64) {
+        self.next_sample = sample;
+    }
+
+    // --- samples ---
+
+    /// Takes the next code; `send` is called with each frame that is complete.
+    pub fn on_sample(&mut self, code: Code, mut send: impl FnMut(Frame)) {
+        let sample = self.next_sample;
+        self.next_sample = sample.wrapping_add(1);
+        self.statistics.samples += 1;
+        self.average(code);
+
+        let connected = self.settings.potentiometer.is_connected(code);
+        let dt_s = 1.0 / self.settings.rate_hz;
+        let (filtered_rad, estimate) = if connected { self.observe(code, dt_s) } else { self.coast(dt_s) };
+        if !connected {
+            self.statistics.disconnected += 1;
+            self.raw.status |= status::DISCONNECTED;
+            self.live.status |= status::DISCONNECTED;
+        }
+
+        let Some(stream) = self.stream else { return };
+        if stream.raw {
+            self.add_code(sample, code, &mut send);
+        }
+        if stream.live_every > 0 {
+            self.add_point(sample, stream.live_every, filtered_rad, estimate, &mut send);
+        }
+    }
+
+    /// Accounts for samples that the converter could not deliver: time goes on without them.
+    pub fn on_samples_lost(&mut self, count: u32, by_overrun: bool) {
+        let counter = if by_overrun { &mut self.statistics.overruns } else { &mut self.statistics.paused };
+        *counter = counter.saturating_add(count);
+        self.next_sample = self.next_sample.wrapping_add(u64::from(count));
+        // A frame holds samples without a gap, so what was begun is lost with them.
+        self.raw = Samples { status: self.raw.status | status::SAMPLES_LOST, codes: Vec::new(), ..self.raw };
+        self.live = Live { status: self.live.status | status::SAMPLES_LOST, points: Vec::new(), ..self.live };
+        self.until_point = 0;
+        self.observer.on_gap(count as f32 / self.settings.rate_hz);
+    }
+
+    /// Accounts for a frame that the link did not take.
+    pub fn on_frame_dropped(&mut self) {
+        self.statistics.dropped_frames = self.statistics.dropped_frames.saturating_add(1);
+        self.raw.status |= status::FRAMES_DROPPED;
+        self.live.status |= status::FRAMES_DROPPED;
+    }
+
+    /// Accounts for received bytes that were no frame.
+    pub fn on_bad_frame(&mut self) {
+        self.statistics.bad_frames = self.statistics.bad_frames.saturating_add(1);
+    }
+
+    fn observe(&mut self, code: Code, dt_s: f32) -> (f32, Estimate<f32>) {
+        let Radian(angle_rad) = self.settings.potentiometer.angle(code);
+        let filter_state = self.filter_state.get_or_insert(FilterState::settled_at(angle_rad));
+        (filter_state.step(&self.filter, angle_rad), self.observer.on_measurement(angle_rad, dt_s))
+    }
+
+    /// Without a usable measurement the model goes on alone.
+    fn coast(&mut self, dt_s: f32) -> (f32, Estimate<f32>) {
+        let estimate = self.observer.on_gap(dt_s);
+        (estimate.angle_rad, estimate)
+    }
+
+    fn average(&mut self, code: Code) {
+        let share = 1.0 / (AVERAGING_S * self.settings.rate_hz);
+        let deviation = f32::from(code.0) - self.mean_code;
+        self.mean_code += share * deviation;
+        self.mean_square_code += share * (deviation * deviation - self.mean_square_code);
+    }
+
+    fn add_code(&mut self, sample: u64, code: Code, send: &mut impl FnMut(Frame)) {
+        if self.raw.codes.is_empty() {
+            self.raw.first_sample = sample;
+        }
+        // A full frame is sent and emptied at once, so there is always room.
+        let _ = self.raw.codes.push(code.0);
+        if self.raw.codes.is_full() {
+            let sequence = self.raw.sequence.wrapping_add(1);
+            let fresh = Samples { sequence, ..empty_samples() };
+            send(Frame::Samples(core::mem::replace(&mut self.raw, fresh)));
+        }
+    }
+
+    fn add_point(
+        &mut self,
+        sample: u64,
+        every: u16,
+        filtered_rad: f32,
+        estimate: Estimate<f32>,
+        send: &mut impl FnMut(Frame),
+    ) {
+        if self.until_point > 0 {
+            self.until_point -= 1;
+            return;
+        }
+        self.until_point = every - 1;
+        if self.live.points.is_empty() {
+            self.live.first_sample = sample;
+        }
+        let _ = self.live.points.push(Point {
+            filtered_rad,
+            angle_rad: estimate.angle_rad,
+            velocity_rad_s: estimate.velocity_rad_s,
+            innovation_rad: estimate.innovation_rad,
+            friction_nm: estimate.friction_nm,
+        });
+        if self.live.points.is_full() {
+            let sequence = self.live.sequence.wrapping_add(1);
+            let fresh = Live { sequence, every, ..empty_live() };
+            send(Frame::Live(core::mem::replace(&mut self.live, fresh)));
+        }
+    }
+
+    // --- commands ---
+
+    /// Takes a received frame.
+    pub fn on_frame(&mut self, frame: Frame) -> Outcome {
+        match frame {
+            Frame::Hello(hello) => {
+                self.refused_protocol = (hello.protocol != PROTOCOL).then_some(hello.protocol);
+                // A new session starts quiet, whatever the one before left running.
+                self.stream = None;
+                Outcome::Send(Frame::Hello(self.hello.clone()))
+            }
+            Frame::Command(number, command) => match self.refused_protocol {
+                Some(host) => refuse(number, Refusal::Protocol { host, rig: PROTOCOL }),
+                None => self.on_command(number, command),
+            },
+            Frame::CustomFormula(_) => refuse(0, Refusal::NotHere),
+            Frame::Answer(..) | Frame::Samples(_) | Frame::Live(_) => Outcome::Nothing,
+        }
+    }
+
+    fn on_command(&mut self, number: u16, command: Command) -> Outcome {
+        let done = Outcome::Send(Frame::Answer(number, Answer::Done));
+        match command {
+            Command::Start(stream) => {
+                self.start(stream);
+                done
+            }
+            Command::Stop => {
+                self.stream = None;
+                done
+            }
+            Command::GetParameters => answer(number, Answer::Parameters(self.parameters.clone())),
+            Command::SetParameters(parameters) => match parameters.check() {
+                Ok(()) => {
+                    self.use_parameters(parameters);
+                    done
+                }
+                Err(error) => refuse(number, Refusal::Parameters(error)),
+            },
+            Command::GetSettings => answer(number, Answer::Settings(self.settings)),
+            Command::SetSettings(settings) => self.set_settings(number, settings),
+            Command::Save => {
+                let stored = Stored { parameters: self.parameters.clone(), settings: self.settings };
+                Outcome::Do(number, Request::Save(stored))
+            }
+            Command::Load => Outcome::Do(number, Request::Load),
+            Command::Defaults => {
+                let defaults = self.defaults.clone();
+                self.use_parameters(defaults.parameters);
+                self.set_settings(number, defaults.settings)
+            }
+            Command::ZeroHere => self.calibrate(number, |rig| Ok(rig.zero_here())),
+            Command::CalibrateGain(angle) => self.calibrate(number, |rig| rig.gain_at(angle)),
+            Command::Statistics => answer(number, Answer::Statistics(self.statistics_now())),
+            Command::Reset => Outcome::SendThenDo(Frame::Answer(number, Answer::Done), Request::Reset),
+            Command::Bootloader => Outcome::SendThenDo(Frame::Answer(number, Answer::Done), Request::Bootloader),
+        }
+    }
+
+    /// The answer to the command `number`, once the board has carried out its request.
+    pub fn finished(&mut self, number: u16, finished: Finished) -> Frame {
+        let answer = match finished {
+            Finished::Done => Answer::Done,
+            Finished::Failed(refusal) => Answer::Refused(refusal),
+            Finished::Loaded(stored) => {
+                self.use_parameters(stored.parameters);
+                self.use_settings(stored.settings);
+                Answer::Done
+            }
+        };
+        Frame::Answer(number, answer)
+    }
+
+    fn start(&mut self, stream: Stream) {
+        self.raw = empty_samples();
+        self.live = Live { every: stream.live_every, ..empty_live() };
+        self.until_point = 0;
+        self.stream = Some(stream);
+    }
+
+    fn use_parameters(&mut self, parameters: Parameters<f32>) {
+        self.observer.set_parameters(&parameters);
+        self.parameters = parameters;
+    }
+
+    fn set_settings(&mut self, number: u16, settings: Settings) -> Outcome {
+        if let Err(index) = check_settings(&settings) {
+            return refuse(number, Refusal::Setting { index });
+        }
+        let new_rate = settings.rate_hz != self.settings.rate_hz;
+        self.use_settings(settings);
+        if new_rate { Outcome::Do(number, Request::SetRate(settings.rate_hz)) } else { answer(number, Answer::Done) }
+    }
+
+    fn use_settings(&mut self, settings: Settings) {
+        self.filter = filter_of(&settings);
+        self.filter_state = None;
+        self.observer.set_bandwidth(settings.bandwidth_rad_s);
+        self.settings = settings;
+    }
+
+    fn calibrate(&mut self, number: u16, compute: impl FnOnce(&Self) -> Result<Potentiometer, Refusal>) -> Outcome {
+        let spread = STILL_SPREAD * f32::from(self.settings.potentiometer.full_scale);
+        let still = self.mean_square_code < spread * spread;
+        let computed = if !still { Err(Refusal::NotStill) } else { compute(self) };
+        match computed {
+            Err(refusal) => refuse(number, refusal),
+            Ok(potentiometer) => self.set_settings(number, Settings { potentiometer, ..self.settings }),
+        }
+    }
+
+    fn zero_here(&self) -> Potentiometer {
+        Potentiometer { zero_code: self.mean_code, ..self.settings.potentiometer }
+    }
+
+    fn gain_at(&self, Radian(angle_rad): Radian) -> Result<Potentiometer, Refusal> {
+        let present = self.settings.potentiometer;
+        let nominal = Potentiometer::nominal(present.full_scale).radian_per_code;
+        let codes = self.mean_code - present.zero_code;
+        let radian_per_code = angle_rad / codes;
+        let ratio = radian_per_code.abs() / nominal;
+        let sensible =
+            codes.abs() * nominal > LEAST_GAIN_ANGLE_RAD && (1.0 / GAIN_FACTOR..GAIN_FACTOR).contains(&ratio);
+        if sensible { Ok(Potentiometer { radian_per_code, ..present }) } else { Err(Refusal::BadAngle) }
+    }
+
+    fn statistics_now(&self) -> Statistics {
+        Statistics { innovation_rms_rad: self.observer.innovation_rms_rad(), ..self.statistics.clone() }
+    }
+}
+
+fn answer(number: u16, answer: Answer) -> Outcome {
+    Outcome::Send(Frame::Answer(number, answer))
+}
+
+fn refuse(number: u16, refusal: Refusal) -> Outcome {
+    answer(number, Answer::Refused(refusal))
+}
+
+fn empty_samples() -> Samples {
+    Samples { sequence: 0, first_sample: 0, status: 0, codes: Vec::new() }
+}
+
+fn empty_live() -> Live {
+    Live { sequence: 0, first_sample: 0, every: 0, status: 0, points: Vec::new() }
+}
+
+/// The defaults: the paper's pendulum with the inertia of its CAD drawing and the middle of its Table 2.
+fn default_parameters() -> Parameters<f32> {
+    let mut parameters = Parameters::paper();
+    parameters.pendulum.inertia_kg_m2 = 0.002_842_52;
+    parameters.set_friction(5.5e-4, 5.5e-4, 5.5e-3, 0.03);
+    parameters.map(|value| value as f32)
+}
+
+fn default_settings(full_scale: u16) -> Settings {
+    let potentiometer = Potentiometer::nominal(full_scale);
+    Settings { rate_hz: 1000.0, cutoff_hz: 50.0, bandwidth_rad_s: 3.0, potentiometer }
+}
+
+/// `Err` with the position of the first setting outside its range.
+fn check_settings(settings: &Settings) -> Result<(), u8> {
+    let good = [
+        (100.0..=10_000.0).contains(&settings.rate_hz),
+        settings.cutoff_hz > 0.0 && settings.cutoff_hz <= 0.45 * settings.rate_hz,
+        (0.0..=100.0).contains(&settings.bandwidth_rad_s),
+        settings.potentiometer.is_valid(),
+    ];
+    good.iter().position(|good| !good).map_or(Ok(()), |index| Err(index as u8))
+}
+
+/// The filter of checked settings.
+fn filter_of(settings: &Settings) -> Butterworth<f32> {
+    Butterworth::new(f64::from(settings.cutoff_hz), f64::from(settings.rate_hz))
+        .expect("settings are checked before use")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::ParameterError;
+
+    fn rig() -> Rig {
+        Rig::new("test", 4095, Err(StoreState::Empty))
+    }
+
+    fn ask(rig: &mut Rig, command: Command) -> Answer {
+        match rig.on_frame(Frame::Command(5, command)) {
+            Outcome::Send(Frame::Answer(5, answer)) | Outcome::SendThenDo(Frame::Answer(5, answer), _) => answer,
+            other => panic!("no answer but {other:?}"),
+        }
+    }
+
+    fn feed(rig: &mut Rig, code: u16, n_samples: usize) -> std::vec::Vec<Frame> {
+        let mut frames = std::vec::Vec::new();
+        (0..n_samples).for_each(|_| rig.on_sample(Code(code), |frame| frames.push(frame)));
+        frames
+    }
+
+    #[test]
+    fn it_streams_only_when_asked_and_every_sample_once() {
+        let mut rig = rig();
+        assert!(feed(&mut rig, 2048, 100).is_empty());
+        assert_eq!(ask(&mut rig, Command::Start(Stream { raw: true, live_every: 0 })), Answer::Done);
+        let frames = feed(&mut rig, 2048, 64);
+        let firsts: std::vec::Vec<u64> = frames
+            .iter()
+            .map(|frame| match frame {
+                Frame::Samples(samples) => samples.first_sample,
+                other => panic!("{other:?}"),
+            })
+            .collect();
+        assert_eq!(firsts, [100, 116, 132, 148]);
+        assert_eq!(ask(&mut rig, Command::Stop), Answer::Done);
+        assert!(feed(&mut rig, 2048, 100).is_empty());
+    }
+
+    #[test]
+    fn lost_samples_leave_an_exact_gap_in_the_count() {
+        let mut rig = rig();
+        ask(&mut rig, Command::Start(Stream { raw: true, live_every: 0 }));
+        feed(&mut rig, 2048, 20);
+        rig.on_samples_lost(7, true);
+        let frames = feed(&mut rig, 2048, 16);
+        let Frame::Samples(samples) = &frames[0] else { panic!() };
+        assert_eq!((samples.first_sample, samples.status), (27, status::SAMPLES_LOST));
+        let Answer::Statistics(statistics) = ask(&mut rig, Command::Statistics) else { panic!() };
+        assert_eq!((statistics.samples, statistics.overruns), (36, 7));
+    }
+
+    #[test]
+    fn bad_parameters_are_refused_and_the_old_ones_stay() {
+        let mut rig = rig();
+        let before = rig.parameters().clone();
+        let mut bad = before.clone();
+        bad.set(999, &[1.0]).unwrap();
+        let refusal = Refusal::Parameters(ParameterError::UnknownEffect { id: 999 });
+        assert_eq!(ask(&mut rig, Command::SetParameters(bad)), Answer::Refused(refusal));
+        assert_eq!(*rig.parameters(), before);
+    }
+
+    #[test]
+    fn another_protocol_is_greeted_and_refused_with_both_versions() {
+        let mut rig = rig();
+        let stranger = Hello { protocol: 77, ..Hello::new("host") };
+        assert!(matches!(rig.on_frame(Frame::Hello(stranger)), Outcome::Send(Frame::Hello(_))));
+        let refused = Answer::Refused(Refusal::Protocol { host: 77, rig: PROTOCOL });
+        assert_eq!(ask(&mut rig, Command::GetParameters), refused);
+        rig.on_frame(Frame::Hello(Hello::new("host")));
+        assert!(matches!(ask(&mut rig, Command::GetParameters), Answer::Parameters(_)));
+    }
+
+    #[test]
+    fn what_is_stored_comes_back_and_anything_else_is_refused_with_a_reason() {
+        let mut rig = rig();
+        let Outcome::Do(5, Request::Save(stored)) = rig.on_frame(Frame::Command(5, Command::Save)) else { panic!() };
+        let mut buffer = [0; MAX_STORED];
+        let bytes = stored.encode(&mut buffer).unwrap();
+        assert_eq!(Stored::decode(bytes), Ok(stored.clone()));
+        assert_eq!(Stored::decode(&[]), Err(StoreState::Damaged));
+        assert_eq!(Stored::decode(&[99, 1, 2]), Err(StoreState::OtherVersion));
+        assert_eq!(Stored::decode(&bytes[..bytes.len() - 3]), Err(StoreState::Damaged));
+    }
+
+    #[test]
+    fn zero_and_gain_are_calibrated_only_while_still() {
+        let mut rig = rig();
+        (0..500).for_each(|i| {
+            feed(&mut rig, 2000 + i, 1);
+        });
+        assert_eq!(ask(&mut rig, Command::ZeroHere), Answer::Refused(Refusal::NotStill));
+        feed(&mut rig, 2000, 5000);
+        assert_eq!(ask(&mut rig, Command::ZeroHere), Answer::Done);
+        assert!((rig.settings().potentiometer.zero_code - 2000.0).abs() < 0.02);
+        feed(&mut rig, 3000, 5000);
+        assert_eq!(ask(&mut rig, Command::CalibrateGain(Radian(1.5))), Answer::Done);
+        assert!((rig.settings().potentiometer.angle(Code(3000)).0 - 1.5).abs() < 1e-4);
+        assert_eq!(ask(&mut rig, Command::CalibrateGain(Radian(9.0))), Answer::Refused(Refusal::BadAngle));
+    }
+
+    #[test]
+    fn a_broken_wire_is_flagged_and_sampling_goes_on() {
+        let mut rig = rig();
+        ask(&mut rig, Command::Start(Stream { raw: true, live_every: 1 }));
+        let frames = feed(&mut rig, 0, 16);
+        assert!(frames.iter().all(|frame| match frame {
+            Frame::Samples(samples) => samples.status == status::DISCONNECTED,
+            Frame::Live(live) => live.status == status::DISCONNECTED && live.points[0].angle_rad.is_finite(),
+            _ => false,
+        }));
+        assert_eq!(frames.len(), 3);
+    }
+
+    #[test]
+    fn settings_outside_their_range_are_refused_by_position() {
+        let mut rig = rig();
+        let good = *rig.settings();
+        for (index, bad) in [
+            Settings { rate_hz: 99.0, ..good },
+            Settings { cutoff_hz: 480.0, ..good },
+            Settings { bandwidth_rad_s: f32::NAN, ..good },
+            Settings { potentiometer: Potentiometer { radian_per_code: 0.0, ..good.potentiometer }, ..good },
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let refused = Answer::Refused(Refusal::Setting { index: index as u8 });
+            assert_eq!(ask(&mut rig, Command::SetSettings(bad)), refused);
+        }
+        assert_eq!(*rig.settings(), good);
+    }
+}

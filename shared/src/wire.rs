@@ -1,0 +1,535 @@
+//! What rig and PC say to each other: postcard messages with a CRC-32 inside COBS frames that end with a zero byte.
+//!
+//! After any damage the reader is in step again at the next zero byte. [`Hello`] is frozen: it keeps its bytes in
+//! every version, so that any two versions can at least name themselves. All other messages may change with
+//! [`PROTOCOL`]; variants of [`Frame`] keep their numbers for ever.
+
+use crate::effect::{CUSTOM_FORMULA_ID, Effect};
+use crate::parameters::{ParameterError, Parameters};
+use crate::potentiometer::Potentiometer;
+use crate::units::Radian;
+use heapless::{String, Vec};
+use serde::{Deserialize, Serialize};
+
+/// Version of all messages but [`Hello`].
+pub const PROTOCOL: u16 = 1;
+
+/// First bytes of every [`Hello`].
+pub const MAGIC: [u8; 4] = *b"PNDL";
+
+/// Samples in a raw frame.
+pub const SAMPLES_PER_FRAME: usize = 16;
+
+/// Points in a live frame.
+pub const POINTS_PER_FRAME: usize = 8;
+
+/// The longest frame on the wire, delimiter included.
+pub const MAX_FRAME: usize = 512;
+
+/// CRC-32/ISCSI: Hamming distance 6 up to 5 kB.
+const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI);
+
+/// Who speaks; frozen. Sent by the PC to open a session and by the rig in answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hello {
+    /// [`MAGIC`].
+    pub magic: [u8; 4],
+    /// [`PROTOCOL`] of the speaker.
+    pub protocol: u16,
+    /// [`catalogue_hash`] of the speaker: equal if both know the same effects.
+    pub catalogue: u32,
+    /// Version of the firmware or program: major, minor, patch.
+    pub version: [u8; 3],
+    /// The board, or `host`.
+    pub name: String<24>,
+}
+
+impl Hello {
+    /// The speaker of this build.
+    pub fn new(name: &str) -> Self {
+        let mut short = String::new();
+        for c in name.chars() {
+            if short.push(c).is_err() {
+                break;
+            }
+        }
+        Self { magic: MAGIC, protocol: PROTOCOL, catalogue: catalogue_hash(), version: version(), name: short }
+    }
+}
+
+/// This package's version.
+fn version() -> [u8; 3] {
+    let number = |text: &str| text.parse().unwrap_or(0);
+    [
+        number(env!("CARGO_PKG_VERSION_MAJOR")),
+        number(env!("CARGO_PKG_VERSION_MINOR")),
+        number(env!("CARGO_PKG_VERSION_PATCH")),
+    ]
+}
+
+/// A fingerprint (FNV-1a) of the effects this build knows: ids and numbers of parameters.
+pub fn catalogue_hash() -> u32 {
+    let feed = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+    Effect::<f32>::ALL.iter().fold(0x811c_9dc5, |hash, effect| {
+        let [low, high] = effect.id.to_le_bytes();
+        [low, high, effect.parameters.len() as u8].into_iter().fold(hash, feed)
+    })
+}
+
+/// Everything that crosses the wire, either way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Frame {
+    /// Frozen.
+    Hello(Hello),
+    /// PC to rig; the number comes back in the answer.
+    Command(u16, Command),
+    /// Rig to PC, with the command's number.
+    Answer(u16, Answer),
+    /// Rig to PC: converter codes.
+    Samples(Samples),
+    /// Rig to PC: what filter and observer make of them.
+    Live(Live),
+    /// Reserved for the program of a custom formula, [`CUSTOM_FORMULA_ID`].
+    CustomFormula(Vec<u8, 128>),
+}
+
+/// What the PC may ask.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Command {
+    /// Start sending samples, live points or both.
+    Start(Stream),
+    /// Stop sending; sampling goes on.
+    Stop,
+    /// Give the parameters in use.
+    GetParameters,
+    /// Use these parameters from now on.
+    SetParameters(Parameters<f32>),
+    /// Keep parameters, settings and calibration in flash.
+    Save,
+    /// Take them from flash again.
+    Load,
+    /// Use the defaults from now on; flash keeps what it has.
+    Defaults,
+    /// Give settings and calibration.
+    GetSettings,
+    /// Use these settings from now on.
+    SetSettings(Settings),
+    /// The pendulum hangs at rest: this is zero.
+    ZeroHere,
+    /// The pendulum is held at a known angle: compute the gain.
+    CalibrateGain(Radian),
+    /// Give the counters.
+    Statistics,
+    /// Restart the firmware.
+    Reset,
+    /// Restart into the chip's bootloader (USB DFU), to be updated.
+    Bootloader,
+}
+
+/// What the rig answers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Answer {
+    /// Done as asked.
+    Done,
+    /// Not done, and why; everything stays as it was.
+    Refused(Refusal),
+    /// The parameters in use.
+    Parameters(Parameters<f32>),
+    /// The settings in use.
+    Settings(Settings),
+    /// The counters.
+    Statistics(Statistics),
+}
+
+/// Why a command was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// The two speak different versions.
+    Protocol {
+        /// The PC's version.
+        host: u16,
+        /// The rig's version.
+        rig: u16,
+    },
+    /// Parameters that can't be used.
+    Parameters(ParameterError),
+    /// Settings outside their range: which, by position in [`Settings`].
+    Setting {
+        /// 0 rate, 1 cut-off, 2 bandwidth, 3 potentiometer.
+        index: u8,
+    },
+    /// The pendulum moves, so that it can't be calibrated now.
+    NotStill,
+    /// The known angle is too near zero, or the gain it gives is absurd.
+    BadAngle,
+    /// The potentiometer seems to be disconnected.
+    SensorDisconnected,
+    /// Flash could not be written or read back.
+    Flash,
+    /// There is nothing (usable) in flash.
+    NothingStored,
+    /// This board can't do that.
+    NotHere,
+}
+
+impl core::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Protocol { host, rig } => {
+                write!(f, "the program speaks protocol {host}, the rig {rig}; update the older of the two")
+            }
+            Self::Parameters(error) => write!(f, "{error}"),
+            Self::Setting { index } => {
+                let what = ["sampling rate", "filter cut-off", "observer bandwidth", "potentiometer calibration"];
+                write!(f, "the {} is outside its range", what.get(usize::from(*index)).copied().unwrap_or("setting"))
+            }
+            Self::NotStill => write!(f, "the pendulum is moving; hold it still and ask again"),
+            Self::BadAngle => write!(f, "that angle gives no sensible gain; hold it at 0.5 rad or more from zero"),
+            Self::SensorDisconnected => write!(f, "the potentiometer reads an end of its range; check its wires"),
+            Self::Flash => write!(f, "the flash memory could not be written"),
+            Self::NothingStored => write!(f, "nothing usable is stored in flash"),
+            Self::NotHere => write!(f, "this board cannot do that"),
+        }
+    }
+}
+
+/// What to send while streaming.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stream {
+    /// Every converter code.
+    pub raw: bool,
+    /// A live point every so many samples; 0 for none.
+    pub live_every: u16,
+}
+
+/// What can be set besides the model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Samples per second, 100 … 10 000.
+    pub rate_hz: f32,
+    /// Cut-off of the Butterworth filter, below 0.45 of the rate.
+    pub cutoff_hz: f32,
+    /// Bandwidth of the observer, 0 … 100 rad/s; 0 lets the model run alone.
+    pub bandwidth_rad_s: f32,
+    /// Calibration.
+    pub potentiometer: Potentiometer,
+}
+
+/// A run of converter codes without a gap.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Samples {
+    /// Counts frames of this stream; a jump means lost frames.
+    pub sequence: u32,
+    /// Number of the first sample since power-up: the time base. A jump means lost samples.
+    pub first_sample: u64,
+    /// [`status`] bits.
+    pub status: u8,
+    /// One code a sample.
+    pub codes: Vec<u16, SAMPLES_PER_FRAME>,
+}
+
+/// Bits of [`Samples::status`] and [`Live::status`].
+pub mod status {
+    /// The potentiometer reads an end of its range: broken wire or dead zone.
+    pub const DISCONNECTED: u8 = 1;
+    /// Samples were lost to a converter overrun or an announced flash erase since the last frame.
+    pub const SAMPLES_LOST: u8 = 2;
+    /// Frames were dropped since the last one because the link did not take them.
+    pub const FRAMES_DROPPED: u8 = 4;
+}
+
+/// Live points without a gap.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Live {
+    /// Counts frames of this stream.
+    pub sequence: u32,
+    /// Sample number of the first point.
+    pub first_sample: u64,
+    /// Samples from one point to the next.
+    pub every: u16,
+    /// [`status`] bits.
+    pub status: u8,
+    /// The points.
+    pub points: Vec<Point, POINTS_PER_FRAME>,
+}
+
+/// What the board makes of one sample.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// Filtered measured angle, rad.
+    pub filtered_rad: f32,
+    /// Observed angle, rad.
+    pub angle_rad: f32,
+    /// Observed velocity, rad/s.
+    pub velocity_rad_s: f32,
+    /// Measured minus predicted angle, unfiltered, rad.
+    pub innovation_rad: f32,
+    /// Friction and added effects, N·m.
+    pub friction_nm: f32,
+}
+
+/// Why the board last started.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ResetCause {
+    /// Power came on, or nothing is known.
+    #[default]
+    Power,
+    /// By command or by the reset pin.
+    Asked,
+    /// The watchdog: sampling had stopped.
+    Watchdog,
+    /// A panic in the program.
+    Panic,
+    /// A hard fault of the processor.
+    HardFault,
+}
+
+/// What flash held when the board started.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum StoreState {
+    /// Nothing yet: defaults are in use.
+    #[default]
+    Empty,
+    /// Valid content, in use.
+    Loaded,
+    /// Content of another version: defaults are in use.
+    OtherVersion,
+    /// Damaged content: defaults are in use.
+    Damaged,
+}
+
+/// Counters since the last reset.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Samples taken.
+    pub samples: u64,
+    /// Samples lost to converter overruns.
+    pub overruns: u32,
+    /// Samples not taken during announced flash erases.
+    pub paused: u32,
+    /// Frames dropped because the link did not take them.
+    pub dropped_frames: u32,
+    /// Frames received with a wrong check sum or meaning.
+    pub bad_frames: u32,
+    /// Samples read at an end of the potentiometer's range.
+    pub disconnected: u32,
+    /// Root mean square of the innovation over the last seconds, rad.
+    pub innovation_rms_rad: f32,
+    /// What depends on the board.
+    pub health: Health,
+}
+
+/// What only the board knows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Health {
+    /// Share of the processor's time in use, in thousandths; 0 if not measured.
+    pub cpu_permille: u16,
+    /// Most bytes of stack ever used; 0 if not measured.
+    pub stack_used: u32,
+    /// Bytes of stack there are.
+    pub stack_size: u32,
+    /// Restarts since power came on.
+    pub resets: u16,
+    /// Why it last started.
+    pub cause: ResetCause,
+    /// What flash held then.
+    pub store: StoreState,
+    /// Where the last panic or fault was (file:line or address), empty if none.
+    pub last_fault: String<48>,
+}
+
+/// Encodes a frame for the wire, delimiter included.
+pub fn encode<'b>(frame: &Frame, buffer: &'b mut [u8; MAX_FRAME]) -> Result<&'b [u8], postcard::Error> {
+    use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
+    let cobs = Cobs::try_new(Slice::new(buffer))?;
+    postcard::serialize_with_flavor(frame, CrcModifier::new(cobs, CRC.digest())).map(|bytes| &*bytes)
+}
+
+/// Why received bytes are not a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WireError {
+    /// Longer than any frame: bytes are skipped to the next delimiter.
+    TooLong,
+    /// Not COBS, a wrong check sum, or a message unknown to this version.
+    Damaged,
+}
+
+/// Finds frames in a stream of bytes.
+#[derive(Clone, Debug)]
+pub struct Deframer {
+    bytes: Vec<u8, MAX_FRAME>,
+    too_long: bool,
+}
+
+impl Default for Deframer {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Deframer {
+    /// Waiting for the first byte.
+    pub const fn new() -> Self {
+        Self { bytes: Vec::new(), too_long: false }
+    }
+
+    /// Takes one byte; says something at the end of each frame. Empty frames (a lone delimiter, with which every
+    /// session starts) are passed over.
+    pub fn push(&mut self, byte: u8) -> Option<Result<Frame, WireError>> {
+        if byte != 0 {
+            self.too_long |= self.bytes.push(byte).is_err();
+            return None;
+        }
+        let outcome = match (self.too_long, self.bytes.is_empty()) {
+            (true, _) => Some(Err(WireError::TooLong)),
+            (false, true) => None,
+            (false, false) => Some(decode(&mut self.bytes)),
+        };
+        self.bytes.clear();
+        self.too_long = false;
+        outcome
+    }
+}
+
+/// Decodes the bytes between two delimiters; the buffer is used as scratch space.
+pub fn decode(bytes: &mut [u8]) -> Result<Frame, WireError> {
+    let length = uncobs(bytes).ok_or(WireError::Damaged)?;
+    match postcard::take_from_bytes_crc32(&bytes[..length], CRC.digest()) {
+        Ok((frame, [])) => Ok(frame),
+        _ => Err(WireError::Damaged),
+    }
+}
+
+/// Consistent Overhead Byte Stuffing (Cheshire, Baker 1999), undone in place; gives the new length.
+fn uncobs(bytes: &mut [u8]) -> Option<usize> {
+    let (mut from, mut to) = (0, 0);
+    while from < bytes.len() {
+        let run = usize::from(bytes[from]);
+        let end = from.checked_add(run).filter(|end| run > 0 && *end <= bytes.len())?;
+        bytes.copy_within(from + 1..end, to);
+        to += run - 1;
+        from = end;
+        if run < 0xff && from < bytes.len() {
+            bytes[to] = 0;
+            to += 1;
+        }
+    }
+    Some(to)
+}
+
+const _: () = assert!(CUSTOM_FORMULA_ID > 255, "small ids belong to the list");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn full_parameters() -> Parameters<f32> {
+        let mut p = Parameters::paper().map(|v| v as f32);
+        for effect in Effect::<f32>::ALL.iter().filter(|effect| !effect.is_base()) {
+            let values: Vec<f32, 4> = effect.parameters.iter().map(|p| p.start as f32).collect();
+            let _ = p.set(effect.id, &values);
+        }
+        p
+    }
+
+    fn settings() -> Settings {
+        let potentiometer = Potentiometer::nominal(4095);
+        Settings { rate_hz: 1000.0, cutoff_hz: 50.0, bandwidth_rad_s: 3.0, potentiometer }
+    }
+
+    fn examples() -> [Frame; 8] {
+        let point =
+            Point { filtered_rad: 1.5, angle_rad: 1.5, velocity_rad_s: -2.0, innovation_rad: 1e-3, friction_nm: 1e-3 };
+        [
+            Frame::Hello(Hello::new("feather-f405")),
+            Frame::Command(7, Command::SetParameters(full_parameters())),
+            Frame::Command(8, Command::SetSettings(settings())),
+            Frame::Answer(u16::MAX, Answer::Parameters(full_parameters())),
+            Frame::Answer(9, Answer::Refused(Refusal::Protocol { host: 1, rig: 2 })),
+            Frame::Answer(9, Answer::Statistics(Statistics { samples: u64::MAX, ..Statistics::default() })),
+            Frame::Samples(Samples {
+                sequence: u32::MAX,
+                first_sample: u64::MAX,
+                status: 0xff,
+                codes: [u16::MAX; SAMPLES_PER_FRAME].into_iter().collect(),
+            }),
+            Frame::Live(Live {
+                sequence: u32::MAX,
+                first_sample: u64::MAX,
+                every: u16::MAX,
+                status: 0xff,
+                points: [point; POINTS_PER_FRAME].into_iter().collect(),
+            }),
+        ]
+    }
+
+    #[test]
+    fn every_kind_of_frame_comes_back_and_fits() {
+        for frame in examples() {
+            let mut buffer = [0; MAX_FRAME];
+            let bytes = encode(&frame, &mut buffer).unwrap();
+            let mut deframer = Deframer::new();
+            let mut got = None;
+            for byte in bytes {
+                got = got.or(deframer.push(*byte));
+            }
+            assert_eq!(got, Some(Ok(frame)));
+        }
+    }
+
+    #[test]
+    fn the_hello_keeps_its_bytes_for_ever() {
+        let hello = Hello {
+            magic: MAGIC,
+            protocol: 300,
+            catalogue: 0x1234_5678,
+            version: [1, 2, 3],
+            name: String::try_from("qemu").unwrap(),
+        };
+        let mut buffer = [0; MAX_FRAME];
+        let bytes = encode(&Frame::Hello(hello), &mut buffer).unwrap();
+        let body = [0, b'P', b'N', b'D', b'L', 0xac, 2, 0xf8, 0xac, 0xd1, 0x91, 1, 1, 2, 3, 4, b'q', b'e', b'm', b'u'];
+        // COBS: the leading zero (the frame's kind) becomes the first run; the check sum of four bytes follows.
+        assert_eq!(bytes[..2], [1, 24]);
+        assert_eq!(bytes[2..21], body[1..]);
+        assert_eq!((bytes.len(), bytes[25]), (26, 0));
+    }
+
+    #[test]
+    fn a_garbled_byte_never_passes_and_the_next_frame_does() {
+        let frame = &examples()[6];
+        let mut buffer = [0; MAX_FRAME];
+        let good: std::vec::Vec<u8> = encode(frame, &mut buffer).unwrap().to_vec();
+        for position in 0..good.len() {
+            for bit in 0..8 {
+                let mut bytes = good.clone();
+                bytes[position] ^= 1 << bit;
+                bytes.push(0);
+                bytes.extend_from_slice(&good);
+                let mut deframer = Deframer::new();
+                let frames: std::vec::Vec<_> =
+                    bytes.iter().filter_map(|byte| deframer.push(*byte)).filter_map(Result::ok).collect();
+                assert_eq!(frames, [frame.clone()], "byte {position} bit {bit}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_endless_frame_is_reported_once_and_forgotten() {
+        let mut deframer = Deframer::new();
+        assert!((0..10_000).all(|_| deframer.push(1).is_none()));
+        assert_eq!(deframer.push(0), Some(Err(WireError::TooLong)));
+        assert_eq!(deframer.push(0), None);
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn any_bytes_are_survived(bytes: std::vec::Vec<u8>) {
+            let mut deframer = Deframer::new();
+            for byte in bytes {
+                let _ = deframer.push(byte);
+            }
+            let _ = deframer.push(0);
+        }
+    }
+}
