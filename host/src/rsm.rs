@@ -3,6 +3,8 @@
 //! The way through, one file a step:
 //! `coding` (ranges) → `design` (runs) → `surface` (fit) → `coefficients`, `goodness`, `anova` (can it be believed?)
 //! → `desirability`, `optimum` (where to go) → `narrowing` (next ranges).
+//! Beside it: `canonical` (the surface's shape), `natural` and `misprints` (comparison with published equations).
+//!
 //! Nothing here knows of pendulums, files or clocks; points are coded units, −1 at a range's low end, +1 at its high end.
 //!
 //! Source: R. H. Myers, D. C. Montgomery, C. M. Anderson-Cook, "Response Surface Methodology", Wiley.
@@ -18,7 +20,9 @@ pub mod least_squares;
 pub mod misprints;
 pub mod narrowing;
 pub mod natural;
+pub mod nelder_mead;
 pub mod optimum;
+pub mod random;
 pub mod significance;
 pub mod surface;
 pub mod term;

@@ -12,7 +12,7 @@
 
 use super::natural::{natural_coefficients, natural_expansion};
 use super::surface::Surface;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 /// Rounding of double-precision regression in coded units, relative to the largest response; generous by a thousand.
@@ -93,21 +93,39 @@ pub fn misprints(
     surface: &Surface,
     response_half_unit: f64,
 ) -> Result<Vec<Misprint>, MisprintError> {
-    let names = surface.term_names();
-    let refitted = natural_coefficients(surface);
-    let allowances = rounding_allowances(surface, response_half_unit);
-    let mut found = Vec::new();
-    for (term, printed) in &equation.coefficients {
-        let Some(idx) = names.iter().position(|name| name == term) else {
-            return Err(MisprintError::UnknownTerm { response: equation.response.clone(), term: term.clone() });
-        };
-        let (value, half_unit) = decimal(printed).ok_or_else(|| not_a_number(equation, term, printed))?;
-        let allowance = half_unit + allowances[idx];
-        if (value - refitted[idx]).abs() > allowance {
-            found.push(misprint(equation, term, printed, refitted[idx], allowance));
+    let refit = Refit::of(surface, response_half_unit);
+    let judged = equation.coefficients.iter().map(|(term, text)| refit.judge(&equation.response, term, text));
+    judged.filter_map(Result::transpose).collect()
+}
+
+/// What the table says, in natural units, one entry a term.
+struct Refit {
+    names: Vec<String>,
+    coefficients: Vec<f64>,
+    allowances: DVector<f64>,
+}
+
+impl Refit {
+    fn of(surface: &Surface, response_half_unit: f64) -> Self {
+        Self {
+            names: surface.term_names(),
+            coefficients: natural_coefficients(surface),
+            allowances: rounding_allowances(surface, response_half_unit),
         }
     }
-    Ok(found)
+
+    fn judge(&self, response: &str, term: &str, text: &str) -> Result<Option<Misprint>, MisprintError> {
+        let (response, term, text) = (response.to_string(), term.to_string(), text.to_string());
+        let Some(idx) = self.names.iter().position(|name| *name == term) else {
+            return Err(MisprintError::UnknownTerm { response, term });
+        };
+        let Some((value, half_unit)) = decimal(&text) else {
+            return Err(MisprintError::NotANumber { response, term, text });
+        };
+        let (refitted, allowance) = (self.coefficients[idx], half_unit + self.allowances[idx]);
+        let contradicted = (value - refitted).abs() > allowance;
+        Ok(contradicted.then_some(Misprint { response, term, printed: text, refitted, allowance }))
+    }
 }
 
 /// How far each natural coefficient can move when every response moves within its rounding, plus arithmetic.
@@ -119,7 +137,7 @@ fn rounding_allowances(surface: &Surface, response_half_unit: f64) -> DVector<f6
     from_arithmetic + from_responses
 }
 
-fn row_sums_of_magnitudes(matrix: &nalgebra::DMatrix<f64>) -> DVector<f64> {
+fn row_sums_of_magnitudes(matrix: &DMatrix<f64>) -> DVector<f64> {
     matrix.abs().column_sum()
 }
 
@@ -130,16 +148,6 @@ fn decimal(text: &str) -> Option<(f64, f64)> {
     let n_decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
     let last_digit = exponent.parse::<i32>().ok()? - i32::try_from(n_decimals).ok()?;
     Some((value, 0.5 * 10f64.powi(last_digit)))
-}
-
-fn misprint(equation: &PrintedEquation, term: &str, printed: &str, refitted: f64, allowance: f64) -> Misprint {
-    let (response, term, printed) = (equation.response.clone(), term.to_string(), printed.to_string());
-    Misprint { response, term, printed, refitted, allowance }
-}
-
-fn not_a_number(equation: &PrintedEquation, term: &str, text: &str) -> MisprintError {
-    let (response, term, text) = (equation.response.clone(), term.to_string(), text.to_string());
-    MisprintError::NotANumber { response, term, text }
 }
 
 #[cfg(test)]

@@ -1,19 +1,16 @@
 //! The best point of the coded box: the search for the largest composite desirability.
 //!
-//! Desirability has kinks and flat regions, so no derivatives are used. Random points cover the box; from the best of
-//! them a direct search polls along randomly turned axes, with a step that grows with success and shrinks with failure.
-//! Random turns are what lets it follow a ridge. Everything random comes from a seed, so results repeat exactly.
-//! Source: C. Audet, J. E. Dennis, SIAM J. Optim. 17 (2006) 188 (mesh adaptive direct search, here without the mesh).
+//! Desirability has kinks where a response crosses its target and is flat where one is unacceptable, so no derivatives
+//! are used. Random points cover the box, and Nelder–Mead climbs from the best of them. Everything random comes from a
+//! seed, so results repeat exactly.
 
 use super::coding::natural_point;
 use super::desirability::Composite;
+use super::nelder_mead::{Candidate, climb};
+use super::random::Random;
 use super::surface::Surface;
 use serde::Serialize;
 
-/// Polls, each along newly turned axes, that must fail before the step shrinks.
-const PATIENCE: usize = 6;
-/// The first step, half the way from the centre to a face.
-const FIRST_STEP: f64 = 0.5;
 /// A coded value this close to ±1 lies on the face.
 const FACE_TOLERANCE: f64 = 1e-6;
 
@@ -24,8 +21,8 @@ pub struct Search {
     pub n_samples: usize,
     /// Starts, the best of the random points.
     pub n_starts: usize,
-    /// The step, in coded units, at which a search ends; above 0.
-    pub smallest_step: f64,
+    /// Edge of the smallest simplex, in coded units, at which a climb ends; above 0.
+    pub smallest_edge: f64,
     /// Equal seeds give equal results.
     pub seed: u64,
 }
@@ -33,7 +30,7 @@ pub struct Search {
 impl Default for Search {
     /// Finds the paper's optimum to 1e-6 from any seed in a fraction of a second.
     fn default() -> Self {
-        Self { n_samples: 4000, n_starts: 24, smallest_step: 1e-8, seed: 1 }
+        Self { n_samples: 4000, n_starts: 24, smallest_edge: 1e-8, seed: 1 }
     }
 }
 
@@ -70,7 +67,7 @@ pub enum OptimumError {
     #[error("the surfaces differ in their factors or ranges; fit all responses to one design")]
     DifferentFactors,
     /// The search could never begin or never end.
-    #[error("the search needs at least one sample, one start, and a smallest step above 0")]
+    #[error("the search needs at least one sample, one start, and a smallest edge above 0")]
     Search,
 }
 
@@ -100,94 +97,28 @@ fn check(surfaces: &[Surface], composite: &Composite, search: &Search) -> Result
     if surfaces.iter().any(|surface| surface.factors() != surfaces[0].factors()) {
         return Err(OptimumError::DifferentFactors);
     }
-    let step_is_positive = search.smallest_step > 0.0;
-    if search.n_samples == 0 || search.n_starts == 0 || !step_is_positive {
+    let edge_is_positive = search.smallest_edge > 0.0;
+    if search.n_samples == 0 || search.n_starts == 0 || !edge_is_positive {
         return Err(OptimumError::Search);
     }
     Ok(())
 }
 
-/// A point with its merit.
-#[derive(Clone)]
-struct Candidate {
-    point: Vec<f64>,
-    merit: f64,
-}
-
+/// The best of many climbs, each from one of the best random points; the centre is always among those.
 fn best_point(n_factors: usize, search: &Search, merit: impl Fn(&[f64]) -> f64) -> Vec<f64> {
-    let mut random = Random(search.seed);
+    let mut random = Random::new(search.seed);
     let judged = |point: Vec<f64>| Candidate { merit: merit(&point), point };
-    let mut candidates: Vec<Candidate> =
-        (0..search.n_samples).map(|_| judged(random.point_in_box(n_factors))).collect();
-    candidates.push(judged(vec![0.0; n_factors]));
-    candidates.sort_by(|a, b| b.merit.total_cmp(&a.merit));
-    candidates.truncate(search.n_starts);
-    let climbed = candidates.into_iter().map(|start| climb(start, search.smallest_step, &mut random, &judged));
-    climbed
-        .reduce(|best, next| if next.merit > best.merit { next } else { best })
-        .map_or(vec![0.0; n_factors], |c| c.point)
-}
-
-/// Direct search from one start to a point that no poll improves.
-fn climb(
-    start: Candidate,
-    smallest_step: f64,
-    random: &mut Random,
-    judged: impl Fn(Vec<f64>) -> Candidate,
-) -> Candidate {
-    let (mut best, mut step, mut n_failed) = (start, FIRST_STEP, 0);
-    while step > smallest_step {
-        let next = polled(&best.point, step, random, &judged);
-        if next.merit > best.merit {
-            (best, step, n_failed) = (next, (2.0 * step).min(FIRST_STEP), 0);
-        } else {
-            n_failed += 1;
-            if n_failed == PATIENCE {
-                (step, n_failed) = (0.5 * step, 0);
-            }
+    let mut starts: Vec<Candidate> = (0..search.n_samples).map(|_| judged(random.point_in_box(n_factors))).collect();
+    starts.sort_by(|a, b| b.merit.total_cmp(&a.merit));
+    starts.truncate(search.n_starts);
+    let mut best = judged(vec![0.0; n_factors]);
+    for start in std::iter::once(best.clone()).chain(starts) {
+        let reached = climb(start, search.smallest_edge, &mut random, judged);
+        if reached.merit > best.merit {
+            best = reached;
         }
     }
-    best
-}
-
-/// The best neighbour, one step either way along each of the turned axes, within the box.
-fn polled(centre: &[f64], step: f64, random: &mut Random, judged: impl Fn(Vec<f64>) -> Candidate) -> Candidate {
-    let axes = random.turned_axes(centre.len());
-    let steps = axes.iter().flat_map(|axis| [(axis, step), (axis, -step)]);
-    let moved = |(axis, step): (&Vec<f64>, f64)| {
-        centre.iter().zip(axis).map(|(value, part)| (value + step * part).clamp(-1.0, 1.0)).collect()
-    };
-    let neighbours = steps.map(|along| judged(moved(along)));
-    neighbours.max_by(|a, b| a.merit.total_cmp(&b.merit)).expect("a box has at least one axis")
-}
-
-/// SplitMix64: small, repeatable, and good enough to scatter points.
-/// Source: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014.
-struct Random(u64);
-
-impl Random {
-    /// Uniform, −1 to +1.
-    fn coded(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn point_in_box(&mut self, n_factors: usize) -> Vec<f64> {
-        (0..n_factors).map(|_| self.coded()).collect()
-    }
-
-    /// Orthonormal axes: the box's own, mirrored at a random plane (Householder).
-    fn turned_axes(&mut self, n_factors: usize) -> Vec<Vec<f64>> {
-        let normal = self.point_in_box(n_factors);
-        let squared_length: f64 = normal.iter().map(|part| part * part).sum::<f64>().max(f64::MIN_POSITIVE);
-        let mirrored = |row: usize, column: usize| {
-            let own = if row == column { 1.0 } else { 0.0 };
-            own - 2.0 * normal[row] * normal[column] / squared_length
-        };
-        (0..n_factors).map(|row| (0..n_factors).map(|column| mirrored(row, column)).collect()).collect()
-    }
+    best.point
 }
 
 #[cfg(test)]
@@ -196,6 +127,7 @@ mod tests {
     use crate::rsm::coding::Factor;
     use crate::rsm::design::Design;
     use crate::rsm::desirability::Desirability;
+    use proptest::prelude::*;
 
     fn surface_of(height: impl Fn(&[f64]) -> f64) -> Surface {
         let factors = ["a", "b"].map(|name| Factor::new(name, 10.0, 20.0).unwrap());
@@ -236,6 +168,30 @@ mod tests {
         assert!((best.coded[0] - 0.2).abs() < 1e-6 && (best.coded[1] - 0.3).abs() < 1e-6, "{:?}", best.coded);
     }
 
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
+        #[test]
+        fn the_crossing_of_five_kinked_ridges_is_found(
+            seed in 0u64..1000, slopes in prop::collection::vec(-1.0..1.0, 25), sharpness in prop::collection::vec(0.0..2.0, 5),
+        ) {
+            let factors: Vec<Factor> = (0..5).map(|idx| Factor::new(format!("x{idx}"), 0.0, 1.0).unwrap()).collect();
+            let design = Design::face_centred(factors, 1).unwrap();
+            let crossing = [0.1, -0.8, 0.5, 0.3, -0.2];
+            let mut surfaces = Vec::new();
+            let mut goals = Vec::new();
+            for (slopes, sharpness) in slopes.chunks(5).zip(&sharpness) {
+                let height = |x: &Vec<f64>| (0..5).map(|idx| slopes[idx] * (x[idx] - crossing[idx])).sum::<f64>();
+                let responses: Vec<f64> = design.coded_runs().iter().map(height).collect();
+                surfaces.push(Surface::fit(&design, &responses).unwrap());
+                let limit = 10.0 * 10f64.powf(-sharpness);
+                goals.push(goal(-limit, 0.0, limit));
+            }
+            let search = Search { seed, ..Search::default() };
+            let best = optimum(&surfaces, &Composite::new(goals).unwrap(), &search).unwrap();
+            prop_assert!(best.composite > 0.999, "{}", best.composite);
+        }
+    }
+
     #[test]
     fn a_small_acceptable_region_is_found_across_the_flat() {
         let bowl = surface_of(|x| (x[0] - 0.77).powi(2) + (x[1] - 0.77).powi(2));
@@ -267,8 +223,8 @@ mod tests {
         let refused = optimum(&surfaces, &two, &Search::default()).unwrap_err();
         assert_eq!(refused, OptimumError::GoalCount { n_surfaces: 1, n_goals: 2 });
         let one = Composite::new(vec![goal(-1.0, 0.0, 1.0)]).unwrap();
-        for smallest_step in [0.0, -1.0, f64::NAN] {
-            let search = Search { smallest_step, ..Search::default() };
+        for smallest_edge in [0.0, -1.0, f64::NAN] {
+            let search = Search { smallest_edge, ..Search::default() };
             assert_eq!(optimum(&surfaces, &one, &search), Err(OptimumError::Search));
         }
     }
