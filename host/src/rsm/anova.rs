@@ -1,8 +1,9 @@
 //! Analysis of variance: which groups of terms matter, and whether a quadratic is enough.
 //!
 //! Each group has a sequential sum of squares (what it adds to the groups before it, in the order linear, square,
-//! interaction; these add up to the regression) and an adjusted one (what the surface loses without it). F and p use the
-//! adjusted ones, as response-surface packages do. Replicated runs split the residual into pure error and lack of fit.
+//! interaction; these add up to the regression) and an adjusted one (what the surface loses without it). F and p use
+//! the adjusted ones, as response-surface packages do. Replicated runs split the residual into pure error and lack of
+//! fit.
 
 use super::least_squares::residual_sum_of_squares;
 use super::significance::{ratio, upper_f};

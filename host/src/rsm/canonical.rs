@@ -1,6 +1,7 @@
 //! Canonical analysis: what kind of hill, valley or saddle a surface is, and where its flat point lies.
 //!
-//! With y = b0 + bᵀx + xᵀBx the flat point is −½·B⁻¹b; the eigenvalues of B are the curvatures along the principal axes.
+//! With y = b0 + bᵀx + xᵀBx the flat point is −½·B⁻¹b; the eigenvalues of B are the curvatures along the principal
+//! axes.
 //! Source: G. E. P. Box, K. B. Wilson, J. R. Stat. Soc. B 13 (1951) 1.
 
 use super::surface::Surface;

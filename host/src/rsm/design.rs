@@ -99,7 +99,8 @@ impl Design {
         Self::from_coded(factors, coded_runs)
     }
 
-    /// The design augmented by further runs in coded units, in the order given: replicates, centres, or a region of interest.
+    /// The design augmented by further runs in coded units, in the order given: replicates, centres, or a region of
+    /// interest.
     pub fn with_runs(mut self, coded_runs: Vec<Vec<f64>>) -> Result<Self, DesignError> {
         for run in coded_runs {
             check_run(&self.factors, self.coded_runs.len(), &run)?;

@@ -1,8 +1,9 @@
 //! Desirability: several responses become one number, 0 (some response is unacceptable) to 1 (all are on target).
 //!
-//! Each response has a target and, on each side of it, either a limit beyond which it is unacceptable or no limit at all.
-//! Between target and limit d = ((limit − y)/(limit − target))^weight. The composite is the geometric mean of the d,
-//! weighted by importance. Target 0 with limits on both sides and weight 1 is what reproduces the paper's optimum.
+//! Each response has a target and, on each side of it, either a limit beyond which it is unacceptable or no limit at
+//! all. Between target and limit d = ((limit − y)/(limit − target))^weight. The composite is the geometric mean of
+//! the d, weighted by importance. Target 0 with limits on both sides and weight 1 is what reproduces the paper's
+//! optimum.
 //! Source: G. Derringer, R. Suich, J. Qual. Technol. 12 (1980) 214.
 
 use serde::Serialize;
@@ -67,7 +68,8 @@ impl Desirability {
         Ok(Self { target, below: Side::to(low), above: Side::to(high), importance: 1.0 })
     }
 
-    /// With exponents below and above the target: 1 straight, more than 1 insists on the target, less is content nearby.
+    /// With exponents below and above the target: 1 straight, more than 1 insists on the target, less is content
+    /// nearby.
     pub fn weighted(mut self, below: f64, above: f64) -> Result<Self, DesirabilityError> {
         self.below = self.below.weighted(below)?;
         self.above = self.above.weighted(above)?;

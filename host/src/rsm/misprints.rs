@@ -4,11 +4,11 @@
 //! - it was rounded to its printed digits: half a unit of its last digit;
 //! - the table's responses were rounded before we refitted: half a unit of their last digit, times how strongly the
 //!   coefficient depends on each run, added up without regard to sign;
-//! - its author's software calculated in double precision: a tiny fraction of the responses in coded units, which is why
-//!   coefficients of 1e-7 that should be zero are no misprints.
+//! - its author's software calculated in double precision: a tiny fraction of the responses in coded units, which is
+//!   why coefficients of 1e-7 that should be zero are no misprints.
 //!
-//! What differs by more is a misprint. Both sides are natural units; the second and third allowance are carried there from
-//! coded units, with all the cancellation that natural units bring to intercept and linear terms.
+//! What differs by more is a misprint. Both sides are natural units; the second and third allowance are carried there
+//! from coded units, with all the cancellation that natural units bring to intercept and linear terms.
 
 use super::natural::{natural_coefficients, natural_expansion};
 use super::surface::Surface;
@@ -86,8 +86,8 @@ pub fn read_equations(input: impl std::io::Read) -> Result<Vec<PrintedEquation>,
     Ok(equations)
 }
 
-/// The misprints of one equation, in its own order. `response_half_unit` is half a unit of the last printed digit of the
-/// table's responses: 5e-7 for six decimals, 0 for counts, which are exact.
+/// The misprints of one equation, in its own order. `response_half_unit` is half a unit of the last printed digit of
+/// the table's responses: 5e-7 for six decimals, 0 for counts, which are exact.
 pub fn misprints(
     equation: &PrintedEquation,
     surface: &Surface,

@@ -146,7 +146,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_next_range_stays_within_limits_and_holds_the_optimum(coded in -1.0..=1.0, low in -5.0..10.0, high in 20.0..40.0, shrink in 0.1..1.0) {
+        fn the_next_range_stays_within_limits_and_holds_the_optimum(
+            coded in -1.0..=1.0, low in -5.0..10.0, high in 20.0..40.0, shrink in 0.1..1.0,
+        ) {
             let factor = Factor::new("x", 10.0, 20.0).unwrap();
             let best = factor.natural(coded);
             let next = narrow(&[factor], &[coded], &[low..=high], shrink).unwrap().remove(0);

@@ -1,7 +1,8 @@
 //! Coefficients in natural units, for comparison with printed equations; never used for predictions.
 //!
 //! With x = u/h − c/h (centre c, half range h) each coded term becomes a few natural ones. A natural intercept is the
-//! surface extrapolated to all factors at zero: a sum of huge parts that nearly cancel, so it is summed with compensation.
+//! surface extrapolated to all factors at zero: a sum of huge parts that nearly cancel, so it is summed with
+//! compensation.
 //! Source: A. Neumaier, Z. Angew. Math. Mech. 54 (1974) 39 (summation).
 
 use super::coding::Factor;

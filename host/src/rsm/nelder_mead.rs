@@ -1,7 +1,8 @@
 //! Nelder–Mead in the coded box: climbs without derivatives, its simplex stretching along ridges.
 //!
-//! Points beyond the box are moved to its face, which can flatten the simplex too early, so every end is a new start: a
-//! fresh simplex, turned at random and smaller each time it brings nothing, until even a small one finds nothing better.
+//! Points beyond the box are moved to its face, which can flatten the simplex too early, so every end is a new start:
+//! a fresh simplex, turned at random and smaller each time it brings nothing, until even a small one finds nothing
+//! better.
 //! Source: J. A. Nelder, R. Mead, Comput. J. 7 (1965) 308, with the usual coefficients 1, 2, ½, ½.
 
 use super::random::Random;

@@ -104,7 +104,7 @@ fn check(surfaces: &[Surface], composite: &Composite, search: &Search) -> Result
     Ok(())
 }
 
-/// The best of many climbs, each from one of the best random points; the centre is always among those.
+/// The best of many climbs: one from the centre and one from each of the best random points.
 fn best_point(n_factors: usize, search: &Search, merit: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let mut random = Random::new(search.seed);
     let judged = |point: Vec<f64>| Candidate { merit: merit(&point), point };
@@ -172,7 +172,9 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(16))]
         #[test]
         fn the_crossing_of_five_kinked_ridges_is_found(
-            seed in 0u64..1000, slopes in prop::collection::vec(-1.0..1.0, 25), sharpness in prop::collection::vec(0.0..2.0, 5),
+            seed in 0u64..1000,
+            slopes in prop::collection::vec(-1.0..1.0, 25),
+            sharpness in prop::collection::vec(0.0..2.0, 5),
         ) {
             let factors: Vec<Factor> = (0..5).map(|idx| Factor::new(format!("x{idx}"), 0.0, 1.0).unwrap()).collect();
             let design = Design::face_centred(factors, 1).unwrap();
