@@ -1,1 +1,2 @@
 //! The pendulum rig on the PC.
+pub mod rsm;
