@@ -1,2 +1,7 @@
 //! The pendulum rig on the PC.
+
+pub mod fit;
+pub mod lanes;
 pub mod rsm;
+pub mod swing;
+pub mod trajectory;
