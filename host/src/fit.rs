@@ -6,8 +6,12 @@
 
 pub mod covariance;
 pub mod descent;
+pub mod identify;
 pub mod linear;
 pub mod problem;
+pub mod quality;
+pub mod ranges;
+pub mod sequential;
 pub mod start;
 pub mod stiction;
 pub mod windows;

@@ -5,3 +5,4 @@ pub mod lanes;
 pub mod rsm;
 pub mod swing;
 pub mod trajectory;
+pub mod zero_phase;

@@ -168,7 +168,8 @@ fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, tried: &[St
         .collect()
 }
 
-fn stiction_unknowns(parameters: &Parameters<f64>) -> Vec<Unknown> {
+/// Ms and DV as unknowns.
+pub fn stiction_unknowns(parameters: &Parameters<f64>) -> Vec<Unknown> {
     Effect::by_id(base::STICTION).map_or(Vec::new(), |effect| Unknown::all_of_effect(effect, parameters))
 }
 
@@ -198,6 +199,31 @@ fn with_band(problem: &Problem, none: &Settled) -> Settled {
             best = Settled { stiction: descent.1, level_range_nm: (level_nm, level_nm), descent: descent.0 };
         }
         grid = finer(&best.stiction, &stiction);
+    }
+    best
+}
+
+/// The best pair by first-order answers alone, without any descent: for response surfaces.
+pub fn best_pair(problem: &Problem, point: &Point, around: Option<Stiction>) -> Stiction {
+    let gravity = problem.template.pendulum.gravity_torque_nm();
+    let free = with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
+    let stops = stop_ranges(&free, point);
+    let without = stops.iter().map(|(low, high)| Stiction { level_nm: 0.5 * (low + high), velocity_band: 0.0 });
+    let band_of = |band: f64| LEVELS.iter().map(move |level| Stiction { level_nm: level * gravity, velocity_band: band });
+    let mut tried: Vec<Stiction> = without.chain(BANDS.into_iter().flat_map(band_of)).collect();
+    tried.extend(around);
+    let here = with_stiction(problem, around.unwrap_or(Stiction { level_nm: 0.0, velocity_band: 0.0 }));
+    let mut best = tried[0];
+    for _ in 0..MAX_ROUNDS {
+        let whole = linearise(&here, point, Window::Whole, &mut Steps::new(&here));
+        let costs = answered_costs(&here, &whole, point, &tried);
+        if let Some(chosen) = lowest(&costs) {
+            best = tried[chosen];
+        }
+        if best.velocity_band == 0.0 {
+            break;
+        }
+        tried = finer(&best, &best);
     }
     best
 }
