@@ -52,6 +52,19 @@ fn the_free_swing_begins_within_60_ms_after_every_hidden_release_and_never_befor
 }
 
 #[test]
+fn every_fourth_sample_suffices_to_find_the_hidden_releases() {
+    for Release { name, recording, release_s, .. } in releases() {
+        let every_fourth = |values: &[f64]| values.iter().copied().step_by(4).collect::<Vec<f64>>();
+        let (times_s, angles_rad) = (every_fourth(recording.times_s()), every_fourth(recording.angles_rad()));
+        let slow = Recording::new(recording.header().clone(), times_s, angles_rad, None).unwrap();
+        let late_s = slow.times_s()[cut(&slow).free.start] - release_s;
+        println!("{name} at {:.0} Hz: free {late_s:+.4} s", slow.rate_hz());
+        // Up to one step of the slow recording (20 ms) later than at full rate.
+        assert!((0.0..0.08).contains(&late_s), "{name}: {late_s}");
+    }
+}
+
+#[test]
 fn the_lead_in_ends_before_every_hidden_release() {
     for Release { name, recording, release_s, .. } in releases() {
         let lead_in = cut(&recording).lead_in.expect(&name);
