@@ -46,6 +46,9 @@ const STILL_SPREADS: f64 = 5.0;
 /// Half swings at the end that may be too small to be seen.
 const N_UNSEEN: f64 = 3.0;
 
+/// A free pendulum is seen to fall after some noise rms; still for the time of a fall of this many, it is held.
+const HELD_FALL_NOISE: f64 = 20.0;
+
 /// Swings from turn to turn below this many noise rms are too uncertain to say that they grew.
 const GROWTH_NOISE: f64 = 20.0;
 
@@ -386,12 +389,12 @@ impl<'a> Cut<'a> {
     /// How the undisturbed stretch begins: at once, with a release, or with a hand letting go.
     fn start(&self, stretch: &Range<usize>) -> Start {
         let lead_in = self.still_beginning();
-        if stretch.start <= self.asked.start {
+        let rough_s = self.times_s()[stretch.start];
+        let is_near = |held: &Range<usize>| rough_s - self.times_s()[held.end - 1] < 4.0 * self.width_s;
+        let was_held = lead_in.as_ref().is_some_and(|held| is_near(held) && self.must_be_held(held));
+        if stretch.start <= self.asked.start && !was_held {
             return Start::at(self, self.asked.start);
         }
-        let rough_s = self.times_s()[stretch.start];
-        let held_until_s = lead_in.as_ref().map(|held| self.times_s()[held.end - 1]);
-        let was_held = held_until_s.is_some_and(|until_s| rough_s - until_s < 4.0 * self.width_s);
         match lead_in {
             Some(held) if was_held => self.release(&held),
             lead_in => {
@@ -419,6 +422,15 @@ impl<'a> Cut<'a> {
         }
         let is_still = until >= 3 * n_window;
         is_still.then(|| self.asked.start..self.asked.start + until)
+    }
+
+    /// Whether a free pendulum would have fallen visibly in that time. Tells a short hold from the first moments of a
+    /// fall when the noise is too large for accelerations.
+    fn must_be_held(&self, still: &Range<usize>) -> bool {
+        let angle_rad = mean(&self.angles_rad()[still.clone()]);
+        let gravity_rad_s2 = -self.law[0] * angle_rad.sin() + self.law[1] * angle_rad.cos();
+        let fall_rad = gravity_rad_s2.abs() * self.duration_s(still).powi(2) / 2.0;
+        fall_rad > HELD_FALL_NOISE * self.noise_rms_rad
     }
 
     /// Places the release: still until then, afterwards falling with constant torque and its first correction,
