@@ -2,6 +2,8 @@
 
 pub mod fit;
 pub mod lanes;
+pub mod noise;
+pub mod recording;
 pub mod rsm;
 pub mod swing;
 pub mod trajectory;

@@ -1,6 +1,23 @@
 //! A recording made ready for the fit: the free swing alone, its time counted from its first sample.
 
+use crate::noise;
+use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
+use crate::recording::{Fault, Recording};
 use crate::trajectory::Schedule;
+
+/// Why a recording has no swing to fit.
+#[derive(Debug, thiserror::Error)]
+pub enum SwingError {
+    /// No free motion was found.
+    #[error(transparent)]
+    Segment(#[from] SegmentError),
+    /// What is left can't be used.
+    #[error(transparent)]
+    Fault(#[from] Fault),
+}
+
+/// Seconds of rest that are kept behind a swing.
+const KEPT_REST_S: f64 = 0.5;
 
 /// A free swing.
 #[derive(Clone, Debug)]
@@ -37,6 +54,24 @@ impl Swing {
         let schedule = Schedule::new(&times_s);
         let n_lively = n_lively(angles_rad);
         Self { name: name.to_owned(), times_s, angles_rad: angles_rad.to_vec(), schedule, noise_rad, n_lively }
+    }
+
+    /// The free swing of a recording and what was cut off. Of the rest at the end only the beginning is kept: it tells
+    /// where the pendulum stopped, more of it tells nothing.
+    pub fn from_recording(name: &str, recording: &Recording, options: &SegmentOptions) -> Result<(Self, Segments), SwingError> {
+        let segments = segment(recording, options)?;
+        let noise = noise::estimate(recording);
+        let times_s = recording.times_s();
+        let rest_s = segments.rest.as_ref().map_or(f64::INFINITY, |rest| times_s[rest.start] + KEPT_REST_S);
+        let range = match options.to_s {
+            Some(_) => segments.free.clone(),
+            None => {
+                let end = segments.rest.as_ref().map_or(segments.free.end, |rest| rest.end);
+                segments.free.start..times_s[..end].partition_point(|t| *t <= rest_s)
+            }
+        };
+        let part = recording.part(range)?;
+        Ok((Self::new(name, part.times_s(), part.angles_rad(), noise.total_rms), segments))
     }
 
     /// Number of samples.

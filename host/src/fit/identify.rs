@@ -182,7 +182,7 @@ pub fn fit(
         }
     };
     progress(Progress::Uncertainty);
-    let report = Report { problem: &problem, outcome, ranges: &ranges, given: &options.ranges };
+    let report = Report { problem: &problem, outcome, given: &options.ranges };
     report.build(held_out, responses_before, stages, &count, began)
 }
 
@@ -350,7 +350,6 @@ fn polish(problem: &Problem, sequence: &Sequence, progress: &(dyn Fn(Progress) +
 struct Report<'a, 'b> {
     problem: &'b Problem<'a>,
     outcome: Outcome,
-    ranges: &'b Ranges,
     given: &'b [(String, f64, f64)],
 }
 
