@@ -124,7 +124,9 @@ pub enum FitError {
         known: String,
     },
     /// A range that can't be used.
-    #[error("the range {low} … {high} of {symbol} can't be used; give two finite numbers, the smaller one first, not below {limit}")]
+    #[error(
+        "the range {low} … {high} of {symbol} can't be used; give two finite numbers, the smaller one first, not below {limit}"
+    )]
     BadRange {
         /// Whose.
         symbol: String,
@@ -136,7 +138,9 @@ pub enum FitError {
         limit: f64,
     },
     /// The model never came near.
-    #[error("the model does not follow the swings at all: error {error_rad:.3} rad; is the angle in radians, zero where the pendulum hangs, and the geometry right?")]
+    #[error(
+        "the model does not follow the swings at all: error {error_rad:.3} rad; is the angle in radians, zero where the pendulum hangs, and the geometry right?"
+    )]
     Hopeless {
         /// Root mean square error, rad.
         error_rad: f64,
@@ -164,8 +168,8 @@ pub fn fit(
     let (outcome, stages) = match options.method {
         Method::LeastSquares => (least_squares(&problem, &first, progress), Vec::new()),
         Method::Rsm => {
-            let sequence = surfaces(&problem, &ranges, progress);
-            (finish_surfaces(&problem, &sequence), sequence.stages)
+            let mut sequence = surfaces(&problem, &ranges, progress);
+            (finish_surfaces(&problem, &mut sequence), sequence.stages)
         }
         Method::Both => {
             let sequence = surfaces(&problem, &ranges, progress);
@@ -173,11 +177,8 @@ pub fn fit(
             // Surfaces from poor ranges may end in a wrong valley; least squares from the first guess then decides.
             let noise = problem.noise_rad();
             let good = from_surfaces.rmse_rad(&problem) < GOOD_NOISES * noise;
-            let best = if good {
-                from_surfaces
-            } else {
-                from_surfaces.better(least_squares(&problem, &first, progress))
-            };
+            let best =
+                if good { from_surfaces } else { from_surfaces.better(least_squares(&problem, &first, progress)) };
             (best, sequence.stages)
         }
     };
@@ -302,30 +303,83 @@ fn surfaces(problem: &Problem, ranges: &Ranges, progress: &(dyn Fn(Progress) + S
     })
 }
 
-/// The end of response surfaces without least squares: Ms and DV by search, then designs over the whole swing.
-fn finish_surfaces(problem: &Problem, sequence: &Sequence) -> Outcome {
+/// The end of response surfaces without least squares: Ms and DV by search, then designs over the whole swing, first
+/// of the smooth parameters, then of all.
+fn finish_surfaces(problem: &Problem, sequence: &mut Sequence) -> Outcome {
     let smooth = smooth(problem);
-    let mut pair = pair_of(problem, &sequence.point);
-    let mut point = smooth_point(problem, &sequence.point);
-    let mut cost = f64::INFINITY;
-    let keep = |(unknown, range): (&Unknown, &(f64, f64))| (!unknown.is_stiction()).then_some(*range);
-    let mut ranges = Ranges(problem.unknowns.iter().zip(&sequence.ranges.0).filter_map(keep).collect());
+    let mut best = Outcome {
+        point: smooth_point(problem, &sequence.point),
+        stiction: pair_of(problem, &sequence.point),
+        level_range_nm: (0.0, 0.0),
+        cost: problem.costs(Window::Whole, std::slice::from_ref(&sequence.point))[0],
+        converged: true,
+    };
     for _ in 0..FINISHING_ROUNDS {
-        let tried = stiction::best_pair(&smooth, &point, Some(pair));
-        let fixed = with_stiction(&smooth, tried);
-        let from = Sequence { point: point.clone(), stages: Vec::new(), ranges: ranges.clone() };
-        let next = sequential::in_window(&fixed, from, Window::Whole);
-        let next_cost = fixed.costs(Window::Whole, std::slice::from_ref(&next.point))[0];
-        if next_cost >= cost {
+        let pair = stiction::best_pair(&smooth, &best.point, Some(best.stiction));
+        let next = finishing_round(problem, &smooth, sequence, &best.point, pair);
+        let gain = best.cost - next.cost;
+        if gain > 0.0 {
+            best = next;
+        }
+        if gain < problem.noise_rad().powi(2) {
             break;
         }
-        (pair, point, cost, ranges) = (tried, next.point, next_cost, next.ranges);
     }
-    Outcome { point, stiction: pair, level_range_nm: (pair.level_nm, pair.level_nm), cost, converged: true }
+    best
+}
+
+fn finishing_round(
+    problem: &Problem,
+    smooth: &Problem,
+    sequence: &mut Sequence,
+    point: &Point,
+    pair: Stiction,
+) -> Outcome {
+    let fixed = with_stiction(smooth, pair);
+    let keep = |(unknown, range): (&Unknown, &(f64, f64))| (!unknown.is_stiction()).then_some(*range);
+    let ranges = Ranges(problem.unknowns.iter().zip(&sequence.ranges.0).filter_map(keep).collect());
+    let from = Sequence { point: point.clone(), stages: Vec::new(), ranges };
+    let smooth_end = sequential::in_window(&fixed, from, Window::Whole);
+    sequence.stages.extend(smooth_end.stages.iter().cloned());
+
+    // Near the truth Ms and DV have smooth effects too.
+    let values = full_values(problem, &smooth_end.point, pair);
+    let mut smooth_ranges = smooth_end.ranges.0.iter();
+    let range = |(unknown, value): (&Unknown, &f64)| {
+        let beside = (value - STICTION_REACH * value, value + STICTION_REACH * value);
+        if unknown.is_stiction() { beside } else { smooth_ranges.next().copied().unwrap_or(beside) }
+    };
+    let ranges = Ranges(problem.unknowns.iter().zip(&values).map(range).collect());
+    let from =
+        Sequence { point: Point { values, starts: smooth_end.point.starts.clone() }, stages: Vec::new(), ranges };
+    let end = if pair.velocity_band > 0.0 { sequential::in_window(problem, from, Window::Whole) } else { from };
+    sequence.stages.extend(end.stages.iter().cloned());
+    let stiction = pair_of(problem, &end.point);
+    Outcome {
+        point: smooth_point(problem, &end.point),
+        stiction,
+        level_range_nm: (stiction.level_nm, stiction.level_nm),
+        cost: problem.costs(Window::Whole, std::slice::from_ref(&end.point))[0],
+        converged: true,
+    }
 }
 
 /// Rounds of stiction search and designs at the end.
-const FINISHING_ROUNDS: usize = 3;
+const FINISHING_ROUNDS: usize = 4;
+
+/// The last designs reach this share to either side of Ms and DV.
+const STICTION_REACH: f64 = 0.15;
+
+/// All unknowns' values in the problem's order, from the smooth ones and Ms and DV.
+fn full_values(problem: &Problem, smooth: &Point, stiction: Stiction) -> Vec<f64> {
+    let mut smooth = smooth.values.iter();
+    let mut pair = [stiction.level_nm, stiction.velocity_band].into_iter();
+    let next = |unknown: &Unknown| {
+        let value = if unknown.is_stiction() { pair.next() } else { smooth.next().copied() };
+        value.unwrap_or(0.0)
+    };
+    problem.unknowns.iter().map(next).collect()
+}
 
 fn pair_of(problem: &Problem, point: &Point) -> Stiction {
     let value = |index: usize| {
@@ -369,7 +423,7 @@ impl Report<'_, '_> {
             return Err(FitError::Hopeless { error_rad: rmse_rad });
         }
         let full = self.full_problem();
-        let values = self.full_values(&full);
+        let values = full_values(&full, &self.outcome.point, self.outcome.stiction);
         let point = Point { values, starts: self.outcome.point.starts.clone() };
         let (known, covariance) = self.uncertainty(&full, &point);
         let parameters = full.parameters(&point.values);
@@ -396,18 +450,6 @@ impl Report<'_, '_> {
 
     fn full_problem(&self) -> Problem<'_> {
         with_stiction(self.problem, self.outcome.stiction)
-    }
-
-    /// All unknowns' values in the problem's order.
-    fn full_values(&self, full: &Problem) -> Vec<f64> {
-        let mut smooth = self.outcome.point.values.iter();
-        let Stiction { level_nm, velocity_band } = self.outcome.stiction;
-        let mut pair = [level_nm, velocity_band].into_iter();
-        let next = |unknown: &Unknown| {
-            let value = if unknown.is_stiction() { pair.next() } else { smooth.next().copied() };
-            value.unwrap_or(0.0)
-        };
-        full.unknowns.iter().map(next).collect()
     }
 
     /// The indices of the numbers that the data tell smoothly, and their covariance. Numbers on a bound are known to be
@@ -479,7 +521,9 @@ impl Report<'_, '_> {
         let last = stages.last().and_then(|stage| stage.r_squared_predicted);
         if let Some(r_squared) = last.filter(|r_squared| *r_squared < 0.5) {
             let percent = 100.0 * r_squared;
-            warnings.push(format!("the last surface of mseA predicts only {percent:.0} % of new runs: don't trust its optimum"));
+            warnings.push(format!(
+                "the last surface of mseA predicts only {percent:.0} % of new runs: don't trust its optimum"
+            ));
         }
         warnings
     }
@@ -497,8 +541,12 @@ impl Report<'_, '_> {
             (Verdict::Not, "stiction") => {
                 Some(format!("{symbol} is hardly identifiable here; record several swings down to rest"))
             }
-            (Verdict::Not, "viscous" | "coulomb") if *value == 0.0 => Some(format!("{symbol} is zero within its uncertainty")),
-            (Verdict::Not, _) => Some(format!("{symbol} is not identifiable from these swings; add a release at 1.4 rad or more")),
+            (Verdict::Not, "viscous" | "coulomb") if *value == 0.0 => {
+                Some(format!("{symbol} is zero within its uncertainty"))
+            }
+            (Verdict::Not, _) => {
+                Some(format!("{symbol} is not identifiable from these swings; add a release at 1.4 rad or more"))
+            }
             _ => None,
         }
     }

@@ -3,8 +3,9 @@
 //! Each stage runs a face-centred central composite design, fits the five response surfaces, and moves to their
 //! optimum. The paper's own sequence does not converge from its own wide ranges: far from the truth the error surface
 //! is no parabola and the next box shuts the truth out. Three things cure that: the time window grows, so that early
-//! stages see a smooth error; a move is accepted only if the simulated error falls; a box is re-centred before it
-//! shrinks, and shrinks only when its optimum lies inside or its surface cannot be believed.
+//! stages see a smooth error; a move is accepted only if the simulated error falls; a box is re-centred before its
+//! width changes, and shrinks only when its optimum lies inside or its surface cannot be believed (it predicts runs
+//! that were left out badly, or the simulation does not keep what it promised): a trust region of surfaces.
 //!
 //! Start angle, velocity and offset of each swing are solved for in every run, to first order.
 
@@ -12,9 +13,7 @@ use super::linear::{dot, solve_damped};
 use super::problem::{PER_SWING, Point, Problem, Start};
 use super::quality::{Measured, Responses};
 use super::windows::WINDOWS_S;
-use crate::rsm::{
-    Composite, Design, Desirability, Factor, Goodness, Search, Surface, goodness, optimum,
-};
+use crate::rsm::{Composite, Design, Desirability, Factor, Goodness, Search, Surface, goodness, optimum};
 use crate::swing::Window;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -28,6 +27,12 @@ const SHRINK: f64 = 0.5;
 
 /// Below this predicted R² (PRESS) of mseA a surface is not believed.
 const CREDIBLE_R_SQUARED: f64 = 0.9;
+
+/// A surface is not believed either when the error falls by less than this share of what it promised.
+const KEPT_PROMISE: f64 = 0.25;
+
+/// A believed box whose optimum lies on a face grows by this factor.
+const GROW: f64 = 2.0;
 
 /// A window is finished when a move lowers the sum of squares by less than so many noise variances.
 const LITTLE_GAIN: f64 = 5.0;
@@ -133,8 +138,10 @@ fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Seque
     let n_samples = problem.n_samples(window) as f64;
     let gain = (here.responses.mse_angle - chosen.responses.mse_angle) * n_samples / problem.noise_rad().powi(2);
 
+    let promised = promised_gain(&surfaces[0]) * n_samples / problem.noise_rad().powi(2);
     let r_squared_predicted = fits[0].r_squared_predicted;
-    let credible = r_squared_predicted.is_some_and(|r| r > CREDIBLE_R_SQUARED);
+    let kept_promise = gain > KEPT_PROMISE * promised || promised < LITTLE_GAIN;
+    let credible = kept_promise && r_squared_predicted.is_some_and(|r| r > CREDIBLE_R_SQUARED);
     let next_box = NextBox {
         problem,
         factors: &factors,
@@ -193,6 +200,12 @@ fn proposals(surfaces: &[Surface], runs: &[Run], factors: &[Factor]) -> Vec<Vec<
     all.map(|optimum| optimum.natural).into_iter().chain(least.map(|coded| natural(&coded))).collect()
 }
 
+/// By how much the surface of mseA says that the error falls from the box's centre to its best point.
+fn promised_gain(error: &Surface) -> f64 {
+    let centre = vec![0.0; error.factors().len()];
+    least_error(error).map_or(0.0, |best| error.predict(&centre) - error.predict(&best))
+}
+
 /// The point of the box with the least predicted error: damped Newton steps on the quadratic, held in the box.
 fn least_error(surface: &Surface) -> Option<Vec<f64>> {
     let n_factors = surface.factors().len();
@@ -246,7 +259,7 @@ struct NextBox<'a, 'b> {
 
 impl NextBox<'_, '_> {
     /// A surface that can't be believed halves its box. A believed one gives the standard deviations of its optimum; the
-    /// box then reaches a few of them, but a side with the optimum on its face stays as wide as it was.
+    /// box then reaches a few of them; a side with the optimum on its face grows.
     fn ranges(&self, values: &[f64]) -> Ranges {
         let stds = self.coded_stds();
         let next = |j: usize| {
@@ -256,7 +269,7 @@ impl NextBox<'_, '_> {
             let half = match (self.credible, inside) {
                 (false, _) => SHRINK * present,
                 (true, true) => (BOX_STDS * stds[j]).clamp(STRONGEST_SHRINK, 1.0) * present,
-                (true, false) => present,
+                (true, false) => GROW * present,
             };
             let unknown = &self.problem.unknowns[j];
             let narrowest = if unknown.is_stiction() { NARROWEST_STICTION } else { NARROWEST };

@@ -110,7 +110,11 @@ fn stop_ranges(problem: &Problem, point: &Point) -> Vec<(f64, f64)> {
     let gravity = parameters.pendulum.gravity_torque_nm();
     let mut torques: Vec<f64> = (0..problem.swings.len())
         .flat_map(|swing_idx| {
-            let column = &problem.predict(swing_idx, problem.swings[swing_idx].len(), &[(&point.values, point.starts[swing_idx])])[0];
+            let column = &problem.predict(
+                swing_idx,
+                problem.swings[swing_idx].len(),
+                &[(&point.values, point.starts[swing_idx])],
+            )[0];
             last_turning_torques(column, gravity)
         })
         .filter(|torque| *torque > coulomb)
@@ -132,7 +136,11 @@ fn last_turning_torques(angles_rad: &[f64], gravity_nm: f64) -> Vec<f64> {
 
 /// Costs of pairs after the smooth parameters have answered to first order.
 fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, tried: &[Stiction]) -> Vec<f64> {
-    let pair_problem = Problem { unknowns: stiction_unknowns(&problem.template), template: problem.parameters(&point.values), ..problem.clone() };
+    let pair_problem = Problem {
+        unknowns: stiction_unknowns(&problem.template),
+        template: problem.parameters(&point.values),
+        ..problem.clone()
+    };
     let pairs: Vec<[f64; 2]> = tried.iter().map(|pair| [pair.level_nm, pair.velocity_band]).collect();
     let n_unknowns = problem.unknowns.len();
     let per_swing: Vec<Vec<(f64, Vec<f64>)>> = (0..problem.swings.len())
@@ -278,7 +286,8 @@ fn descend_with_stiction(problem: &Problem, point: &Point, stiction: Stiction) -
     let together = Point { values, starts: first.point.starts.clone() };
     let second = descend(&all, &together, Window::Whole, Patience::FINE, Steps::new(&all));
     let n_unknowns = problem.unknowns.len();
-    let moved = Stiction { level_nm: second.point.values[n_unknowns], velocity_band: second.point.values[n_unknowns + 1] };
+    let moved =
+        Stiction { level_nm: second.point.values[n_unknowns], velocity_band: second.point.values[n_unknowns + 1] };
     let mut point = second.point;
     point.values.truncate(n_unknowns);
     let last = descend(&with_stiction(problem, moved), &point, Window::Whole, Patience::FINE, first.steps.clone());
