@@ -93,6 +93,13 @@ impl Swing {
         self.times_s.last().copied().unwrap_or(0.0)
     }
 
+    /// Every k-th sample, so that about `rate_hz` remain; unchanged if there are no more than that.
+    pub fn thinned(&self, rate_hz: f64) -> Self {
+        let every = ((self.len() as f64 / self.duration_s() / rate_hz) as usize).max(1);
+        let pick = |values: &[f64]| values.iter().step_by(every).copied().collect::<Vec<f64>>();
+        Self::new(&self.name, &pick(&self.times_s), &pick(&self.angles_rad), self.noise_rad)
+    }
+
     /// Number of samples in a window.
     pub fn samples_within(&self, window: Window) -> usize {
         match window {

@@ -165,14 +165,19 @@ pub fn fit(
     let ranges = chosen_ranges(&problem, &first, &options.ranges)?;
     let responses_before = responses_at(&problem, &first, Window::Whole);
 
+    // Designs need many runs but not every sample.
+    let thin: Vec<Swing> = swings.iter().map(|swing| swing.thinned(SURFACE_RATE_HZ)).collect();
+    let designed = Problem { swings: &thin, ..problem.clone() };
+
     let (outcome, stages) = match options.method {
         Method::LeastSquares => (least_squares(&problem, &first, progress), Vec::new()),
         Method::Rsm => {
-            let mut sequence = surfaces(&problem, &ranges, progress);
-            (finish_surfaces(&problem, &mut sequence), sequence.stages)
+            let mut sequence = surfaces(&designed, &ranges, progress);
+            let outcome = finish_surfaces(&designed, &mut sequence);
+            (outcome.on(&problem), sequence.stages)
         }
         Method::Both => {
-            let sequence = surfaces(&problem, &ranges, progress);
+            let sequence = surfaces(&designed, &ranges, progress);
             let from_surfaces = polish(&problem, &sequence, progress);
             // Surfaces from poor ranges may end in a wrong valley; least squares from the first guess then decides.
             let noise = problem.noise_rad();
@@ -186,6 +191,9 @@ pub fn fit(
     let report = Report { problem: &problem, outcome, given: &options.ranges };
     report.build(held_out, responses_before, stages, &count, began)
 }
+
+/// Designs look at this many samples a second.
+const SURFACE_RATE_HZ: f64 = 200.0;
 
 /// A polished fit within this many noises is not doubted.
 const GOOD_NOISES: f64 = 1.5;
@@ -211,6 +219,13 @@ pub struct Outcome {
 impl Outcome {
     fn better(self, other: Self) -> Self {
         if other.cost < self.cost { other } else { self }
+    }
+
+    /// The same values judged on all samples of a problem.
+    fn on(self, problem: &Problem) -> Self {
+        let fixed = with_stiction(&smooth(problem), self.stiction);
+        let cost = fixed.costs(Window::Whole, std::slice::from_ref(&self.point))[0];
+        Self { cost, ..self }
     }
 
     fn rmse_rad(&self, problem: &Problem) -> f64 {
