@@ -1,1 +1,3 @@
 //! The pendulum rig on the PC.
+
+pub mod responses;
