@@ -3,8 +3,11 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use host::lanes::{Lanes, pack};
+use rayon::prelude::*;
 use shared::model::Model;
 use shared::parameters::Parameters;
+use shared::real::Real;
 
 fn main() {
     divan::main();
@@ -24,4 +27,61 @@ fn one_step_f64(bencher: Bencher) {
         }
         state.angle_rad
     });
+}
+
+/// The same swing with slightly different parameters in each lane; an item is a step of one lane.
+#[divan::bench(consts = [2, 4, 8])]
+fn one_step_in_lanes<const N: usize>(bencher: Bencher) {
+    let model = Model::new(&pack(&neighbours::<N>()).expect("the same effects in each lane"));
+    bencher.counter(ItemsCount::new(N * N_STEPS)).bench_local(|| {
+        let mut state = model.release(black_box(Lanes::of(1.509)), Lanes::of(0.0));
+        for _ in 0..N_STEPS {
+            model.step(&mut state, Lanes::of(DT_S));
+        }
+        state.angle_rad
+    });
+}
+
+fn neighbours<const N: usize>() -> [Parameters<f64>; N] {
+    std::array::from_fn(|lane| {
+        let mut parameters = Parameters::paper();
+        parameters.pendulum.inertia_kg_m2 *= 1.0 + 1e-6 * lane as f64;
+        parameters
+    })
+}
+
+/// One of the paper's designs: 27 runs of 46.2 s on all processors.
+#[divan::bench]
+fn a_design_of_27_runs(bencher: Bencher) {
+    bencher.bench_local(|| (0..27).into_par_iter().map(|run| one_run(&design_run(run))).sum::<f64>());
+}
+
+/// The same with four runs side by side.
+#[divan::bench]
+fn a_design_of_27_runs_in_lanes(bencher: Bencher) {
+    let four_runs = |group: i32| {
+        let sets: [_; 4] = std::array::from_fn(|lane| design_run((4 * group + lane as i32).min(26)));
+        one_run(&pack(&sets).expect("the same effects in each lane")).0[0]
+    };
+    bencher.bench_local(|| (0..7).into_par_iter().map(four_runs).sum::<f64>());
+}
+
+/// Parameters spread like the third design's.
+fn design_run(run: i32) -> Parameters<f64> {
+    let level = |digit: i32| f64::from(run / digit % 3 - 1);
+    let mut parameters = Parameters::paper();
+    parameters.pendulum.inertia_kg_m2 = 2.7e-3 + 2e-5 * level(9);
+    parameters.set_friction(5.4e-4 + 2e-5 * level(1), 7e-4 + 2e-5 * level(3), 1e-3, 0.05);
+    parameters
+}
+
+fn one_run<R: Real>(parameters: &Parameters<R>) -> R {
+    let model = Model::new(parameters);
+    let mut state = model.release(R::of(1.509), R::zero());
+    let mut sum = R::zero();
+    for _ in 0..46_200 {
+        model.step(&mut state, R::of(DT_S));
+        sum = sum + state.angle_rad * state.angle_rad;
+    }
+    sum
 }

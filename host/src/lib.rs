@@ -1,3 +1,4 @@
 //! The pendulum rig on the PC.
 
+pub mod lanes;
 pub mod responses;

@@ -149,11 +149,27 @@ impl<R: Real> Model<R> {
     pub fn step(&self, state: &mut State<R>, dt_s: R) {
         let trial = self.trial(state, dt_s);
         let onward = self.velocity_band.le(state.contact.slide * trial.velocity);
-        if state.contact.is_sliding().and(onward).all() {
+        if state.contact.is_sliding().and(onward).all() || self.stays(state, trial, dt_s).all() {
             self.accept(state, trial, dt_s);
         } else {
             self.step_in_pieces(state, dt_s);
         }
+    }
+
+    /// True where the contact is the same before and after a step.
+    #[inline(never)]
+    fn stays(&self, state: &State<R>, trial: Phase<R>, dt_s: R) -> R::Mask {
+        let contact = &state.contact;
+        let slides = contact.is_sliding().and(self.velocity_band.le(contact.slide * trial.velocity));
+        let time = state.time_s + dt_s;
+        let driven =
+            contact.level_nm.le(contact.push * self.drive_nm(trial.angle, trial.velocity, time, &state.memories));
+        let creeps = contact.is_in_band().and(trial.velocity.abs().le(self.velocity_band)).and(driven);
+        if !contact.is_resting().any() {
+            return slides.or(creeps);
+        }
+        let held = self.balance(trial.angle, R::zero(), time, &state.memories).holds();
+        slides.or(creeps).or(contact.is_resting().and(held))
     }
 
     /// A step in which sliding may begin or end: cut there as often as needed.

@@ -125,9 +125,9 @@ macro_rules! sine {
 /// Minimax coefficients of `(sin x − x)/x³` in x² over ±π/2 for the smallest absolute error of the sine, 1.1e-16, by
 /// the Remez algorithm at 60 digits. A Taylor series as good needs ten.
 const SINE_F64: [f64; 7] = [
-    -0.166_666_666_666_658_12,
-    0.008_333_333_333_262_879,
-    -0.000_198_412_698_200_942_08,
+    -0.166_666_666_666_658_1,
+    0.008_333_333_333_262_88,
+    -0.000_198_412_698_200_942_1,
     2.755_731_607_700_771_6e-6,
     -2.505_185_149_719_714_6e-8,
     1.604_730_119_667_190_3e-10,
