@@ -16,7 +16,7 @@ fn paper_with(viscous: f64, coulomb: f64, stiction: f64, band: f64) -> Parameter
 fn worst_error(parameters: &Parameters<f64>, start: (f64, f64), seconds: f64, dt_s: f64) -> f64 {
     let model = Model::new(parameters);
     let mut state = model.release(start.0, start.1);
-    let mut reference = Reference::release(parameters, start.0, start.1);
+    let mut reference = Reference::release(parameters, None, start.0, start.1);
     let per_sample = (0.01 / dt_s).round() as usize;
     let mut worst = 0.0_f64;
     for _ in 0..(seconds / 0.01) as usize {

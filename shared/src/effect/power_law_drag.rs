@@ -23,7 +23,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 start: 0.0,
                 meaning: "drag torque at 1 rad/s",
             },
-            Parameter { symbol: "p", unit: "1", low: 0.3, high: 4.0, start: 2.5, meaning: "exponent of the speed" },
+            Parameter { symbol: "p", unit: "1", low: 0.25, high: 4.0, start: 2.5, meaning: "exponent of the speed" },
         ],
         starts: &[[0.0, 2.5, 0.0, 0.0], [0.0, 1.5, 0.0, 0.0], [0.0, 3.2, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0]],
         generalises: Some("quadratic-drag"),

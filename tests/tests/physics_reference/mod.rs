@@ -34,12 +34,8 @@ pub(crate) struct Reference {
 }
 
 impl Reference {
-    pub(crate) fn release(parameters: &Parameters<f64>, angle_rad: f64, velocity_rad_s: f64) -> Self {
-        Self::release_with(parameters, |_, _, _| 0.0, angle_rad, velocity_rad_s)
-    }
-
-    /// With an added torque that acts while sliding.
-    pub(crate) fn release_with(parameters: &Parameters<f64>, law: Law, angle_rad: f64, velocity_rad_s: f64) -> Self {
+    /// Lets it go; `law` is an added torque that acts while sliding.
+    pub(crate) fn release(parameters: &Parameters<f64>, law: Option<Law>, angle_rad: f64, velocity_rad_s: f64) -> Self {
         let value = |id, index: usize| parameters.values(id).map_or(0.0, |values| values[index]);
         let p = &parameters.pendulum;
         let mut reference = Self {
@@ -52,7 +48,7 @@ impl Reference {
             coulomb_nm: value(base::COULOMB, 0),
             stiction_nm: value(base::STICTION, 0),
             band: value(base::STICTION, 1),
-            law,
+            law: law.unwrap_or(|_, _, _| 0.0),
         };
         if velocity_rad_s != 0.0 && velocity_rad_s.abs() >= reference.band {
             reference.regime = Regime::Sliding { direction: velocity_rad_s.signum() };
