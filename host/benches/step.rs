@@ -5,6 +5,7 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use host::lanes::{Lanes, pack};
 use rayon::prelude::*;
+use shared::effect::{Effect, Parameter};
 use shared::model::Model;
 use shared::parameters::Parameters;
 use shared::real::Real;
@@ -48,6 +49,43 @@ fn neighbours<const N: usize>() -> [Parameters<f64>; N] {
         parameters.pendulum.inertia_kg_m2 *= 1.0 + 1e-6 * lane as f64;
         parameters
     })
+}
+
+/// What each effect adds, alone and in lanes; an item is a step of one lane.
+#[divan::bench(args = EFFECTS)]
+fn one_step_with(bencher: Bencher, name: &str) {
+    let parameters = with_effect(name, 0);
+    let model = Model::new(&parameters);
+    bencher.counter(ItemsCount::new(N_STEPS)).bench_local(|| swing(&model));
+}
+
+/// The same with four lanes.
+#[divan::bench(args = EFFECTS)]
+fn one_step_in_lanes_with(bencher: Bencher, name: &str) {
+    let sets: [_; 4] = std::array::from_fn(|lane| with_effect(name, lane));
+    let model = Model::new(&pack(&sets).expect("the same effects in each lane"));
+    bencher.counter(ItemsCount::new(4 * N_STEPS)).bench_local(|| swing(&model));
+}
+
+/// Representatives of each kind: a product, a bearing load, an exponential, a power, two sines, a memory.
+const EFFECTS: [&str; 6] =
+    ["quadratic-drag", "load-dependent-coulomb", "stribeck", "power-law-drag", "detent", "presliding"];
+
+fn with_effect(name: &str, lane: usize) -> Parameters<f64> {
+    let effect = Effect::<f64>::by_name(name).expect("a name from the list");
+    let mut parameters = neighbours::<4>()[lane].clone();
+    let usual = |p: &Parameter| if p.start == 0.0 { 1e-3 * p.high } else { p.start };
+    let values: Vec<f64> = effect.parameters.iter().map(usual).collect();
+    parameters.set(effect.id, &values).expect("one effect fits");
+    parameters
+}
+
+fn swing<R: Real>(model: &Model<R>) -> R {
+    let mut state = model.release(R::of(1.509), R::zero());
+    for _ in 0..N_STEPS {
+        model.step(&mut state, R::of(DT_S));
+    }
+    state.angle_rad
 }
 
 /// One of the paper's designs: 27 runs of 46.2 s on all processors.

@@ -60,6 +60,9 @@ pub struct Parameter {
 /// Torque in N·m at an instant, positive counter-clockwise.
 pub type Torque<R> = fn(&Motion<R>, &[R; MAX_VALUES]) -> R;
 
+/// From the instants before and after a step and the memory before it: the memory after it.
+pub type Advance<R> = fn(&Motion<R>, &Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> [R; MEMORY];
+
 /// Where and how an effect acts.
 #[derive(Clone, Copy)]
 pub enum Action<R> {
@@ -84,7 +87,7 @@ pub struct Memory<R> {
     /// Torque in N·m at an instant, given the memory of the last accepted step; acts at rest too.
     pub torque: fn(&Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> R,
     /// The memory after a step from the first instant to the second; the sliding direction did not change in between.
-    pub advance: fn(&Motion<R>, &Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> [R; MEMORY],
+    pub advance: Advance<R>,
 }
 
 /// An effect on the measurement.
