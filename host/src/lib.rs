@@ -4,6 +4,7 @@ pub mod fit;
 pub mod lanes;
 pub mod noise;
 pub mod recording;
+pub mod responses;
 pub mod rsm;
 pub mod swing;
 pub mod trajectory;
