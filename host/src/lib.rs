@@ -1,5 +1,6 @@
 //! The pendulum rig on the PC.
 
+pub mod diagnose;
 pub mod fit;
 pub mod lanes;
 pub mod noise;

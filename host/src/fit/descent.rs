@@ -103,7 +103,8 @@ fn best_trial(
 /// for again.
 fn bounded_step(problem: &Problem, point: &Point, linear: &Linear, damping: f64) -> Point {
     let n_unknowns = problem.unknowns.len();
-    let mut free = vec![true; linear.gradient.len()];
+    let is_offset = |j: usize| j >= n_unknowns && (j - n_unknowns) % PER_SWING == PER_SWING - 1;
+    let mut free: Vec<bool> = (0..linear.gradient.len()).map(|j| problem.offsets_are_free || !is_offset(j)).collect();
     let mut gradient = linear.gradient.clone();
     let mut fixed_step = DVector::zeros(gradient.len());
     loop {
