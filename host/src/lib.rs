@@ -1,1 +1,3 @@
 //! The pendulum rig on the PC.
+pub mod noise;
+pub mod recording;
