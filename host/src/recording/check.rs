@@ -121,9 +121,7 @@ fn saturated(recording: &Recording) -> Vec<Problem> {
         [lowest, highest]
     };
     let (keys, ends, needs_speed): (Vec<f64>, _, _) = match recording.codes() {
-        Some(codes) => {
-            (codes.iter().map(|code| f64::from(*code)).collect(), [0.0, f64::from(FULL_SCALE_CODE)], false)
-        }
+        Some(codes) => (codes.iter().map(|code| f64::from(*code)).collect(), [0.0, f64::from(FULL_SCALE_CODE)], false),
         None => (angles_rad.to_vec(), extremes(angles_rad), true),
     };
     ends.into_iter().filter_map(|end| pinned_at(recording, &keys, end, needs_speed)).collect()
@@ -252,9 +250,10 @@ mod tests {
     #[test]
     fn noise_around_one_value_is_nothing_that_moves() {
         let noise = |idx: usize| f64::from((idx as u32).wrapping_mul(2_654_435_761) >> 16) / 65536.0;
-        assert!(matches!(check((0..500).map(|idx| 0.3 + 0.004 * noise(idx)).collect())[..], [
-            Problem::NothingMoves { .. }
-        ]));
+        assert!(matches!(
+            check((0..500).map(|idx| 0.3 + 0.004 * noise(idx)).collect())[..],
+            [Problem::NothingMoves { .. }]
+        ));
     }
 
     #[test]

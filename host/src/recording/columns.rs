@@ -172,8 +172,20 @@ const NAMES_THE_THING: u8 = 2;
 const NAMES_A_UNIT: u8 = 1;
 
 /// Words after which a column is not the angle itself, whatever else it says.
-const DERIVED: &[&str] =
-    &["omega", "velocity", "vel", "speed", "acceleration", "acc", "accel", "alpha", "rate", "dot", "target", "setpoint"];
+const DERIVED: &[&str] = &[
+    "omega",
+    "velocity",
+    "vel",
+    "speed",
+    "acceleration",
+    "acc",
+    "accel",
+    "alpha",
+    "rate",
+    "dot",
+    "target",
+    "setpoint",
+];
 const TIME: &[&str] = &["t", "time", "times", "timestamp", "zeit", "elapsed"];
 const ANGLE: &[&str] = &["theta", "angle", "position", "pos", "phi", "winkel", "θ", "φ"];
 const CODE: &[&str] = &["code", "codes", "adc"];

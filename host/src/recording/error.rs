@@ -34,7 +34,9 @@ pub enum Fault {
     #[error("the file is empty; expected rows of time and angle")]
     Empty,
     /// Bytes that are no text.
-    #[error("this is not text (byte {byte:#04x} at position {position}); expected a CSV file, so export it as CSV first")]
+    #[error(
+        "this is not text (byte {byte:#04x} at position {position}); expected a CSV file, so export it as CSV first"
+    )]
     NotText {
         /// The offending byte.
         byte: u8,

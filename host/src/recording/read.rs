@@ -102,12 +102,7 @@ struct Samples {
 }
 
 impl Sources {
-    fn choose(
-        table: &Table,
-        header: &Header,
-        options: &ReadOptions,
-        notes: &mut Vec<String>,
-    ) -> Result<Self, Fault> {
+    fn choose(table: &Table, header: &Header, options: &ReadOptions, notes: &mut Vec<String>) -> Result<Self, Fault> {
         let asked = options.columns.clone().unwrap_or_default();
         let code = choose_code(table, &asked)?;
         let time = choose_time(table, header, options, &asked, notes)?;
@@ -215,7 +210,9 @@ fn choose_angle(
     code_idx: Option<usize>,
 ) -> Result<Option<(usize, Option<AngleUnit>)>, Fault> {
     if let Some((column, unit)) = &asked.angle {
-        return Ok(Some((find(table, column)?, *unit)).map(|(idx, unit)| (idx, unit.or(angle_unit_in_name(table, idx)))));
+        return Ok(
+            Some((find(table, column)?, *unit)).map(|(idx, unit)| (idx, unit.or(angle_unit_in_name(table, idx))))
+        );
     }
     let named = best(table, "angle", |meaning| match meaning {
         Meaning::Angle { unit, strength } => Some((unit, strength)),

@@ -131,23 +131,25 @@ fn is_comment(line: &str) -> bool {
     ["#", "%", "//"].iter().any(|mark| line.starts_with(mark))
 }
 
-/// The separator with which the first lines give the most numbers.
+/// The separator with which the first lines give the most numbers and the least else.
 fn find_separator(text: &str) -> Separator {
-    let n_found = |separator: Separator| -> usize {
-        text.lines()
-            .filter(|line| !is_comment(line))
-            .take(N_LINES_LOOKED_AT)
-            .map(|line| n_numbers(line, separator))
-            .filter(|n| *n >= 2)
-            .sum()
+    let score = |separator: Separator| -> usize {
+        let lines = text.lines().filter(|line| !is_comment(line)).take(N_LINES_LOOKED_AT);
+        lines.map(|line| score_of_line(line, separator)).sum()
     };
-    let mut best = Separator::Comma;
+    let mut best = (Separator::Comma, 0);
     for separator in SEPARATORS {
-        if n_found(separator) > n_found(best) {
-            best = separator;
+        if score(separator) > best.1 {
+            best = (separator, score(separator));
         }
     }
-    best
+    best.0
+}
+
+fn score_of_line(line: &str, separator: Separator) -> usize {
+    let n_fields = split(line, separator).len();
+    let n_numbers = n_numbers(line, separator);
+    if n_numbers < 2 { 0 } else { 2 * n_numbers - n_fields }
 }
 
 /// How many numbers a line has; 0 when fewer than half of its fields are numbers.

@@ -1,0 +1,515 @@
+//! Where the pendulum swings freely: after it was held or touched, until it hangs still.
+//!
+//! In: a recording, perhaps with the user's own limits. Out: index ranges and what was cut, in words.
+//!
+//! A free pendulum obeys `α = −ω0² sin θ + b cos θ − c sgn ω − d ω − e ω|ω|`. The five numbers are fitted to the middle
+//! of the recording, robustly; where the acceleration (from local polynomials) is off by far more than noise, a hand
+//! did it. The free swing is the undisturbed stretch with the most turning points. The friction law is crude on purpose:
+//! it must recognise a hand, which does tens of rad/s², and be blind to every kind of missing physics.
+//! If the pendulum was held still before, the release is placed to a few ms by fitting the start of the fall; the free
+//! range begins shortly after it, never before.
+
+use std::ops::Range;
+
+use nalgebra::{SMatrix, SVector};
+use thiserror::Error;
+
+use super::smooth::LocalFit;
+use super::turning::{self, TurningPoint};
+use super::{Recording, median};
+use crate::noise;
+
+/// Two swings there and back.
+const MIN_TURNING_POINTS: usize = 4;
+
+/// Local polynomials per half width.
+const STATES_PER_WIDTH: f64 = 4.0;
+
+/// An acceleration is disturbed when it is off the law by this many standard deviations of its own noise …
+const DISTURBED_NOISE: f64 = 6.0;
+
+/// … and this many of the typical misfit of the law (effects it does not know) …
+const DISTURBED_MISFIT: f64 = 5.0;
+
+/// … and this share of gravity at the typical amplitude.
+const DISTURBED_SHARE: f64 = 0.12;
+
+/// So many disturbed states in a row are a hand; fewer are the kink of dry friction at a turning point.
+const N_DISTURBED: usize = 3;
+
+/// The free range begins this long after the fitted release, s: the release is known to a few ms.
+const GUARD_S: f64 = 0.010;
+
+/// Stillness is doubted when the mean over a short window leaves the start by this many of its standard deviations.
+const STILL_SPREADS: f64 = 5.0;
+
+/// Rounds of the robust fit.
+const N_ROUNDS: usize = 6;
+
+/// The user's own limits, s; `None` = found.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SegmentOptions {
+    /// `--from`: the free swing begins here.
+    pub from_s: Option<f64>,
+    /// `--to`: the free swing ends here.
+    pub to_s: Option<f64>,
+}
+
+/// The parts of a recording, as ranges of samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Segments {
+    /// Held still at the beginning, before the release or before a hand lifted it.
+    pub lead_in: Option<Range<usize>>,
+    /// Swinging freely, down to the final stop.
+    pub free: Range<usize>,
+    /// Hanging still at the end.
+    pub rest: Option<Range<usize>>,
+    /// The release, s: fitted when it was held still before, else the begin of the free range.
+    pub release_s: f64,
+    /// Turning points within the free range.
+    pub n_turning_points: usize,
+    /// What was cut and why, in words.
+    pub notes: Vec<String>,
+}
+
+/// Why there is no free swing.
+#[derive(Debug, Error, PartialEq)]
+pub enum SegmentError {
+    /// Too short.
+    #[error(
+        "only {n_turning_points} turning points of free swing in {duration_s:.2} s, expected at least \
+         {MIN_TURNING_POINTS} (two swings); release from a larger angle, record longer, or choose the stretch with \
+         --from and --to"
+    )]
+    TooFewSwings {
+        /// Turning points found.
+        n_turning_points: usize,
+        /// Length of the stretch, s.
+        duration_s: f64,
+    },
+    /// Limits that leave nothing.
+    #[error(
+        "--from {from_s} s and --to {to_s} s leave {n_samples} samples; the recording goes from {first_s} s to {last_s} s"
+    )]
+    NothingBetween {
+        /// Lower limit, s.
+        from_s: f64,
+        /// Upper limit, s.
+        to_s: f64,
+        /// Samples between them.
+        n_samples: usize,
+        /// First time of the recording, s.
+        first_s: f64,
+        /// Last time, s.
+        last_s: f64,
+    },
+}
+
+/// Finds the free swing.
+///
+/// # Errors
+/// Fewer than two swings, or limits outside the recording.
+pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segments, SegmentError> {
+    let asked = asked_range(recording, options)?;
+    let cut = Cut::new(recording, asked.clone())?;
+    let stretch = cut.undisturbed()?;
+    let rest = if options.to_s.is_some() { None } else { cut.rest(&stretch) };
+    let start = if options.from_s.is_some() { Start::at(&cut, asked.start) } else { cut.start(&stretch) };
+    let end = match &rest {
+        Some(rest) => rest.start,
+        None if options.to_s.is_some() => asked.end,
+        None => stretch.end,
+    };
+    let free = start.free_idx..end.max(start.free_idx);
+    let n_turning_points = cut.count_turns(&free);
+    if n_turning_points < MIN_TURNING_POINTS {
+        let duration_s = cut.duration_s(&free);
+        return Err(SegmentError::TooFewSwings { n_turning_points, duration_s });
+    }
+    let notes = notes(&cut, options, &start, &free, rest.as_ref());
+    Ok(Segments { lead_in: start.lead_in, free, rest, release_s: start.release_s, n_turning_points, notes })
+}
+
+fn asked_range(recording: &Recording, options: &SegmentOptions) -> Result<Range<usize>, SegmentError> {
+    let (first_s, last_s) = (recording.times_s()[0], recording.times_s()[recording.len() - 1]);
+    let (from_s, to_s) = (options.from_s.unwrap_or(first_s), options.to_s.unwrap_or(last_s));
+    let start = recording.index_at(from_s);
+    let end = recording.times_s().partition_point(|time_s| *time_s <= to_s);
+    let n_samples = end.saturating_sub(start);
+    if n_samples < super::MIN_SAMPLES {
+        return Err(SegmentError::NothingBetween { from_s, to_s, n_samples, first_s, last_s });
+    }
+    Ok(start..end)
+}
+
+/// Motion around one moment.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    time_s: f64,
+    angle_rad: f64,
+    velocity_rad_s: f64,
+    acceleration_rad_s2: f64,
+    spread_rad_s2: f64,
+}
+
+/// The crude law of a free swing: coefficients of [`law_terms`].
+type Law = SVector<f64, N_TERMS>;
+
+const N_TERMS: usize = 5;
+
+fn law_terms(state: &State, slow_rad_s: f64) -> Law {
+    let velocity = state.velocity_rad_s;
+    let sign = (velocity / slow_rad_s).tanh();
+    Law::from([-state.angle_rad.sin(), state.angle_rad.cos(), -sign, -velocity, -velocity * velocity.abs()])
+}
+
+/// Everything known about the asked part of a recording while it is cut.
+struct Cut<'a> {
+    recording: &'a Recording,
+    asked: Range<usize>,
+    noise_rms_rad: f64,
+    width_s: f64,
+    half_swing_s: f64,
+    turns: Vec<TurningPoint>,
+    states: Vec<State>,
+    law: Law,
+    disturbed: Vec<bool>,
+}
+
+/// How the free swing begins.
+struct Start {
+    lead_in: Option<Range<usize>>,
+    free_idx: usize,
+    release_s: f64,
+    was_held: bool,
+}
+
+impl Start {
+    fn at(cut: &Cut, free_idx: usize) -> Self {
+        Self { lead_in: None, free_idx, release_s: cut.recording.times_s()[free_idx], was_held: false }
+    }
+}
+
+impl<'a> Cut<'a> {
+    fn new(recording: &'a Recording, asked: Range<usize>) -> Result<Self, SegmentError> {
+        let (times_s, angles_rad) = (&recording.times_s()[asked.clone()], &recording.angles_rad()[asked.clone()]);
+        let noise_rms_rad = noise::estimate(recording).total_rms;
+        let turns = turning::turning_points(times_s, angles_rad, noise_rms_rad);
+        let half_swing_s = turning::half_swing_s(times_s, angles_rad, noise_rms_rad);
+        let duration_s = times_s[times_s.len() - 1] - times_s[0];
+        let too_few = SegmentError::TooFewSwings { n_turning_points: turns.len(), duration_s };
+        let (Some(half_swing_s), true) = (half_swing_s, turns.len() >= MIN_TURNING_POINTS) else { return Err(too_few) };
+        let width_s = turning::quartic_width_s(half_swing_s, recording.step_s());
+        let states = states(times_s, angles_rad, noise_rms_rad, width_s);
+        let mut cut = Self {
+            recording,
+            asked,
+            noise_rms_rad,
+            width_s,
+            half_swing_s,
+            turns,
+            states,
+            law: Law::zeros(),
+            disturbed: Vec::new(),
+        };
+        cut.find_disturbances().ok_or(too_few)?;
+        Ok(cut)
+    }
+
+    fn times_s(&self) -> &'a [f64] {
+        &self.recording.times_s()[..self.asked.end]
+    }
+
+    fn angles_rad(&self) -> &'a [f64] {
+        &self.recording.angles_rad()[..self.asked.end]
+    }
+
+    fn duration_s(&self, range: &Range<usize>) -> f64 {
+        match range.len() {
+            0 => 0.0,
+            _ => self.times_s()[range.end - 1] - self.times_s()[range.start],
+        }
+    }
+
+    fn count_turns(&self, range: &Range<usize>) -> usize {
+        let in_range = |time_s: f64| range.contains(&self.recording.index_at(time_s));
+        self.turns.iter().filter(|turn| in_range(turn.time_s)).count()
+    }
+
+    /// Median distance of turning points from their middle, rad.
+    fn typical_amplitude_rad(&self) -> f64 {
+        let mut amplitudes: Vec<f64> =
+            self.turns.windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs() / 2.0).collect();
+        median(&mut amplitudes)
+    }
+
+    /// Fits the law and marks the states that break it.
+    fn find_disturbances(&mut self) -> Option<()> {
+        let amplitude_rad = self.typical_amplitude_rad();
+        let slow_rad_s = 0.1 * amplitude_rad * std::f64::consts::PI / self.half_swing_s;
+        let (law, misfit) = self.fit_law(slow_rad_s)?;
+        let dry_rad_s2 = 2.0 * law[2].abs();
+        let common = DISTURBED_MISFIT * misfit + DISTURBED_SHARE * law[0].abs() * amplitude_rad.sin().abs();
+        let off = |state: &State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, slow_rad_s))).abs();
+        let raw: Vec<bool> = self
+            .states
+            .iter()
+            .map(|state| off(state) > common + dry_rad_s2 + DISTURBED_NOISE * state.spread_rad_s2)
+            .collect();
+        self.law = law;
+        self.disturbed = sustained(&raw);
+        Some(())
+    }
+
+    /// The law from the middle half of the turning points on, and the typical misfit (rad/s²). Bad states lose their
+    /// vote from round to round.
+    fn fit_law(&self, slow_rad_s: f64) -> Option<(Law, f64)> {
+        let n_turns = self.turns.len();
+        let from_s = self.turns[(n_turns / 4).min(n_turns - MIN_TURNING_POINTS + 1)].time_s;
+        let to_s = self.turns[n_turns - 1 - n_turns / 20].time_s;
+        let trusted: Vec<&State> = self.states.iter().filter(|state| (from_s..=to_s).contains(&state.time_s)).collect();
+        let mut limit = f64::INFINITY;
+        let mut fitted = None;
+        for _ in 0..N_ROUNDS {
+            let law = least_squares(&trusted, slow_rad_s, fitted.as_ref().map(|law| (law, limit)))?;
+            let off = |state: &&State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, slow_rad_s))).abs();
+            let misfit = 1.4826 * median(&mut trusted.iter().map(off).collect::<Vec<f64>>());
+            limit = 4.0 * misfit;
+            fitted = Some(law);
+        }
+        fitted.map(|law| (law, limit / 4.0))
+    }
+
+    /// The stretch between disturbances with the most turning points, cut again where the swings grow.
+    fn undisturbed(&self) -> Result<Range<usize>, SegmentError> {
+        let stretches = self.stretches();
+        let best = stretches.into_iter().max_by_key(|range| self.count_turns(range)).unwrap_or(0..0);
+        let best = self.after_last_growth(best);
+        match self.count_turns(&best) {
+            n if n >= MIN_TURNING_POINTS => Ok(best),
+            n_turning_points => {
+                Err(SegmentError::TooFewSwings { n_turning_points, duration_s: self.duration_s(&best) })
+            }
+        }
+    }
+
+    /// Index ranges between the disturbances.
+    fn stretches(&self) -> Vec<Range<usize>> {
+        let n_states = self.states.len();
+        let mut stretches = Vec::new();
+        let mut start = None;
+        for state_idx in 0..=n_states {
+            let is_free = self.disturbed.get(state_idx).is_some_and(|disturbed| !disturbed);
+            match (start, is_free) {
+                (None, true) => start = Some(state_idx),
+                (Some(from), false) => {
+                    stretches.push(self.index_range(from, state_idx - 1));
+                    start = None;
+                }
+                _ => {}
+            }
+        }
+        stretches
+    }
+
+    /// Samples between two states; the ends of the recording belong to the first and the last.
+    fn index_range(&self, first: usize, last: usize) -> Range<usize> {
+        let start = match first {
+            0 => self.asked.start,
+            _ => self.recording.index_at(self.states[first].time_s),
+        };
+        let end = match last + 1 {
+            n if n == self.states.len() => self.asked.end,
+            _ => self.recording.index_at(self.states[last].time_s),
+        };
+        start..end.max(start)
+    }
+
+    /// A free swing never grows: what comes before the last growth was pushed.
+    fn after_last_growth(&self, range: Range<usize>) -> Range<usize> {
+        let inside: Vec<&TurningPoint> =
+            self.turns.iter().filter(|turn| range.contains(&self.recording.index_at(turn.time_s))).collect();
+        let grows = |three: &[&TurningPoint]| {
+            let spread_rad = three[0].spread_rad.hypot(three[2].spread_rad) + self.noise_rms_rad;
+            let before = (three[0].angle_rad - three[1].angle_rad).abs();
+            let after = (three[2].angle_rad - three[1].angle_rad).abs();
+            after > before * 1.02 + 6.0 * spread_rad
+        };
+        match inside.windows(3).rposition(grows) {
+            Some(growth_idx) => self.recording.index_at(inside[growth_idx + 2].time_s)..range.end,
+            None => range,
+        }
+    }
+
+    /// Hanging still at the end: from a whole swing after the last motion that can be seen, because the very last
+    /// half swing may be smaller than the noise.
+    fn rest(&self, stretch: &Range<usize>) -> Option<Range<usize>> {
+        let last_turn_s = self
+            .turns
+            .iter()
+            .rev()
+            .map(|turn| turn.time_s)
+            .find(|time_s| stretch.contains(&self.recording.index_at(*time_s)))?;
+        let after = self.recording.index_at(last_turn_s)..stretch.end;
+        let angles_rad = &self.angles_rad()[after.clone()];
+        let n_window = self.n_in(self.half_swing_s / 4.0);
+        let n_final = (4 * n_window).max(angles_rad.len() / 4).min(angles_rad.len());
+        let final_rad = mean(&angles_rad[angles_rad.len() - n_final..]);
+        let limit_rad = STILL_SPREADS * self.noise_rms_rad / (n_window as f64).sqrt();
+        let moves = |window: &[f64]| (mean(window) - final_rad).abs() > limit_rad;
+        let last_motion = angles_rad.windows(n_window).rposition(moves).map_or(0, |idx| idx + n_window);
+        let start_s = self.times_s()[(after.start + last_motion).min(stretch.end - 1)] + 2.0 * self.half_swing_s;
+        let rest = self.recording.index_at(start_s)..stretch.end;
+        (rest.start < rest.end && rest.len() >= n_window).then_some(rest)
+    }
+
+    fn n_in(&self, duration_s: f64) -> usize {
+        ((duration_s / self.recording.step_s()).round() as usize).max(3)
+    }
+
+    /// How the undisturbed stretch begins: at once, with a release, or with a hand letting go.
+    fn start(&self, stretch: &Range<usize>) -> Start {
+        let lead_in = self.still_beginning();
+        if stretch.start <= self.asked.start {
+            return Start::at(self, self.asked.start);
+        }
+        let rough_s = self.times_s()[stretch.start];
+        let held_until_s = lead_in.as_ref().map(|held| self.times_s()[held.end - 1]);
+        let was_held = held_until_s.is_some_and(|until_s| rough_s - until_s < 4.0 * self.width_s);
+        match lead_in {
+            Some(held) if was_held => self.release(&held),
+            lead_in => {
+                let free_s = rough_s + self.width_s / 2.0;
+                let free_idx = self.recording.index_at(free_s).min(stretch.end);
+                Start { lead_in, free_idx, release_s: free_s, was_held: false }
+            }
+        }
+    }
+
+    /// The still part at the beginning, if there is one.
+    fn still_beginning(&self) -> Option<Range<usize>> {
+        let angles_rad = &self.angles_rad()[self.asked.start..];
+        let n_window = self.n_in(self.width_s / 4.0).min(angles_rad.len());
+        let limit = |n: usize| STILL_SPREADS * self.noise_rms_rad * (1.0 / n_window as f64 + 1.0 / n as f64).sqrt();
+        let mut sum = angles_rad[..n_window].iter().sum::<f64>();
+        let mut until = n_window;
+        // The window runs ahead of the mean it is compared with, so a slow start cannot drag the mean along.
+        while let Some(window) = angles_rad.get(until..until + n_window) {
+            if (mean(window) - sum / until as f64).abs() > limit(until) {
+                break;
+            }
+            sum += angles_rad[until];
+            until += 1;
+        }
+        let is_still = until >= 3 * n_window;
+        is_still.then(|| self.asked.start..self.asked.start + until)
+    }
+
+    /// Places the release: still until then, afterwards falling with constant torque and its first correction,
+    /// `θ0 + α (τ²/2 − ω0² cos θ0 τ⁴/24)`; the time with the least squares wins.
+    fn release(&self, held: &Range<usize>) -> Start {
+        let still_s = self.times_s()[held.end - 1];
+        let n_sure = (held.len() * 4 / 5).max(1);
+        let held_rad = mean(&self.angles_rad()[held.start..held.start + n_sure]);
+        let range = held.start..self.recording.index_at(still_s + 1.5 * self.width_s).min(self.asked.end);
+        let grid_s = self.recording.step_s() / 4.0;
+        let n_grid = ((3.0 * self.width_s) / grid_s) as usize;
+        let candidates = (0..n_grid).map(|idx| still_s - 1.5 * self.width_s + idx as f64 * grid_s);
+        let off = |release_s: f64| self.misfit_of_release(&range, held_rad, release_s);
+        let release_s = candidates.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(still_s);
+        let free_s = release_s + GUARD_S.max(self.recording.step_s());
+        let lead_in = held.start..self.recording.index_at(release_s - GUARD_S).clamp(held.start, held.end);
+        let free_idx = self.recording.index_at(free_s);
+        Start { lead_in: (!lead_in.is_empty()).then_some(lead_in), free_idx, release_s, was_held: true }
+    }
+
+    /// Sum of squares left by a release at `release_s` with the best acceleration.
+    fn misfit_of_release(&self, range: &Range<usize>, held_rad: f64, release_s: f64) -> f64 {
+        let stiffness = self.law[0] * held_rad.cos();
+        let shape = |time_s: f64| {
+            let after_s = (time_s - release_s).max(0.0);
+            after_s.powi(2) / 2.0 - stiffness * after_s.powi(4) / 24.0
+        };
+        let samples = || range.clone().map(|idx| (shape(self.times_s()[idx]), self.angles_rad()[idx] - held_rad));
+        let (across, along) =
+            samples().fold((0.0, 0.0), |(a, b), (shape, angle)| (a + shape * angle, b + shape * shape));
+        let acceleration = if along > 0.0 { across / along } else { 0.0 };
+        samples().map(|(shape, angle)| (angle - acceleration * shape).powi(2)).sum()
+    }
+}
+
+fn states(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64, width_s: f64) -> Vec<State> {
+    let step_s = super::median_step_s(times_s);
+    let stride = ((width_s / (STATES_PER_WIDTH * step_s)) as usize).max(1);
+    let state = |&time_s: &f64| {
+        let fit = LocalFit::<5>::new(times_s, angles_rad, time_s, width_s)?;
+        Some(State {
+            time_s,
+            angle_rad: fit.angle_rad(time_s),
+            velocity_rad_s: fit.velocity_rad_s(),
+            acceleration_rad_s2: fit.acceleration_rad_s2(),
+            spread_rad_s2: noise_rms_rad * fit.acceleration_spread(),
+        })
+    };
+    times_s.iter().step_by(stride).filter_map(state).collect()
+}
+
+/// The law with the least squares; states further off an earlier law than its limit do not count.
+fn least_squares(states: &[&State], slow_rad_s: f64, earlier: Option<(&Law, f64)>) -> Option<Law> {
+    let mut normal = SMatrix::<f64, N_TERMS, N_TERMS>::identity() * 1e-9;
+    let mut right = Law::zeros();
+    for state in states {
+        let terms = law_terms(state, slow_rad_s);
+        let is_off = |(law, limit): (&Law, f64)| (state.acceleration_rad_s2 - law.dot(&terms)).abs() > limit;
+        if earlier.is_some_and(is_off) {
+            continue;
+        }
+        normal += terms * terms.transpose();
+        right += terms * state.acceleration_rad_s2;
+    }
+    normal.try_inverse().map(|inverse| inverse * right)
+}
+
+/// Keeps marks that stand in a row of at least [`N_DISTURBED`].
+fn sustained(marks: &[bool]) -> Vec<bool> {
+    marks.chunk_by(|a, b| a == b).flat_map(|run| vec![run[0] && run.len() >= N_DISTURBED; run.len()]).collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn notes(
+    cut: &Cut,
+    options: &SegmentOptions,
+    start: &Start,
+    free: &Range<usize>,
+    rest: Option<&Range<usize>>,
+) -> Vec<String> {
+    let first_s = cut.times_s()[cut.asked.start];
+    let mut notes = Vec::new();
+    let before_s = cut.times_s()[free.start] - first_s;
+    match (&start.lead_in, options.from_s) {
+        (_, Some(from_s)) => notes.push(format!("free swing taken from {from_s} s on, as told")),
+        (_, None) if start.was_held => {
+            notes.push(format!("cut {before_s:.2} s held still before the release at {:.3} s", start.release_s));
+        }
+        (Some(still), None) if free.start > cut.asked.start => {
+            notes.push(format!("cut {before_s:.2} s: still for {:.2} s, then moved by hand", cut.duration_s(still)))
+        }
+        (None, None) if free.start > cut.asked.start => {
+            notes.push(format!("cut the first {before_s:.2} s: a hand was still moving it"));
+        }
+        _ => {}
+    }
+    match (rest, options.to_s) {
+        (_, Some(to_s)) => notes.push(format!("free swing taken up to {to_s} s, as told")),
+        (Some(rest), _) => notes.push(format!("cut {:.2} s hanging still at the end", cut.duration_s(rest))),
+        _ if free.end < cut.asked.end => notes.push(format!(
+            "cut everything after {:.2} s: something other than gravity and friction moved it there",
+            cut.times_s()[free.end]
+        )),
+        _ => {}
+    }
+    notes
+}
