@@ -1,5 +1,7 @@
 //! The pendulum rig on the PC.
 pub mod error;
+pub mod link;
 pub mod noise;
 pub mod recording;
 pub mod rigfile;
+pub mod sim;
