@@ -2,6 +2,7 @@
 pub mod error;
 pub mod link;
 pub mod noise;
+pub mod record;
 pub mod recording;
 pub mod rigfile;
 pub mod sim;
