@@ -52,6 +52,49 @@ fn the_free_swing_begins_within_60_ms_after_every_hidden_release_and_never_befor
 }
 
 #[test]
+fn every_fourth_sample_suffices_to_find_the_hidden_releases() {
+    for Release { name, recording, release_s, .. } in releases() {
+        let every_fourth = |values: &[f64]| values.iter().copied().step_by(4).collect::<Vec<f64>>();
+        let (times_s, angles_rad) = (every_fourth(recording.times_s()), every_fourth(recording.angles_rad()));
+        let slow = Recording::new(recording.header().clone(), times_s, angles_rad, None).unwrap();
+        let late_s = slow.times_s()[cut(&slow).free.start] - release_s;
+        println!("{name} at {:.0} Hz: free {late_s:+.4} s", slow.rate_hz());
+        // Up to one step of the slow recording (20 ms) later than at full rate.
+        assert!((0.0..0.08).contains(&late_s), "{name}: {late_s}");
+    }
+}
+
+/// A number in −1..1 that looks random, from a seed (Steele, Lea, Flood 2014: splitmix64).
+fn scramble(seed: u64) -> f64 {
+    let mut bits = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+#[test]
+fn more_noise_and_a_lead_in_of_a_fifth_of_a_second_do_not_hide_a_release_or_a_stop() {
+    // Three steps of the converter, white.
+    let half_width_rad = 3.0 * 1.449e-3 * 3f64.sqrt();
+    for (seed, Release { name, recording, release_s, stop_s }) in releases().into_iter().enumerate() {
+        let start = recording.index_at(release_s - 0.2);
+        let noisy = |idx: usize| {
+            let random = scramble((seed * 1_000_000 + idx) as u64);
+            -recording.angles_rad()[idx] + half_width_rad * random
+        };
+        let times_s = recording.times_s()[start..].to_vec();
+        let angles_rad = (start..recording.len()).map(noisy).collect();
+        let noisy = Recording::new(recording.header().clone(), times_s, angles_rad, None).unwrap();
+        let segments = cut(&noisy);
+        let late_s = noisy.times_s()[segments.free.start] - release_s;
+        let rest_late_s = segments.rest.as_ref().map(|rest| noisy.times_s()[rest.start] - stop_s);
+        println!("{name} noisier: free {late_s:+.4} s, rest {rest_late_s:?}");
+        assert!((0.0..0.08).contains(&late_s), "{name}: {late_s}");
+        assert!(rest_late_s.is_some_and(|late_s| late_s > 0.0), "{name}: {rest_late_s:?}");
+    }
+}
+
+#[test]
 fn the_lead_in_ends_before_every_hidden_release() {
     for Release { name, recording, release_s, .. } in releases() {
         let lead_in = cut(&recording).lead_in.expect(&name);
@@ -110,4 +153,14 @@ fn the_string_pendulum_is_free_throughout_and_never_rests() {
     assert!(start_s < 0.6, "{start_s}");
     assert!(end_s > 116.0, "{end_s}");
     assert!(segments.rest.is_none());
+}
+
+#[test]
+fn the_rebuilt_recording_of_the_paper_is_free_from_its_first_sample() {
+    for name in ["reconstructed_recording.csv", "reconstructed_recording_noisy.csv"] {
+        let recording = load(&format!("../paper/{name}"));
+        let segments = cut(&recording);
+        println!("{name}: {segments:?}");
+        assert_eq!(segments.free.start, 0, "{name}: {segments:?}");
+    }
 }

@@ -43,6 +43,24 @@ const GUARD_S: f64 = 0.010;
 /// Stillness is doubted when the mean over a short window leaves the start by this many of its standard deviations.
 const STILL_SPREADS: f64 = 5.0;
 
+/// Half swings at the end that may be too small to be seen.
+const N_UNSEEN: f64 = 3.0;
+
+/// A free pendulum is seen to fall after some noise rms; still for the time of a fall of this many, it is held.
+const HELD_FALL_NOISE: f64 = 20.0;
+
+/// Swings from turn to turn below this many noise rms are too uncertain to say that they grew.
+const GROWTH_NOISE: f64 = 20.0;
+
+/// The release is fitted to the first fall of this size, rad: enough to be seen, too little for anything but gravity …
+const RELEASE_FALL_RAD: f64 = 0.15;
+
+/// … and at least this many noise rms.
+const RELEASE_FALL_NOISE: f64 = 30.0;
+
+/// Moments tried for the release at most, whatever the steps of the recording.
+const MAX_RELEASES_TRIED: usize = 4000;
+
 /// Rounds of the robust fit.
 const N_ROUNDS: usize = 6;
 
@@ -333,7 +351,8 @@ impl<'a> Cut<'a> {
             let spread_rad = three[0].spread_rad.hypot(three[2].spread_rad) + self.noise_rms_rad;
             let before = (three[0].angle_rad - three[1].angle_rad).abs();
             let after = (three[2].angle_rad - three[1].angle_rad).abs();
-            after > before * 1.02 + 6.0 * spread_rad
+            let alternate = three[0].is_maximum != three[1].is_maximum && three[1].is_maximum != three[2].is_maximum;
+            alternate && after > GROWTH_NOISE * self.noise_rms_rad && after > before * 1.02 + 6.0 * spread_rad
         };
         match inside.windows(3).rposition(grows) {
             Some(growth_idx) => self.recording.index_at(inside[growth_idx + 2].time_s)..range.end,
@@ -341,8 +360,8 @@ impl<'a> Cut<'a> {
         }
     }
 
-    /// Hanging still at the end: from a whole swing after the last motion that can be seen, because the very last
-    /// half swing may be smaller than the noise.
+    /// Hanging still at the end: from some half swings after the last motion that can be seen, because the very last
+    /// ones may be smaller than the noise, or hidden in the play of the sensor.
     fn rest(&self, stretch: &Range<usize>) -> Option<Range<usize>> {
         let last_turn_s = self
             .turns
@@ -358,24 +377,24 @@ impl<'a> Cut<'a> {
         let limit_rad = STILL_SPREADS * self.noise_rms_rad / (n_window as f64).sqrt();
         let moves = |window: &[f64]| (mean(window) - final_rad).abs() > limit_rad;
         let last_motion = angles_rad.windows(n_window).rposition(moves).map_or(0, |idx| idx + n_window);
-        let start_s = self.times_s()[(after.start + last_motion).min(stretch.end - 1)] + 2.0 * self.half_swing_s;
+        let start_s = self.times_s()[(after.start + last_motion).min(stretch.end - 1)] + N_UNSEEN * self.half_swing_s;
         let rest = self.recording.index_at(start_s)..stretch.end;
         (rest.start < rest.end && rest.len() >= n_window).then_some(rest)
     }
 
     fn n_in(&self, duration_s: f64) -> usize {
-        ((duration_s / self.recording.step_s()).round() as usize).max(3)
+        ((duration_s / self.recording.step_s()).round() as usize).min(self.asked.len()).max(3)
     }
 
     /// How the undisturbed stretch begins: at once, with a release, or with a hand letting go.
     fn start(&self, stretch: &Range<usize>) -> Start {
         let lead_in = self.still_beginning();
-        if stretch.start <= self.asked.start {
+        let rough_s = self.times_s()[stretch.start];
+        let is_near = |held: &Range<usize>| rough_s - self.times_s()[held.end - 1] < 4.0 * self.width_s;
+        let was_held = lead_in.as_ref().is_some_and(|held| is_near(held) && self.must_be_held(held));
+        if stretch.start <= self.asked.start && !was_held {
             return Start::at(self, self.asked.start);
         }
-        let rough_s = self.times_s()[stretch.start];
-        let held_until_s = lead_in.as_ref().map(|held| self.times_s()[held.end - 1]);
-        let was_held = held_until_s.is_some_and(|until_s| rough_s - until_s < 4.0 * self.width_s);
         match lead_in {
             Some(held) if was_held => self.release(&held),
             lead_in => {
@@ -405,15 +424,28 @@ impl<'a> Cut<'a> {
         is_still.then(|| self.asked.start..self.asked.start + until)
     }
 
+    /// Whether a free pendulum would have fallen visibly in that time. Tells a short hold from the first moments of a
+    /// fall when the noise is too large for accelerations.
+    fn must_be_held(&self, still: &Range<usize>) -> bool {
+        let angle_rad = mean(&self.angles_rad()[still.clone()]);
+        let gravity_rad_s2 = -self.law[0] * angle_rad.sin() + self.law[1] * angle_rad.cos();
+        let fall_rad = gravity_rad_s2.abs() * self.duration_s(still).powi(2) / 2.0;
+        fall_rad > HELD_FALL_NOISE * self.noise_rms_rad
+    }
+
     /// Places the release: still until then, afterwards falling with constant torque and its first correction,
     /// `θ0 + α (τ²/2 − ω0² cos θ0 τ⁴/24)`; the time with the least squares wins.
     fn release(&self, held: &Range<usize>) -> Start {
         let still_s = self.times_s()[held.end - 1];
         let n_sure = (held.len() * 4 / 5).max(1);
         let held_rad = mean(&self.angles_rad()[held.start..held.start + n_sure]);
-        let range = held.start..self.recording.index_at(still_s + 1.5 * self.width_s).min(self.asked.end);
+        let earliest = self.recording.index_at(still_s - 5.0 * self.width_s).max(held.start);
+        let latest = self.recording.index_at(still_s + 1.5 * self.width_s).min(self.asked.end);
+        let fall_rad = RELEASE_FALL_RAD.max(RELEASE_FALL_NOISE * self.noise_rms_rad);
+        let has_fallen = |idx: &usize| (self.angles_rad()[*idx] - held_rad).abs() > fall_rad;
+        let range = earliest..(held.end..latest).find(has_fallen).unwrap_or(latest);
         let grid_s = self.recording.step_s() / 4.0;
-        let n_grid = ((3.0 * self.width_s) / grid_s) as usize;
+        let n_grid = ((3.0 * self.width_s / grid_s) as usize).min(MAX_RELEASES_TRIED);
         let candidates = (0..n_grid).map(|idx| still_s - 1.5 * self.width_s + idx as f64 * grid_s);
         let off = |release_s: f64| self.misfit_of_release(&range, held_rad, release_s);
         let release_s = candidates.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(still_s);
@@ -512,4 +544,127 @@ fn notes(
         _ => {}
     }
     notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP_S: f64 = 0.005;
+
+    /// A pendulum with dry and viscous friction (ω0² = 70/s²), released from `angle_rad`, in steps of 0.1 ms.
+    fn swing(angle_rad: f64, duration_s: f64) -> Vec<f64> {
+        let (mut angle, mut velocity) = (angle_rad, 0.0_f64);
+        let mut angles = Vec::new();
+        for step_idx in 0..(duration_s / 1e-4) as usize {
+            if step_idx % 50 == 0 {
+                angles.push(angle);
+            }
+            let gravity = -70.0 * angle.sin();
+            let is_stuck = velocity.abs() < 1e-4 && gravity.abs() < 0.3;
+            let acceleration = gravity - 0.3 * velocity.signum() - 0.1 * velocity;
+            velocity = if is_stuck { 0.0 } else { velocity + 1e-4 * acceleration };
+            angle += 1e-4 * velocity;
+        }
+        angles
+    }
+
+    fn noisy(angles_rad: &[f64]) -> Recording {
+        let mut state = 17_u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let noise_rad = 1e-3 * 12f64.sqrt();
+        Recording::uniform(1.0 / STEP_S, angles_rad.iter().map(|angle| angle + noise_rad * uniform()).collect())
+            .unwrap()
+    }
+
+    fn find(angles_rad: &[f64]) -> Segments {
+        segment(&noisy(angles_rad), &SegmentOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn a_held_pendulum_is_free_just_after_its_release() {
+        for angle_rad in [-2.5, -0.3, 0.15, 0.8, 1.57, 2.8] {
+            let held = vec![angle_rad; 100];
+            let segments = find(&[held, swing(angle_rad, 20.0)].concat());
+            let late = segments.free.start as f64 * STEP_S - 0.5;
+            assert!((0.0..0.06).contains(&late), "{angle_rad}: {late} {segments:?}");
+            assert!(segments.notes[0].contains("held still before the release"), "{segments:?}");
+        }
+    }
+
+    #[test]
+    fn a_recording_that_begins_with_the_release_is_kept_whole() {
+        let segments = find(&swing(1.0, 8.0));
+        assert_eq!(segments.free, 0..1600);
+        assert_eq!((segments.lead_in, segments.rest), (None, None));
+        assert!(segments.notes.is_empty());
+    }
+
+    #[test]
+    fn a_hand_that_ends_the_swing_is_cut() {
+        let mut angles_rad = swing(1.2, 8.0);
+        let caught_rad = angles_rad[1200];
+        angles_rad.iter_mut().skip(1200).for_each(|angle| *angle = caught_rad);
+        let segments = find(&angles_rad);
+        assert!((1100..=1205).contains(&segments.free.end), "{segments:?}");
+        assert!(segments.notes[0].contains("cut everything after"), "{segments:?}");
+    }
+
+    #[test]
+    fn of_two_swings_in_one_recording_the_longer_one_is_taken() {
+        let segments = find(&[swing(0.8, 4.0), vec![1.0; 100], swing(1.0, 12.0)].concat());
+        let start_s = segments.free.start as f64 * STEP_S;
+        assert!((4.5..4.7).contains(&start_s), "{segments:?}");
+    }
+
+    #[test]
+    fn a_push_in_the_middle_divides_the_swing() {
+        let first = swing(0.7, 3.0);
+        let last_rad = *first.last().unwrap();
+        let pushed: Vec<f64> = (0..80).map(|idx| last_rad + (1.4 - last_rad) * f64::from(idx) / 80.0).collect();
+        let segments = find(&[first, pushed, swing(1.4, 10.0)].concat());
+        let start_s = segments.free.start as f64 * STEP_S;
+        assert!((3.39..3.6).contains(&start_s), "{segments:?}");
+    }
+
+    #[test]
+    fn a_hanging_angle_that_is_not_zero_does_not_matter() {
+        let angles_rad: Vec<f64> =
+            [vec![0.9; 100], swing(0.9, 25.0)].concat().iter().map(|angle| angle + 0.2).collect();
+        let segments = find(&angles_rad);
+        assert!((100..112).contains(&segments.free.start), "{segments:?}");
+        assert!(segments.rest.is_some(), "{segments:?}");
+    }
+
+    #[test]
+    fn one_swing_is_too_few_and_the_message_says_so() {
+        let error = segment(&noisy(&swing(1.0, 0.8)), &SegmentOptions::default()).unwrap_err();
+        assert!(error.to_string().contains("two swings"), "{error}");
+    }
+
+    #[test]
+    fn a_still_pendulum_has_too_few_swings() {
+        let error = segment(&noisy(&vec![0.2; 1000]), &SegmentOptions::default()).unwrap_err();
+        assert!(matches!(error, SegmentError::TooFewSwings { n_turning_points: 0, .. }), "{error}");
+    }
+
+    #[test]
+    fn limits_of_the_user_are_taken_as_they_are() {
+        let recording = noisy(&swing(1.0, 12.0));
+        let options = SegmentOptions { from_s: Some(2.0), to_s: Some(8.0) };
+        let segments = segment(&recording, &options).unwrap();
+        assert_eq!(segments.free, 400..1601);
+        assert_eq!(segments.notes.len(), 2);
+    }
+
+    #[test]
+    fn limits_outside_the_recording_are_refused_with_its_times() {
+        let recording = noisy(&swing(1.0, 12.0));
+        let options = SegmentOptions { from_s: Some(20.0), to_s: None };
+        let error = segment(&recording, &options).unwrap_err().to_string();
+        assert!(error.contains("from 0 s to 11.995 s"), "{error}");
+    }
 }

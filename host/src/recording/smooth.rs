@@ -67,7 +67,8 @@ impl<const N: usize> LocalFit<N> {
         for _ in 0..20 {
             let (slope, curvature) = self.slope_and_curvature(x);
             x -= slope / curvature;
-            if !(x.abs() <= 1.0) {
+            // Also catches the NaN of a flat polynomial.
+            if !(-1.0..=1.0).contains(&x) {
                 return None;
             }
         }

@@ -49,7 +49,8 @@ impl Table {
         }
         let separator = find_separator(&text);
         let lines: Vec<&str> = text.lines().collect();
-        let is_row = |line: &&str| !is_comment(line) && n_numbers(line, separator) > 0;
+        let n_typical = typical_n_numbers(&text, separator);
+        let is_row = |line: &&str| !is_comment(line) && n_numbers(line, separator) >= n_typical;
         let no_numbers = Fault::NoNumbers { n_lines: lines.len() };
         let first_row_idx = lines.iter().position(is_row).ok_or(no_numbers)?;
         let n_columns = split(lines[first_row_idx], separator).len();
@@ -150,6 +151,14 @@ fn score_of_line(line: &str, separator: Separator) -> usize {
     let n_fields = split(line, separator).len();
     let n_numbers = n_numbers(line, separator);
     if n_numbers < 2 { 0 } else { 2 * n_numbers - n_fields }
+}
+
+/// How many numbers most lines have, at least 1: a line such as `serial;7` above the table is no row.
+fn typical_n_numbers(text: &str, separator: Separator) -> usize {
+    let lines = text.lines().filter(|line| !is_comment(line)).take(N_LINES_LOOKED_AT);
+    let mut counts: Vec<usize> = lines.map(|line| n_numbers(line, separator)).filter(|n| *n > 0).collect();
+    counts.sort_unstable();
+    counts.chunk_by(|a, b| a == b).max_by_key(|run| run.len()).map_or(1, |run| run[0])
 }
 
 /// How many numbers a line has; 0 when fewer than half of its fields are numbers.

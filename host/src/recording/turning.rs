@@ -140,7 +140,8 @@ fn fine_extrema(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64, half_sw
     extrema(&times_s, &angles_rad, fall_rad)
 }
 
-/// The top of a quartic, centred a second time on its own top.
+/// The top of a quartic, centred a second time on its own top. In small noisy swings a quartic may have no top within
+/// its stretch; a parabola still has.
 fn refine(
     times_s: &[f64],
     angles_rad: &[f64],
@@ -148,11 +149,18 @@ fn refine(
     rough: Extremum,
     width_s: f64,
 ) -> Option<TurningPoint> {
-    let first_s = LocalFit::<5>::new(times_s, angles_rad, rough.time_s, width_s)?.stationary_s()?;
-    let fit = LocalFit::<5>::new(times_s, angles_rad, first_s, width_s)?;
+    let top = |centre_s: f64| top_of::<5>(times_s, angles_rad, centre_s, width_s);
+    let (time_s, angle_rad, spread) = top(rough.time_s)
+        .and_then(|(first_s, ..)| top(first_s))
+        .or_else(|| top_of::<3>(times_s, angles_rad, rough.time_s, width_s))?;
+    Some(TurningPoint { time_s, angle_rad, spread_rad: noise_rms_rad * spread, is_maximum: rough.is_maximum })
+}
+
+/// Time, angle and spread per unit of noise where a polynomial of `N` coefficients is level.
+fn top_of<const N: usize>(times_s: &[f64], angles_rad: &[f64], centre_s: f64, width_s: f64) -> Option<(f64, f64, f64)> {
+    let fit = LocalFit::<N>::new(times_s, angles_rad, centre_s, width_s)?;
     let time_s = fit.stationary_s()?;
-    let spread_rad = noise_rms_rad * fit.angle_spread(time_s);
-    Some(TurningPoint { time_s, angle_rad: fit.angle_rad(time_s), spread_rad, is_maximum: rough.is_maximum })
+    Some((time_s, fit.angle_rad(time_s), fit.angle_spread(time_s)))
 }
 
 /// The one crossing between two turning points, if the angle changes sides between them.
