@@ -1,5 +1,6 @@
 //! The pendulum rig on the PC.
 
+pub mod cli;
 pub mod error;
 pub mod fit;
 pub mod lanes;

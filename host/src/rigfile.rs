@@ -67,6 +67,23 @@ impl RigFile {
         Self::written(&guess::parameters(guess::normalised_pendulum(gravity_m_s2)), true)
     }
 
+    /// The model that a rig reports, with where it came from.
+    ///
+    /// # Errors
+    /// Parameters that this program does not know.
+    pub fn of_rig(parameters: &Parameters<f32>, source: &Source) -> Result<Self, RigFileError> {
+        let reported = parameters.map(exactly);
+        reported.check().map_err(RigFileError::Model)?;
+        let mut file = Self::new(reported.pendulum);
+        file.take_over(parameters, source)?;
+        // A guess that happens to be right came from the rig all the same.
+        for quantity in Quantity::all(&reported).into_iter().filter(|quantity| quantity.owner() != "pendulum") {
+            let knowledge = Knowledge { std: None, source: Some(source.clone()) };
+            file.set(quantity, quantity.get(&reported).unwrap_or_default(), knowledge)?;
+        }
+        Ok(file)
+    }
+
     /// A fresh file around parameters that passed their check.
     fn written(parameters: &Parameters<f64>, normalised: bool) -> Self {
         let text = write::template(parameters, normalised);
@@ -148,7 +165,7 @@ impl RigFile {
     /// # Errors
     /// As [`RigFile::set`].
     pub fn take_over(&mut self, parameters: &Parameters<f32>, source: &Source) -> Result<(), RigFileError> {
-        let new = parameters.map(|value| exactly(value));
+        let new = parameters.map(exactly);
         new.check().map_err(RigFileError::Model)?;
         let gone: Vec<u16> = self.parameters.effects.iter().map(|effect| effect.id).collect();
         gone.into_iter().filter(|id| new.values(*id).is_none()).for_each(|id| self.remove_effect(id));

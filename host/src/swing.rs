@@ -65,7 +65,8 @@ impl Swing {
 
     /// Angle (rad) and velocity (rad/s) at the first sample, by a parabola through the first samples.
     pub fn start_guess(&self) -> (f64, f64) {
-        let n_samples = self.samples_within(Window::First(START_FIT_S)).clamp(MIN_START_SAMPLES.min(self.len()), self.len());
+        let n_samples =
+            self.samples_within(Window::First(START_FIT_S)).clamp(MIN_START_SAMPLES.min(self.len()), self.len());
         let rows = nalgebra::DMatrix::from_fn(n_samples, 3, |i, j| self.times_s[i].powi(j as i32));
         let angles = nalgebra::DVector::from_column_slice(&self.angles_rad[..n_samples]);
         match rows.svd(true, true).solve(&angles, 1e-12) {

@@ -124,7 +124,9 @@ pub enum FitError {
         known: String,
     },
     /// A range that can't be used.
-    #[error("the range {low} … {high} of {symbol} can't be used; give two finite numbers, the smaller one first, not below {limit}")]
+    #[error(
+        "the range {low} … {high} of {symbol} can't be used; give two finite numbers, the smaller one first, not below {limit}"
+    )]
     BadRange {
         /// Whose.
         symbol: String,
@@ -136,7 +138,9 @@ pub enum FitError {
         limit: f64,
     },
     /// The model never came near.
-    #[error("the model does not follow the swings at all: error {error_rad:.3} rad; is the angle in radians, zero where the pendulum hangs, and the geometry right?")]
+    #[error(
+        "the model does not follow the swings at all: error {error_rad:.3} rad; is the angle in radians, zero where the pendulum hangs, and the geometry right?"
+    )]
     Hopeless {
         /// Root mean square error, rad.
         error_rad: f64,
@@ -173,11 +177,8 @@ pub fn fit(
             // Surfaces from poor ranges may end in a wrong valley; least squares from the first guess then decides.
             let noise = problem.noise_rad();
             let good = from_surfaces.rmse_rad(&problem) < GOOD_NOISES * noise;
-            let best = if good {
-                from_surfaces
-            } else {
-                from_surfaces.better(least_squares(&problem, &first, progress))
-            };
+            let best =
+                if good { from_surfaces } else { from_surfaces.better(least_squares(&problem, &first, progress)) };
             (best, sequence.stages)
         }
     };
@@ -480,7 +481,9 @@ impl Report<'_, '_> {
         let last = stages.last().and_then(|stage| stage.r_squared_predicted);
         if let Some(r_squared) = last.filter(|r_squared| *r_squared < 0.5) {
             let percent = 100.0 * r_squared;
-            warnings.push(format!("the last surface of mseA predicts only {percent:.0} % of new runs: don't trust its optimum"));
+            warnings.push(format!(
+                "the last surface of mseA predicts only {percent:.0} % of new runs: don't trust its optimum"
+            ));
         }
         warnings
     }
@@ -498,8 +501,12 @@ impl Report<'_, '_> {
             (Verdict::Not, "stiction") => {
                 Some(format!("{symbol} is hardly identifiable here; record several swings down to rest"))
             }
-            (Verdict::Not, "viscous" | "coulomb") if *value == 0.0 => Some(format!("{symbol} is zero within its uncertainty")),
-            (Verdict::Not, _) => Some(format!("{symbol} is not identifiable from these swings; add a release at 1.4 rad or more")),
+            (Verdict::Not, "viscous" | "coulomb") if *value == 0.0 => {
+                Some(format!("{symbol} is zero within its uncertainty"))
+            }
+            (Verdict::Not, _) => {
+                Some(format!("{symbol} is not identifiable from these swings; add a release at 1.4 rad or more"))
+            }
             _ => None,
         }
     }

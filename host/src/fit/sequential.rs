@@ -12,9 +12,7 @@ use super::linear::{dot, solve_damped};
 use super::problem::{PER_SWING, Point, Problem, Start};
 use super::quality::{Measured, Responses};
 use super::windows::WINDOWS_S;
-use crate::rsm::{
-    Composite, Design, Desirability, Factor, Goodness, Search, Surface, goodness, optimum,
-};
+use crate::rsm::{Composite, Design, Desirability, Factor, Goodness, Search, Surface, goodness, optimum};
 use crate::swing::Window;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;

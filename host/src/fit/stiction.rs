@@ -110,7 +110,11 @@ fn stop_ranges(problem: &Problem, point: &Point) -> Vec<(f64, f64)> {
     let gravity = parameters.pendulum.gravity_torque_nm();
     let mut torques: Vec<f64> = (0..problem.swings.len())
         .flat_map(|swing_idx| {
-            let column = &problem.predict(swing_idx, problem.swings[swing_idx].len(), &[(&point.values, point.starts[swing_idx])])[0];
+            let column = &problem.predict(
+                swing_idx,
+                problem.swings[swing_idx].len(),
+                &[(&point.values, point.starts[swing_idx])],
+            )[0];
             last_turning_torques(column, gravity)
         })
         .filter(|torque| *torque > coulomb)
@@ -132,7 +136,11 @@ fn last_turning_torques(angles_rad: &[f64], gravity_nm: f64) -> Vec<f64> {
 
 /// Costs of pairs after the smooth parameters have answered to first order.
 fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, tried: &[Stiction]) -> Vec<f64> {
-    let pair_problem = Problem { unknowns: stiction_unknowns(&problem.template), template: problem.parameters(&point.values), ..problem.clone() };
+    let pair_problem = Problem {
+        unknowns: stiction_unknowns(&problem.template),
+        template: problem.parameters(&point.values),
+        ..problem.clone()
+    };
     let pairs: Vec<[f64; 2]> = tried.iter().map(|pair| [pair.level_nm, pair.velocity_band]).collect();
     let n_unknowns = problem.unknowns.len();
     let per_swing: Vec<Vec<(f64, Vec<f64>)>> = (0..problem.swings.len())
@@ -209,7 +217,8 @@ pub fn best_pair(problem: &Problem, point: &Point, around: Option<Stiction>) -> 
     let free = with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
     let stops = stop_ranges(&free, point);
     let without = stops.iter().map(|(low, high)| Stiction { level_nm: 0.5 * (low + high), velocity_band: 0.0 });
-    let band_of = |band: f64| LEVELS.iter().map(move |level| Stiction { level_nm: level * gravity, velocity_band: band });
+    let band_of =
+        |band: f64| LEVELS.iter().map(move |level| Stiction { level_nm: level * gravity, velocity_band: band });
     let mut tried: Vec<Stiction> = without.chain(BANDS.into_iter().flat_map(band_of)).collect();
     tried.extend(around);
     let here = with_stiction(problem, around.unwrap_or(Stiction { level_nm: 0.0, velocity_band: 0.0 }));
@@ -250,7 +259,8 @@ fn descend_with_stiction(problem: &Problem, point: &Point, stiction: Stiction) -
     let together = Point { values, starts: first.point.starts.clone() };
     let second = descend(&all, &together, Window::Whole, Patience::FINE, Steps::new(&all));
     let n_unknowns = problem.unknowns.len();
-    let moved = Stiction { level_nm: second.point.values[n_unknowns], velocity_band: second.point.values[n_unknowns + 1] };
+    let moved =
+        Stiction { level_nm: second.point.values[n_unknowns], velocity_band: second.point.values[n_unknowns + 1] };
     let mut point = second.point;
     point.values.truncate(n_unknowns);
     let last = descend(&with_stiction(problem, moved), &point, Window::Whole, Patience::FINE, first.steps.clone());
