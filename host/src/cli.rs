@@ -43,19 +43,12 @@ Ports are serial devices, sim (the simulated rig), or sim:NAME (one of its scena
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Write a model file for a rig of known (or unknown) geometry.
     Init(init::Options),
-    /// Record a swing from the rig.
     Record(record::Options),
-    /// Find friction and inertia from swings, recorded ones or of the rig itself.
     Fit(fit::Options),
-    /// Send a model to the rig and save it there.
     Push(push::Options),
-    /// Take the model from the rig.
     Pull(pull::Options),
-    /// Show the rig's counters.
     Statistics(statistics::Options),
-    /// Simulate a swing and write it as a recording.
     Simulate(simulate::Options),
 }
 

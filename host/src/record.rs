@@ -33,8 +33,8 @@ const DISCONNECTED_S: f64 = 0.2;
 /// A swing with fewer passages through the lowest point is of no use.
 const USABLE_PASSAGES: u32 = 4;
 
-/// Room for what was recorded before the release, s.
-const LEAD_IN_S: f64 = 4.0;
+/// A recording begins so long before the first passage through the lowest point, s: the end of the hold.
+const LEAD_IN_S: f64 = 1.2;
 
 /// What to record, and when to give up.
 #[derive(Clone, Debug)]
@@ -107,7 +107,7 @@ pub struct Taken {
     pub release_rad: f64,
     /// Passages through the lowest point after the release.
     pub n_passages: u32,
-    /// From the release to the end, s.
+    /// From the moment the release was noticed to the end, s.
     pub swing_s: f64,
     /// Frames that did not arrive.
     pub frames_lost: u64,
@@ -236,6 +236,7 @@ struct Recorder<'a> {
     first_written: Option<u64>,
     first_received: Option<u64>,
     stage_began_s: f64,
+    released_s: Option<f64>,
     now_s: f64,
     n_disconnected: u32,
     left_out: u64,
@@ -255,6 +256,7 @@ impl<'a> Recorder<'a> {
             first_written: None,
             first_received: None,
             stage_began_s: 0.0,
+            released_s: None,
             now_s: 0.0,
             n_disconnected: 0,
             left_out: 0,
@@ -341,7 +343,7 @@ impl<'a> Recorder<'a> {
     fn store(&mut self, sample: Sample) -> Result<(), WriteError> {
         match self.detector.stage() {
             Stage::Settling | Stage::Waiting => {
-                self.lead_in.push(sample);
+                self.lead_in.push(sample, self.detector.n_passages() > 0);
                 Ok(())
             }
             Stage::Swinging | Stage::AtRest => self.write(sample),
@@ -368,7 +370,10 @@ impl<'a> Recorder<'a> {
             Stage::Settling | Stage::AtRest => {}
             // Opened before the release is asked for: a folder that can't be written to costs nobody a swing.
             Stage::Waiting => self.writer = Some(Writer::create(self.plan.path, &self.header, self.plan.existing)?),
-            Stage::Swinging => self.write_lead_in()?,
+            Stage::Swinging => {
+                self.released_s = Some(self.now_s);
+                self.write_lead_in()?;
+            }
         }
         watch.stage(stage);
         Ok(())
@@ -408,7 +413,7 @@ impl<'a> Recorder<'a> {
             n_samples,
             release_rad: self.detector.release_rad(),
             n_passages: self.detector.n_passages(),
-            swing_s: if self.detector.n_passages() > 0 { self.now_s - self.stage_began_s } else { 0.0 },
+            swing_s: self.released_s.map_or(0.0, |released_s| self.now_s - released_s),
             frames_lost: tally.frames_lost,
             samples_lost: tally.samples_lost + self.left_out,
             end,

@@ -69,14 +69,11 @@ Example:
   host fit swing.csv --rig rig.toml -o rig.toml
   host fit a.csv b.csv --hold-out c.csv --range Mw=1e-4..1e-3 --json";
 
-/// `--method`
+/// `--method`; without words of their own, or the help would not fit a screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Method {
-    /// Sequential response surfaces
     Rsm,
-    /// Growing-window least squares
     LeastSquares,
-    /// Response surfaces, then least squares from there
     Both,
 }
 
@@ -224,6 +221,8 @@ fn push_and_check(session: &mut Session, options: &Options, fit: &Fit) -> Result
 /// Root mean square of measured minus predicted angle: the board's observer, run over a recorded swing.
 fn innovation_rms_rad(parameters: &Parameters<f64>, bandwidth_rad_s: f64, swing: &Swing) -> f64 {
     let mut observer = Observer::new(parameters, bandwidth_rad_s);
+    let (angle_rad, velocity_rad_s) = swing.start_guess();
+    observer.start_at(angle_rad, velocity_rad_s);
     let mut before_s = swing.times_s[0];
     let sum: f64 = swing
         .times_s

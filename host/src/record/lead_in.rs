@@ -10,7 +10,7 @@ pub(super) struct Sample {
     pub(super) code: u16,
 }
 
-/// A ring: the oldest sample makes room for the newest.
+/// The oldest sample makes room for the newest, unless all are to be kept.
 pub(super) struct LeadIn {
     samples: VecDeque<Sample>,
     n_kept: usize,
@@ -21,8 +21,8 @@ impl LeadIn {
         Self { samples: VecDeque::with_capacity(n_kept), n_kept: n_kept.max(1) }
     }
 
-    pub(super) fn push(&mut self, sample: Sample) {
-        if self.samples.len() == self.n_kept {
+    pub(super) fn push(&mut self, sample: Sample, keep_all: bool) {
+        while self.samples.len() >= self.n_kept && !keep_all {
             self.samples.pop_front();
         }
         self.samples.push_back(sample);
