@@ -53,11 +53,8 @@ enum Command {
 }
 
 /// Reads the command line; on wrong use and for help the program ends here, as clap does it.
-///
-/// # Errors
-/// None yet: what clap can't check is checked by the command.
-pub fn understand() -> Result<Arguments, Failure> {
-    Ok(Arguments::parse())
+pub fn understand() -> Arguments {
+    Arguments::parse()
 }
 
 /// Does what was asked.

@@ -4,7 +4,8 @@ use host::cli;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match cli::understand().and_then(cli::carry_out) {
+    let arguments = cli::understand();
+    match cli::carry_out(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => cli::explain(&failure),
     }

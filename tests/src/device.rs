@@ -1,15 +1,22 @@
 //! Devices on a pseudo terminal, which the program opens as a serial port.
 
 use host::sim::{Scenario, SimulatedRig};
-use serialport::{SerialPort, TTYPort};
+use nix::fcntl::{OFlag, open};
+use nix::pty::{PtyMaster, grantpt, posix_openpt, ptsname_r, unlockpt};
+use nix::sys::stat::Mode;
+use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
 use std::io::{Read, Write};
+use std::os::fd::OwnedFd;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How long the device waits for bytes before it goes on.
+/// The device looks for bytes this often.
 const TICK: Duration = Duration::from_millis(1);
+
+/// So often it offers what it says.
+const N_TRIES: u32 = 50;
 
 /// Something behind a serial port; it is unplugged when dropped.
 pub struct Device {
@@ -22,8 +29,7 @@ pub struct Device {
 impl Device {
     /// A device that gets what was received since the last tick and gives what it says.
     pub fn new(mut on_tick: impl FnMut(&[u8]) -> Vec<u8> + Send + 'static) -> Self {
-        let (mut master, slave) = TTYPort::pair().expect("pseudo terminals");
-        let port = slave.name().expect("a pseudo terminal has a name");
+        let (mut master, slave, port) = pseudo_terminal().expect("pseudo terminals");
         let leave = Arc::new(AtomicBool::new(false));
         let told = leave.clone();
         let thread = std::thread::spawn(move || {
@@ -62,12 +68,32 @@ impl Drop for Device {
     }
 }
 
-fn tick(master: &mut TTYPort, on_tick: &mut impl FnMut(&[u8]) -> Vec<u8>) {
+/// Both ends and the name of the far one. Closed in the programs that tests start, or a cable could not be pulled.
+fn pseudo_terminal() -> nix::Result<(PtyMaster, OwnedFd, String)> {
+    let master = posix_openpt(OFlag::O_RDWR | OFlag::O_NOCTTY | OFlag::O_CLOEXEC | OFlag::O_NONBLOCK)?;
+    grantpt(&master)?;
+    unlockpt(&master)?;
+    let name = ptsname_r(&master)?;
+    let slave = open(name.as_str(), OFlag::O_RDWR | OFlag::O_NOCTTY | OFlag::O_CLOEXEC, Mode::empty())?;
+    let mut settings = tcgetattr(&slave)?;
+    cfmakeraw(&mut settings);
+    tcsetattr(&slave, SetArg::TCSANOW, &settings)?;
+    Ok((master, slave, name))
+}
+
+fn tick(master: &mut PtyMaster, on_tick: &mut impl FnMut(&[u8]) -> Vec<u8>) {
+    std::thread::sleep(TICK);
     let mut buffer = [0; 4096];
-    let _ = master.set_timeout(TICK);
     let n_received = master.read(&mut buffer).unwrap_or(0);
     let said = on_tick(&buffer[..n_received]);
     // What nobody takes is lost, as on a real wire.
-    let _ = master.set_timeout(Duration::from_millis(50));
-    let _ = master.write_all(&said);
+    let mut rest = said.as_slice();
+    for _ in 0..N_TRIES {
+        let n_taken = master.write(rest).unwrap_or(0);
+        rest = &rest[n_taken..];
+        if rest.is_empty() {
+            return;
+        }
+        std::thread::sleep(TICK);
+    }
 }

@@ -97,7 +97,7 @@ pub(super) fn take(
     let started = Some(now::iso());
     let plan = Plan { path, existing, wait_s: patience.wait, limit_s: patience.limit, started };
     let mut screen = Screen::new();
-    let taken = record(session, &plan, &mut screen, interrupt::flag());
+    let taken = interrupt::orderly(|stop| record(session, &plan, &mut screen, stop));
     screen.clear();
     usable(taken?)
 }

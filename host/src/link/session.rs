@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 /// A rig that has just started needs a moment; after so long it is none.
-const HELLO_PATIENCE: Duration = Duration::from_secs(5);
+const HELLO_PATIENCE: Duration = Duration::from_secs(4);
 
 /// The greeting is repeated this often.
 const HELLO_EVERY: Duration = Duration::from_millis(500);
