@@ -8,6 +8,7 @@ pub mod link;
 pub mod noise;
 pub mod record;
 pub mod recording;
+pub mod responses;
 pub mod rigfile;
 pub mod rsm;
 pub mod sim;

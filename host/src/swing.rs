@@ -1,6 +1,23 @@
 //! A recording made ready for the fit: the free swing alone, its time counted from its first sample.
 
+use crate::noise;
+use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
+use crate::recording::{Fault, Recording};
 use crate::trajectory::Schedule;
+
+/// Why a recording has no swing to fit.
+#[derive(Debug, thiserror::Error)]
+pub enum SwingError {
+    /// No free motion was found.
+    #[error(transparent)]
+    Segment(#[from] SegmentError),
+    /// What is left can't be used.
+    #[error(transparent)]
+    Fault(#[from] Fault),
+}
+
+/// Seconds of rest that are kept behind a swing.
+const KEPT_REST_S: f64 = 0.5;
 
 /// A free swing.
 #[derive(Clone, Debug)]
@@ -39,6 +56,28 @@ impl Swing {
         Self { name: name.to_owned(), times_s, angles_rad: angles_rad.to_vec(), schedule, noise_rad, n_lively }
     }
 
+    /// The free swing of a recording and what was cut off. Of the rest at the end only the beginning is kept: it tells
+    /// where the pendulum stopped, more of it tells nothing.
+    pub fn from_recording(
+        name: &str,
+        recording: &Recording,
+        options: &SegmentOptions,
+    ) -> Result<(Self, Segments), SwingError> {
+        let segments = segment(recording, options)?;
+        let noise = noise::estimate(recording);
+        let times_s = recording.times_s();
+        let rest_s = segments.rest.as_ref().map_or(f64::INFINITY, |rest| times_s[rest.start] + KEPT_REST_S);
+        let range = match options.to_s {
+            Some(_) => segments.free.clone(),
+            None => {
+                let end = segments.rest.as_ref().map_or(segments.free.end, |rest| rest.end);
+                segments.free.start..times_s[..end].partition_point(|t| *t <= rest_s)
+            }
+        };
+        let part = recording.part(range)?;
+        Ok((Self::new(name, part.times_s(), part.angles_rad(), noise.total_rms), segments))
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.times_s.len()
@@ -52,6 +91,13 @@ impl Swing {
     /// Length in seconds.
     pub fn duration_s(&self) -> f64 {
         self.times_s.last().copied().unwrap_or(0.0)
+    }
+
+    /// Every k-th sample, so that about `rate_hz` remain; unchanged if there are no more than that.
+    pub fn thinned(&self, rate_hz: f64) -> Self {
+        let every = ((self.len() as f64 / self.duration_s() / rate_hz) as usize).max(1);
+        let pick = |values: &[f64]| values.iter().step_by(every).copied().collect::<Vec<f64>>();
+        Self::new(&self.name, &pick(&self.times_s), &pick(&self.angles_rad), self.noise_rad)
     }
 
     /// Number of samples in a window.

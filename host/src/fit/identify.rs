@@ -165,14 +165,19 @@ pub fn fit(
     let ranges = chosen_ranges(&problem, &first, &options.ranges)?;
     let responses_before = responses_at(&problem, &first, Window::Whole);
 
+    // Designs need many runs but not every sample.
+    let thin: Vec<Swing> = swings.iter().map(|swing| swing.thinned(SURFACE_RATE_HZ)).collect();
+    let designed = Problem { swings: &thin, ..problem.clone() };
+
     let (outcome, stages) = match options.method {
         Method::LeastSquares => (least_squares(&problem, &first, progress), Vec::new()),
         Method::Rsm => {
-            let sequence = surfaces(&problem, &ranges, progress);
-            (finish_surfaces(&problem, &sequence), sequence.stages)
+            let mut sequence = surfaces(&designed, &ranges, progress);
+            let outcome = finish_surfaces(&designed, &mut sequence);
+            (outcome.on(&problem), sequence.stages)
         }
         Method::Both => {
-            let sequence = surfaces(&problem, &ranges, progress);
+            let sequence = surfaces(&designed, &ranges, progress);
             let from_surfaces = polish(&problem, &sequence, progress);
             // Surfaces from poor ranges may end in a wrong valley; least squares from the first guess then decides.
             let noise = problem.noise_rad();
@@ -183,9 +188,12 @@ pub fn fit(
         }
     };
     progress(Progress::Uncertainty);
-    let report = Report { problem: &problem, outcome, ranges: &ranges, given: &options.ranges };
+    let report = Report { problem: &problem, outcome, given: &options.ranges };
     report.build(held_out, responses_before, stages, &count, began)
 }
+
+/// Designs look at this many samples a second.
+const SURFACE_RATE_HZ: f64 = 200.0;
 
 /// A polished fit within this many noises is not doubted.
 const GOOD_NOISES: f64 = 1.5;
@@ -211,6 +219,13 @@ pub struct Outcome {
 impl Outcome {
     fn better(self, other: Self) -> Self {
         if other.cost < self.cost { other } else { self }
+    }
+
+    /// The same values judged on all samples of a problem.
+    fn on(self, problem: &Problem) -> Self {
+        let fixed = with_stiction(&smooth(problem), self.stiction);
+        let cost = fixed.costs(Window::Whole, std::slice::from_ref(&self.point))[0];
+        Self { cost, ..self }
     }
 
     fn rmse_rad(&self, problem: &Problem) -> f64 {
@@ -303,30 +318,83 @@ fn surfaces(problem: &Problem, ranges: &Ranges, progress: &(dyn Fn(Progress) + S
     })
 }
 
-/// The end of response surfaces without least squares: Ms and DV by search, then designs over the whole swing.
-fn finish_surfaces(problem: &Problem, sequence: &Sequence) -> Outcome {
+/// The end of response surfaces without least squares: Ms and DV by search, then designs over the whole swing, first
+/// of the smooth parameters, then of all.
+fn finish_surfaces(problem: &Problem, sequence: &mut Sequence) -> Outcome {
     let smooth = smooth(problem);
-    let mut pair = pair_of(problem, &sequence.point);
-    let mut point = smooth_point(problem, &sequence.point);
-    let mut cost = f64::INFINITY;
-    let keep = |(unknown, range): (&Unknown, &(f64, f64))| (!unknown.is_stiction()).then_some(*range);
-    let mut ranges = Ranges(problem.unknowns.iter().zip(&sequence.ranges.0).filter_map(keep).collect());
+    let mut best = Outcome {
+        point: smooth_point(problem, &sequence.point),
+        stiction: pair_of(problem, &sequence.point),
+        level_range_nm: (0.0, 0.0),
+        cost: problem.costs(Window::Whole, std::slice::from_ref(&sequence.point))[0],
+        converged: true,
+    };
     for _ in 0..FINISHING_ROUNDS {
-        let tried = stiction::best_pair(&smooth, &point, Some(pair));
-        let fixed = with_stiction(&smooth, tried);
-        let from = Sequence { point: point.clone(), stages: Vec::new(), ranges: ranges.clone() };
-        let next = sequential::in_window(&fixed, from, Window::Whole);
-        let next_cost = fixed.costs(Window::Whole, std::slice::from_ref(&next.point))[0];
-        if next_cost >= cost {
+        let pair = stiction::best_pair(&smooth, &best.point, Some(best.stiction));
+        let next = finishing_round(problem, &smooth, sequence, &best.point, pair);
+        let gain = best.cost - next.cost;
+        if gain > 0.0 {
+            best = next;
+        }
+        if gain < problem.noise_rad().powi(2) {
             break;
         }
-        (pair, point, cost, ranges) = (tried, next.point, next_cost, next.ranges);
     }
-    Outcome { point, stiction: pair, level_range_nm: (pair.level_nm, pair.level_nm), cost, converged: true }
+    best
+}
+
+fn finishing_round(
+    problem: &Problem,
+    smooth: &Problem,
+    sequence: &mut Sequence,
+    point: &Point,
+    pair: Stiction,
+) -> Outcome {
+    let fixed = with_stiction(smooth, pair);
+    let keep = |(unknown, range): (&Unknown, &(f64, f64))| (!unknown.is_stiction()).then_some(*range);
+    let ranges = Ranges(problem.unknowns.iter().zip(&sequence.ranges.0).filter_map(keep).collect());
+    let from = Sequence { point: point.clone(), stages: Vec::new(), ranges };
+    let smooth_end = sequential::in_window(&fixed, from, Window::Whole);
+    sequence.stages.extend(smooth_end.stages.iter().cloned());
+
+    // Near the truth Ms and DV have smooth effects too.
+    let values = full_values(problem, &smooth_end.point, pair);
+    let mut smooth_ranges = smooth_end.ranges.0.iter();
+    let range = |(unknown, value): (&Unknown, &f64)| {
+        let beside = (value - STICTION_REACH * value, value + STICTION_REACH * value);
+        if unknown.is_stiction() { beside } else { smooth_ranges.next().copied().unwrap_or(beside) }
+    };
+    let ranges = Ranges(problem.unknowns.iter().zip(&values).map(range).collect());
+    let from =
+        Sequence { point: Point { values, starts: smooth_end.point.starts.clone() }, stages: Vec::new(), ranges };
+    let end = if pair.velocity_band > 0.0 { sequential::in_window(problem, from, Window::Whole) } else { from };
+    sequence.stages.extend(end.stages.iter().cloned());
+    let stiction = pair_of(problem, &end.point);
+    Outcome {
+        point: smooth_point(problem, &end.point),
+        stiction,
+        level_range_nm: (stiction.level_nm, stiction.level_nm),
+        cost: problem.costs(Window::Whole, std::slice::from_ref(&end.point))[0],
+        converged: true,
+    }
 }
 
 /// Rounds of stiction search and designs at the end.
-const FINISHING_ROUNDS: usize = 3;
+const FINISHING_ROUNDS: usize = 4;
+
+/// The last designs reach this share to either side of Ms and DV.
+const STICTION_REACH: f64 = 0.15;
+
+/// All unknowns' values in the problem's order, from the smooth ones and Ms and DV.
+fn full_values(problem: &Problem, smooth: &Point, stiction: Stiction) -> Vec<f64> {
+    let mut smooth = smooth.values.iter();
+    let mut pair = [stiction.level_nm, stiction.velocity_band].into_iter();
+    let next = |unknown: &Unknown| {
+        let value = if unknown.is_stiction() { pair.next() } else { smooth.next().copied() };
+        value.unwrap_or(0.0)
+    };
+    problem.unknowns.iter().map(next).collect()
+}
 
 fn pair_of(problem: &Problem, point: &Point) -> Stiction {
     let value = |index: usize| {
@@ -351,7 +419,6 @@ fn polish(problem: &Problem, sequence: &Sequence, progress: &(dyn Fn(Progress) +
 struct Report<'a, 'b> {
     problem: &'b Problem<'a>,
     outcome: Outcome,
-    ranges: &'b Ranges,
     given: &'b [(String, f64, f64)],
 }
 
@@ -371,7 +438,7 @@ impl Report<'_, '_> {
             return Err(FitError::Hopeless { error_rad: rmse_rad });
         }
         let full = self.full_problem();
-        let values = self.full_values(&full);
+        let values = full_values(&full, &self.outcome.point, self.outcome.stiction);
         let point = Point { values, starts: self.outcome.point.starts.clone() };
         let (known, covariance) = self.uncertainty(&full, &point);
         let parameters = full.parameters(&point.values);
@@ -398,18 +465,6 @@ impl Report<'_, '_> {
 
     fn full_problem(&self) -> Problem<'_> {
         with_stiction(self.problem, self.outcome.stiction)
-    }
-
-    /// All unknowns' values in the problem's order.
-    fn full_values(&self, full: &Problem) -> Vec<f64> {
-        let mut smooth = self.outcome.point.values.iter();
-        let Stiction { level_nm, velocity_band } = self.outcome.stiction;
-        let mut pair = [level_nm, velocity_band].into_iter();
-        let next = |unknown: &Unknown| {
-            let value = if unknown.is_stiction() { pair.next() } else { smooth.next().copied() };
-            value.unwrap_or(0.0)
-        };
-        full.unknowns.iter().map(next).collect()
     }
 
     /// The indices of the numbers that the data tell smoothly, and their covariance. Numbers on a bound are known to be

@@ -3,8 +3,9 @@
 //! Each stage runs a face-centred central composite design, fits the five response surfaces, and moves to their
 //! optimum. The paper's own sequence does not converge from its own wide ranges: far from the truth the error surface
 //! is no parabola and the next box shuts the truth out. Three things cure that: the time window grows, so that early
-//! stages see a smooth error; a move is accepted only if the simulated error falls; a box is re-centred before it
-//! shrinks, and shrinks only when its optimum lies inside or its surface cannot be believed.
+//! stages see a smooth error; a move is accepted only if the simulated error falls; a box is re-centred before its
+//! width changes, and shrinks only when its optimum lies inside or its surface cannot be believed (it predicts runs
+//! that were left out badly, or the simulation does not keep what it promised): a trust region of surfaces.
 //!
 //! Start angle, velocity and offset of each swing are solved for in every run, to first order.
 
@@ -21,20 +22,23 @@ use serde::Serialize;
 /// Rounds of design and move within one window.
 const MAX_ROUNDS: usize = 8;
 
-/// A box shrinks to this share of its width.
+/// A box shrinks to this share of its width where its surface can't be believed.
 const SHRINK: f64 = 0.5;
 
 /// Below this predicted R² (PRESS) of mseA a surface is not believed.
-const CREDIBLE_R_SQUARED: f64 = 0.5;
+const CREDIBLE_R_SQUARED: f64 = 0.9;
 
-/// A window is finished when the error is within this factor of the noise variance.
-const AT_NOISE: f64 = 1.02;
+/// A surface is not believed either when the error falls by less than this share of what it promised.
+const KEPT_PROMISE: f64 = 0.25;
 
-/// … or when a round lowers the error by less than this share.
-const LITTLE_GAIN: f64 = 0.02;
+/// A believed box whose optimum lies on a face grows by this factor.
+const GROW: f64 = 2.0;
 
-/// A box is not made narrower than this share of the width along which mseA changes by the noise variance.
-const NARROWEST: f64 = 0.25;
+/// A window is finished when a move lowers the sum of squares by less than so many noise variances.
+const LITTLE_GAIN: f64 = 5.0;
+
+/// A box reaches this many standard deviations around its optimum: the truth is inside, whatever the next window says.
+const BOX_STDS: f64 = 5.0;
 
 /// The search for the optimum of one stage; coarse, because the simulation decides.
 const SEARCH: Search = Search { n_samples: 400, n_starts: 6, smallest_edge: 1e-4, seed: 1 };
@@ -101,21 +105,18 @@ pub fn sequence(problem: &Problem, ranges: &Ranges, starts: &[Start], begins: &d
 /// Designs and moves within one window until the noise or the gains are small.
 pub fn in_window(problem: &Problem, from: Sequence, window: Window) -> Sequence {
     let mut now = from;
-    let noise = problem.noise_rad().powi(2);
     for _ in 0..MAX_ROUNDS {
-        let Some((next, gain)) = one_stage(problem, &now, window) else { break };
+        let Some((next, is_finished)) = one_stage(problem, &now, window) else { break };
         now = next;
-        let error = now.stages.last().map_or(f64::INFINITY, |stage| stage.after.mse_angle);
-        let credible = now.stages.last().and_then(|stage| stage.r_squared_predicted).unwrap_or(0.0) > 0.9;
-        if error < AT_NOISE * noise || (gain < LITTLE_GAIN && credible) {
+        if is_finished {
             break;
         }
     }
     now
 }
 
-/// One design around the present guess and the move it leads to, with the share by which the error fell.
-fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Sequence, f64)> {
+/// One design around the present guess and the move it leads to; true if nothing is left to gain in this window.
+fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Sequence, bool)> {
     let factors = box_around(problem, &now.ranges, &now.point)?;
     let design = Design::face_centred(factors.clone(), 1).ok()?;
     let nuisance = Nuisance::at(problem, &now.point, window);
@@ -134,11 +135,22 @@ fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Seque
     let best = tried.iter().min_by(|a, b| a.responses.mse_angle.total_cmp(&b.responses.mse_angle))?;
     let moves = best.responses.mse_angle < here.responses.mse_angle;
     let chosen = if moves { best } else { &here };
-    let gain = 1.0 - chosen.responses.mse_angle / here.responses.mse_angle;
+    let n_samples = problem.n_samples(window) as f64;
+    let gain = (here.responses.mse_angle - chosen.responses.mse_angle) * n_samples / problem.noise_rad().powi(2);
 
+    let promised = promised_gain(&surfaces[0]) * n_samples / problem.noise_rad().powi(2);
     let r_squared_predicted = fits[0].r_squared_predicted;
-    let credible = r_squared_predicted.is_some_and(|r| r > CREDIBLE_R_SQUARED);
-    let ranges = next_ranges(problem, &factors, &surfaces[0], &chosen.point.values, credible);
+    let kept_promise = gain > KEPT_PROMISE * promised || promised < LITTLE_GAIN;
+    let credible = kept_promise && r_squared_predicted.is_some_and(|r| r > CREDIBLE_R_SQUARED);
+    let next_box = NextBox {
+        problem,
+        factors: &factors,
+        error: &surfaces[0],
+        mse: chosen.responses.mse_angle,
+        n_samples,
+        credible,
+    };
+    let ranges = next_box.ranges(&chosen.point.values);
     let stage = Stage {
         window_s: match window {
             Window::First(seconds) => Some(seconds),
@@ -153,7 +165,7 @@ fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Seque
     };
     let mut stages = now.stages.clone();
     stages.push(stage);
-    Some((Sequence { point: chosen.point.clone(), stages, ranges }, gain))
+    Some((Sequence { point: chosen.point.clone(), stages, ranges }, credible && gain < LITTLE_GAIN))
 }
 
 /// The present box, its centre moved to the present guess, within the hard limits.
@@ -186,6 +198,12 @@ fn proposals(surfaces: &[Surface], runs: &[Run], factors: &[Factor]) -> Vec<Vec<
     let least = least_error(&surfaces[0]);
     let natural = |coded: &[f64]| factors.iter().zip(coded).map(|(factor, c)| factor.natural(*c)).collect();
     all.map(|optimum| optimum.natural).into_iter().chain(least.map(|coded| natural(&coded))).collect()
+}
+
+/// By how much the surface of mseA says that the error falls from the box's centre to its best point.
+fn promised_gain(error: &Surface) -> f64 {
+    let centre = vec![0.0; error.factors().len()];
+    least_error(error).map_or(0.0, |best| error.predict(&centre) - error.predict(&best))
 }
 
 /// The point of the box with the least predicted error: damped Newton steps on the quadratic, held in the box.
@@ -229,22 +247,59 @@ fn positive(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     eigen.recompose()
 }
 
-/// The next box: half as wide where the chosen point lies inside or the surface cannot be believed, as wide as before
-/// where it lies on a face, never narrower than what the noise lets one see.
-fn next_ranges(problem: &Problem, factors: &[Factor], error: &Surface, values: &[f64], credible: bool) -> Ranges {
-    let noise = problem.noise_rad().powi(2);
-    let curvature = curvature(error);
-    let next = |j: usize| {
-        let factor = &factors[j];
-        let inside = factor.coded(values[j]).abs() < 0.9;
-        let half = if inside || !credible { SHRINK * factor.half_range() } else { factor.half_range() };
-        let visible = 2.0 * noise / curvature[(j, j)].max(1e-300);
-        let narrowest = (NARROWEST * visible.sqrt() * factor.half_range()).min(factor.half_range());
-        let (low, high) = (problem.unknowns[j].low, problem.unknowns[j].high);
-        shifted(half.max(narrowest), values[j], low, high)
-    };
-    Ranges((0..factors.len()).map(next).collect())
+/// What decides the next box.
+struct NextBox<'a, 'b> {
+    problem: &'b Problem<'a>,
+    factors: &'b [Factor],
+    error: &'b Surface,
+    mse: f64,
+    n_samples: f64,
+    credible: bool,
 }
+
+impl NextBox<'_, '_> {
+    /// A surface that can't be believed halves its box. A believed one gives the standard deviations of its optimum; the
+    /// box then reaches a few of them; a side with the optimum on its face grows.
+    fn ranges(&self, values: &[f64]) -> Ranges {
+        let stds = self.coded_stds();
+        let next = |j: usize| {
+            let factor = &self.factors[j];
+            let present = factor.half_range();
+            let inside = factor.coded(values[j]).abs() < 0.9;
+            let half = match (self.credible, inside) {
+                (false, _) => SHRINK * present,
+                (true, true) => (BOX_STDS * stds[j]).clamp(STRONGEST_SHRINK, 1.0) * present,
+                (true, false) => GROW * present,
+            };
+            let unknown = &self.problem.unknowns[j];
+            let narrowest = if unknown.is_stiction() { NARROWEST_STICTION } else { NARROWEST };
+            let half = half.max(narrowest * values[j].abs().max(unknown.scale));
+            shifted(half, values[j], unknown.low, unknown.high)
+        };
+        Ranges((0..self.factors.len()).map(next).collect())
+    }
+
+    /// Standard deviations of the optimum from the noise (n·mse is the sum of squares, so its curvature is twice JᵀJ)
+    /// and from the surface's own error, which tilts it.
+    fn coded_stds(&self) -> Vec<f64> {
+        let curvature = positive(&curvature(self.error));
+        let size = curvature.nrows();
+        let inverse = curvature.cholesky().map(|factor| factor.inverse());
+        let spread = |j: usize| inverse.as_ref().map_or(f64::INFINITY, |inverse| inverse[(j, j)]);
+        let noise = 2.0 * self.mse / self.n_samples;
+        let tilt = self.error.residual_standard_error().unwrap_or(0.0);
+        (0..size).map(|j| (noise * spread(j) + (tilt * spread(j)).powi(2)).sqrt()).collect()
+    }
+}
+
+/// The narrowest half width of a box, relative to the value or the unknown's scale: narrower could not be coded.
+const NARROWEST: f64 = 1e-6;
+
+/// The same for Ms and DV, which short windows hardly tell.
+const NARROWEST_STICTION: f64 = 0.1;
+
+/// A box shrinks to no less than this share at once.
+const STRONGEST_SHRINK: f64 = 0.15;
 
 /// Derivatives of each swing with respect to its start angle, velocity and offset.
 struct Nuisance(Vec<Vec<Vec<f64>>>);
@@ -280,7 +335,7 @@ fn runs(problem: &Problem, from: &Point, window: Window, nuisance: &Nuisance, va
             let mut residuals: Vec<f64> =
                 swing.angles_rad.iter().zip(&simulated).map(|(m, s)| m - s - start.offset_rad).collect();
             let gradient = DVector::from_fn(PER_SWING, |i, _| dot(&columns[i], &residuals));
-            let step = solve_damped(&normal, &gradient, START_DAMPING, &[true; PER_SWING]);
+            let step = solve_damped(&normal, &gradient, 0.0, &[true; PER_SWING]);
             for i in 0..n_samples {
                 let moved = step[0] * columns[0][i] + step[1] * columns[1][i];
                 simulated[i] += moved;
@@ -303,9 +358,6 @@ fn runs(problem: &Problem, from: &Point, window: Window, nuisance: &Nuisance, va
     };
     values.iter().enumerate().map(run).collect()
 }
-
-/// A start is an honest unknown only as far as the window can tell it from a wrong model.
-const START_DAMPING: f64 = 1e-4;
 
 /// Mean squares over all samples, counts summed.
 fn pooled(parts: &[&(Start, Responses, usize)]) -> Responses {

@@ -189,26 +189,56 @@ fn lowest(costs: &[f64]) -> Option<usize> {
 fn with_band(problem: &Problem, none: &Settled) -> Settled {
     let gravity = problem.template.pendulum.gravity_torque_nm();
     let mut best = none.clone();
-    let mut grid: Vec<Stiction> = BANDS
-        .iter()
-        .flat_map(|band| LEVELS.iter().map(move |level| Stiction { level_nm: level * gravity, velocity_band: *band }))
-        .collect();
+    for tried in promising(problem, none, gravity) {
+        best = better(best, descended(problem, &none.descent.point, tried));
+    }
     for _ in 0..MAX_ROUNDS {
-        let point = &best.descent.point;
-        let here = with_stiction(problem, best.stiction);
-        let mut steps = best.descent.steps.clone();
-        let linear = linearise(&here, point, Window::Whole, &mut steps);
-        let costs = answered_costs(&here, &linear, point, &grid);
-        let Some(chosen) = lowest(&costs) else { break };
-        let stiction = grid[chosen];
-        let descent = descend_with_stiction(problem, point, stiction);
-        if descent.0.cost < best.descent.cost {
-            let level_nm = descent.1.level_nm;
-            best = Settled { stiction: descent.1, level_range_nm: (level_nm, level_nm), descent: descent.0 };
+        if best.stiction.velocity_band == 0.0 {
+            break;
         }
-        grid = finer(&best.stiction, &stiction);
+        let before = best.descent.cost;
+        let here = with_stiction(problem, best.stiction);
+        let point = best.descent.point.clone();
+        let linear = linearise(&here, &point, Window::Whole, &mut best.descent.steps.clone());
+        let grid = finer(&best.stiction);
+        let costs = answered_costs(&here, &linear, &point, &grid);
+        let Some(chosen) = lowest(&costs) else { break };
+        best = better(best, descended(problem, &point, grid[chosen]));
+        if before - best.descent.cost < problem.noise_rad().powi(2) {
+            break;
+        }
     }
     best
+}
+
+/// The best level for each band, the most promising bands first.
+fn promising(problem: &Problem, none: &Settled, gravity_nm: f64) -> Vec<Stiction> {
+    let here = with_stiction(problem, none.stiction);
+    let point = &none.descent.point;
+    let linear = linearise(&here, point, Window::Whole, &mut none.descent.steps.clone());
+    let grid: Vec<Stiction> = BANDS.into_iter().flat_map(|band| levels(band, gravity_nm)).collect();
+    let costs = answered_costs(&here, &linear, point, &grid);
+    let of_band = |row: usize| lowest(&costs[row * LEVELS.len()..][..LEVELS.len()]).map(|k| row * LEVELS.len() + k);
+    let mut rows: Vec<usize> = (0..BANDS.len()).filter_map(of_band).collect();
+    rows.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
+    rows.truncate(PROMISING);
+    rows.into_iter().map(|k| grid[k]).collect()
+}
+
+fn levels(band: f64, gravity_nm: f64) -> impl Iterator<Item = Stiction> {
+    LEVELS.iter().map(move |level| Stiction { level_nm: level * gravity_nm, velocity_band: band })
+}
+
+/// So many bands are descended from.
+const PROMISING: usize = 3;
+
+fn better(a: Settled, b: Settled) -> Settled {
+    if b.descent.cost < a.descent.cost { b } else { a }
+}
+
+fn descended(problem: &Problem, point: &Point, stiction: Stiction) -> Settled {
+    let (descent, stiction) = descend_with_stiction(problem, point, stiction);
+    Settled { stiction, level_range_nm: (stiction.level_nm, stiction.level_nm), descent }
 }
 
 /// The best pair by first-order answers alone, without any descent: for response surfaces.
@@ -217,9 +247,7 @@ pub fn best_pair(problem: &Problem, point: &Point, around: Option<Stiction>) -> 
     let free = with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
     let stops = stop_ranges(&free, point);
     let without = stops.iter().map(|(low, high)| Stiction { level_nm: 0.5 * (low + high), velocity_band: 0.0 });
-    let band_of =
-        |band: f64| LEVELS.iter().map(move |level| Stiction { level_nm: level * gravity, velocity_band: band });
-    let mut tried: Vec<Stiction> = without.chain(BANDS.into_iter().flat_map(band_of)).collect();
+    let mut tried: Vec<Stiction> = without.chain(BANDS.into_iter().flat_map(|band| levels(band, gravity))).collect();
     tried.extend(around);
     let here = with_stiction(problem, around.unwrap_or(Stiction { level_nm: 0.0, velocity_band: 0.0 }));
     let mut best = tried[0];
@@ -232,14 +260,13 @@ pub fn best_pair(problem: &Problem, point: &Point, around: Option<Stiction>) -> 
         if best.velocity_band == 0.0 {
             break;
         }
-        tried = finer(&best, &best);
+        tried = finer(&best);
     }
     best
 }
 
-/// A grid of pairs around the better of two.
-fn finer(best: &Stiction, tried: &Stiction) -> Vec<Stiction> {
-    let centre = if best.velocity_band > 0.0 { best } else { tried };
+/// A grid of pairs around one.
+fn finer(centre: &Stiction) -> Vec<Stiction> {
     let factors = [0.6, 0.8, 0.95, 1.0, 1.05, 1.25, 1.6];
     let pair = |level: f64, band: f64| Stiction {
         level_nm: level * centre.level_nm,
