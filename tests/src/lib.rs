@@ -1,1 +1,5 @@
 //! Helpers of the integration tests.
+
+#[cfg(target_os = "linux")]
+pub mod device;
+pub mod program;
