@@ -113,3 +113,18 @@ fn colours_stay_off_without_a_terminal() {
     let run = host(folder().path(), "fit missing.csv");
     assert!(!run.stderr.contains('\u{1b}'), "{}", run.stderr);
 }
+
+#[test]
+fn every_help_fits_a_screen_and_has_an_example() {
+    let folder = folder();
+    let overview = host(folder.path(), "--help").succeeded().to_owned();
+    let commands = overview.lines().filter_map(|line| line.strip_prefix("  ")?.split_whitespace().next());
+    let known = ["init", "record", "fit", "push", "pull", "statistics", "simulate"];
+    let listed: Vec<&str> = commands.filter(|word| known.contains(word)).collect();
+    assert_eq!(listed, known, "{overview}");
+    for command in known {
+        let help = host(folder.path(), &format!("{command} --help")).succeeded().to_owned();
+        assert!(help.lines().count() <= 60, "{command}: {} lines", help.lines().count());
+        assert!(help.contains("Example:"), "{command}");
+    }
+}
