@@ -125,6 +125,12 @@ pub struct Effect<R: 'static> {
     pub action: Action<R>,
 }
 
+impl<R> core::fmt::Debug for Effect<R> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
 impl<R: Real> Effect<R> {
     /// Every effect there is. Those on the sensor stand in the order in which they act, from the shaft to the wire.
     pub const ALL: &'static [Effect<R>] = &[

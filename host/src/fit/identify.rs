@@ -255,7 +255,7 @@ pub fn problem_of<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a Ato
     let mut unknowns: Vec<Unknown> = ids.flat_map(of_effect).collect();
     let inertia_at = unknowns.iter().rposition(Unknown::is_stiction).map_or(0, |last| last + 1);
     unknowns.insert(inertia_at, Unknown::inertia(&template));
-    Problem { swings, template, unknowns, n_simulations: count }
+    Problem { swings, template, unknowns, offsets_are_free: true, n_simulations: count }
 }
 
 /// The same problem without Ms and DV among its unknowns.
@@ -604,8 +604,13 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Error on swings that took no part: only their starts are fitted.
 pub fn held_out_rmse(held_out: &[Swing], parameters: &Parameters<f64>, count: &AtomicUsize) -> f64 {
-    let problem =
-        Problem { swings: held_out, template: parameters.clone(), unknowns: Vec::new(), n_simulations: count };
+    let problem = Problem {
+        swings: held_out,
+        template: parameters.clone(),
+        unknowns: Vec::new(),
+        offsets_are_free: true,
+        n_simulations: count,
+    };
     let point = Point { values: Vec::new(), starts: start::starts(held_out) };
     let first = windows::grow(&problem, &point);
     let last = descend(&problem, &first.point, Window::Whole, Patience::FINE, first.steps);

@@ -141,6 +141,8 @@ pub struct Problem<'a> {
     pub template: Parameters<f64>,
     /// What to identify.
     pub unknowns: Vec<Unknown>,
+    /// Is the sensor's zero of each swing fitted too?
+    pub offsets_are_free: bool,
     /// Simulations run so far.
     pub n_simulations: &'a AtomicUsize,
 }

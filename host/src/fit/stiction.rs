@@ -72,7 +72,8 @@ pub fn with_stiction<'a>(problem: &Problem<'a>, stiction: Stiction) -> Problem<'
     changed
 }
 
-fn without_band(problem: &Problem, from: &Descent) -> Settled {
+/// Searches Ms alone, DV = 0.
+pub fn without_band(problem: &Problem, from: &Descent) -> Settled {
     let mut point = from.point.clone();
     let mut steps = from.steps.clone();
     let mut best: Option<Settled> = None;
@@ -186,7 +187,8 @@ fn lowest(costs: &[f64]) -> Option<usize> {
     finite.min_by(|a, b| a.1.total_cmp(b.1)).map(|(index, _)| index)
 }
 
-fn with_band(problem: &Problem, none: &Settled) -> Settled {
+/// Searches Ms and a velocity band; `none` is the outcome without one.
+pub fn with_band(problem: &Problem, none: &Settled) -> Settled {
     let gravity = problem.template.pendulum.gravity_torque_nm();
     let mut best = none.clone();
     for tried in promising(problem, none, gravity) {
