@@ -13,7 +13,7 @@ use embassy_futures::yield_now;
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
 use shared::rig::{Finished, Outcome, Request, Rig};
-use shared::wire::{Command, Deframer, Frame, Health, Refusal};
+use shared::wire::{Answer, Command, Deframer, Frame, Health, Refusal};
 
 /// A restart waits at most this long for its answer to leave …
 const FAREWELL_MS: u32 = 200;
@@ -115,6 +115,9 @@ impl<Y: System> Shared<Y> {
             Frame::Command(_, Command::Statistics) => {
                 self.system.borrow_mut().measure(self.rig.borrow_mut().health());
             }
+            Frame::Command(number, Command::Bootloader) if !Y::HAS_BOOTLOADER => {
+                return self.answer(&Frame::Answer(number, Answer::Refused(Refusal::NotHere)));
+            }
             _ => {}
         }
         let outcome = self.rig.borrow_mut().on_frame(frame);
@@ -125,7 +128,6 @@ impl<Y: System> Shared<Y> {
                 self.answer(&frame);
                 select(self.queue.drained(), Y::pause(FAREWELL_MS)).await;
                 Y::pause(LAST_BYTES_MS).await;
-                // A board that cannot do it just goes on.
                 self.carry_out(request, store).await;
             }
             Outcome::Do(number, request) => {
@@ -159,7 +161,7 @@ impl<Y: System> Shared<Y> {
                 Finished::Done
             }
             Request::Reset => self.system.borrow_mut().reset(),
-            Request::Bootloader => Finished::Failed(self.system.borrow_mut().bootloader()),
+            Request::Bootloader => self.system.borrow_mut().bootloader(),
         }
     }
 }

@@ -4,7 +4,7 @@ use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
 use heapless::Vec;
 use shared::units::Code;
-use shared::wire::{Health, Refusal};
+use shared::wire::Health;
 
 /// The largest code: four times 4095. Every board averages until its codes have this scale, or is fed such codes, so
 /// that a calibration means the same on all of them.
@@ -32,6 +32,8 @@ pub trait Sampler {
 
 /// The chip's own business.
 pub trait System {
+    /// Is there a bootloader to restart into?
+    const HAS_BOOTLOADER: bool;
     /// Why it started, where the last fault was, how many restarts.
     fn since_power_up(&mut self) -> Health;
     /// Processor share and stack, measured now.
@@ -42,8 +44,8 @@ pub trait System {
     async fn pause(milliseconds: u32);
     /// Restarts.
     fn reset(&mut self) -> !;
-    /// Restarts into the chip's bootloader, if it has one.
-    fn bootloader(&mut self) -> Refusal;
+    /// Restarts into the chip's bootloader; asked only if there is one.
+    fn bootloader(&mut self) -> !;
 }
 
 /// Everything the application needs.

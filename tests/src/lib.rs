@@ -1,1 +1,6 @@
 //! Helpers of the integration tests.
+
+pub mod image;
+pub mod link;
+pub mod plant;
+pub mod qemu;

@@ -18,7 +18,7 @@ use embassy_time::Timer;
 use firmware::ports::{Board, System};
 use plant::Plant;
 use ram_flash::RamFlash;
-use shared::wire::{Health, Refusal, ResetCause};
+use shared::wire::{Health, ResetCause};
 pub use stm32_metapac as pac;
 use usart::{Receiver, Sender};
 
@@ -42,6 +42,8 @@ pub fn start(_: Spawner) -> Board<Plant, Receiver, Sender, RamFlash, Machine> {
 pub struct Machine;
 
 impl System for Machine {
+    const HAS_BOOTLOADER: bool = false;
+
     fn since_power_up(&mut self) -> Health {
         let before = crash::before_this_start();
         let asked = if before.warm { ResetCause::Asked } else { ResetCause::Power };
@@ -67,7 +69,7 @@ impl System for Machine {
         cortex_m::peripheral::SCB::sys_reset()
     }
 
-    fn bootloader(&mut self) -> Refusal {
-        Refusal::NotHere
+    fn bootloader(&mut self) -> ! {
+        self.reset()
     }
 }

@@ -1,0 +1,93 @@
+//! The whole firmware in QEMU: greets, streams, keeps parameters over a restart, and survives bad input.
+
+use shared::parameters::{ParameterError, Parameters};
+use shared::wire::{Answer, Command, Frame, Hello, PROTOCOL, Refusal, ResetCause, StoreState, Stream};
+use std::time::Duration;
+use tests::image::{Board, firmware};
+use tests::link::Link;
+use tests::plant::Scenario;
+use tests::qemu::Qemu;
+
+const LIMIT: Duration = Duration::from_secs(120);
+
+fn start() -> (Qemu, Link) {
+    let image = firmware(Board::Qemu).unwrap();
+    let qemu = Qemu::start(&image, Scenario::default(), LIMIT).unwrap();
+    let link = Link::open(qemu.port()).unwrap();
+    (qemu, link)
+}
+
+fn other_parameters() -> Parameters<f32> {
+    let mut parameters = Parameters::paper().map(|value| value as f32);
+    parameters.pendulum.inertia_kg_m2 = 0.002_75;
+    parameters.set(10, &[1e-4]).unwrap();
+    parameters
+}
+
+#[test]
+fn it_greets_streams_every_sample_and_counts_them() {
+    let (_qemu, mut link) = start();
+    assert_eq!(link.hello().unwrap().name, "qemu");
+    assert_eq!(link.ask(Command::Start(Stream { raw: true, live_every: 10 })).unwrap(), Answer::Done);
+    link.collect(Duration::from_secs(60), |frames| frames.len() >= 600).unwrap();
+    assert_eq!(link.ask(Command::Stop).unwrap(), Answer::Done);
+    let (mut next_sample, mut next_sequence) = (None, 0);
+    for frame in &link.frames {
+        let Frame::Samples(samples) = frame else { continue };
+        assert_eq!(samples.first_sample, next_sample.unwrap_or(samples.first_sample));
+        assert_eq!((samples.sequence, samples.status), (next_sequence, 0));
+        next_sample = Some(samples.first_sample + samples.codes.len() as u64);
+        next_sequence += 1;
+    }
+    let statistics = link.statistics().unwrap();
+    assert!(statistics.samples >= next_sample.unwrap());
+    assert_eq!((statistics.overruns, statistics.dropped_frames, statistics.bad_frames), (0, 0, 0));
+    let health = statistics.health;
+    assert!(health.cpu_permille > 0 && health.stack_used > 0 && health.stack_used < health.stack_size / 2);
+    println!("{} samples, stack {} of {}", statistics.samples, health.stack_used, health.stack_size);
+}
+
+#[test]
+fn saved_parameters_are_there_after_a_restart_and_unsaved_ones_are_not() {
+    let (_qemu, mut link) = start();
+    link.hello().unwrap();
+    let at_first = link.statistics().unwrap().health;
+    assert_eq!((at_first.store, at_first.cause, at_first.resets), (StoreState::Empty, ResetCause::Power, 0));
+    assert_eq!(link.ask(Command::Load).unwrap(), Answer::Refused(Refusal::NothingStored));
+
+    let saved = other_parameters();
+    assert_eq!(link.ask(Command::SetParameters(saved.clone())).unwrap(), Answer::Done);
+    assert_eq!(link.ask(Command::Save).unwrap(), Answer::Done);
+    assert_eq!(link.ask(Command::Defaults).unwrap(), Answer::Done);
+    assert_ne!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(saved.clone()));
+
+    assert_eq!(link.ask(Command::Reset).unwrap(), Answer::Done);
+    std::thread::sleep(Duration::from_millis(500));
+    link.hello().unwrap();
+    assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(saved));
+    let after = link.statistics().unwrap().health;
+    assert_eq!((after.store, after.cause, after.resets), (StoreState::Loaded, ResetCause::Asked, 1));
+}
+
+#[test]
+fn bad_input_is_answered_and_changes_nothing() {
+    let (_qemu, mut link) = start();
+    link.hello().unwrap();
+    link.send_bytes(&[0x55; 2000]).unwrap();
+    link.hello().unwrap();
+    let Answer::Parameters(before) = link.ask(Command::GetParameters).unwrap() else { panic!() };
+
+    let mut unknown = before.clone();
+    unknown.set(999, &[1.0]).unwrap();
+    let refusal = Refusal::Parameters(ParameterError::UnknownEffect { id: 999 });
+    assert_eq!(link.ask(Command::SetParameters(unknown)).unwrap(), Answer::Refused(refusal));
+    assert_eq!(link.ask(Command::Bootloader).unwrap(), Answer::Refused(Refusal::NotHere));
+
+    link.hello_as(Hello { protocol: PROTOCOL + 1, ..Hello::new("stranger") }).unwrap();
+    let refused = Answer::Refused(Refusal::Protocol { host: PROTOCOL + 1, rig: PROTOCOL });
+    assert_eq!(link.ask(Command::GetParameters).unwrap(), refused);
+
+    link.hello().unwrap();
+    assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(before));
+    assert_eq!(link.statistics().unwrap().bad_frames, 1);
+}
