@@ -28,8 +28,9 @@ struct Shared<Y> {
     queue: FrameQueue,
     /// A rate that the sampler has not been told yet.
     new_rate_hz: Cell<Option<f32>>,
-    /// The flash was written since the last samples: what is missing now was announced.
-    paused: Cell<bool>,
+    /// The flash is being written, or was since the last samples: what is missing now was announced.
+    saving: Cell<bool>,
+    saved: Cell<bool>,
 }
 
 /// Runs the rig on a board, for ever.
@@ -48,7 +49,8 @@ async fn start<F: NorFlash, Y: System>(name: &str, store: &mut Store<F>, mut sys
         rig: RefCell::new(rig),
         system: RefCell::new(system),
         queue: FrameQueue::new(),
-        paused: Cell::new(false),
+        saving: Cell::new(false),
+        saved: Cell::new(false),
     }
 }
 
@@ -65,7 +67,7 @@ impl<Y: System> Shared<Y> {
     }
 
     fn take_batch(&self, codes: &[shared::units::Code], lost: u32) {
-        let announced = self.paused.take();
+        let announced = self.saved.take() | self.saving.get();
         let mut rig = self.rig.borrow_mut();
         if lost > 0 {
             rig.on_samples_lost(lost, !announced);
@@ -98,7 +100,7 @@ impl<Y: System> Shared<Y> {
             // A receiver that reports an error has recovered by the next call; the frame it hurt fails its check sum.
             let n_bytes = receiver.read(&mut bytes).await.unwrap_or(0);
             for byte in &bytes[..n_bytes] {
-                match deframer.push(*byte) {
+                match deframer.push_at_rig(*byte) {
                     Some(Ok(frame)) => self.obey(frame, &mut store).await,
                     Some(Err(_)) => self.rig.borrow_mut().on_bad_frame(),
                     None => {}
@@ -146,8 +148,11 @@ impl<Y: System> Shared<Y> {
     async fn carry_out<F: NorFlash>(&self, request: Request, store: &mut Store<F>) -> Finished {
         match request {
             Request::Save(stored) => {
-                self.paused.set(true);
-                store.save(&stored).await.map_or_else(Finished::Failed, |()| Finished::Done)
+                self.saving.set(true);
+                let outcome = store.save(&stored).await;
+                self.saving.set(false);
+                self.saved.set(true);
+                outcome.map_or_else(Finished::Failed, |()| Finished::Done)
             }
             Request::Load => match store.load().await {
                 Ok(stored) => {

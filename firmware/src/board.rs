@@ -18,6 +18,12 @@ pub use qemu::{pac, start};
 #[cfg(feature = "stm32")]
 mod stm32;
 
+/// What must happen before anything else runs.
+pub fn before_all() {
+    #[cfg(feature = "stm32")]
+    stm32::enter_if_asked();
+}
+
 const _: () = assert!(
     cfg!(feature = "board-feather-f405") as u8
         + cfg!(feature = "board-nucleo-f446") as u8

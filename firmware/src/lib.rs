@@ -12,4 +12,5 @@ pub mod app;
 pub mod frame_queue;
 pub mod oversampling;
 pub mod ports;
+pub mod ring;
 pub mod store;

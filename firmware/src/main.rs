@@ -17,6 +17,7 @@ static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
+    board::before_all();
     usage::paint_stack();
     board::lowest_priority(interrupt::CAN1_TX);
     EXECUTOR.start(interrupt::CAN1_TX).spawn(application().expect("there is one application"));

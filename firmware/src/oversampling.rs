@@ -18,43 +18,29 @@ const CONVERTER_FULL_SCALE: u16 = 4095;
 /// Steps of the sample's scale in one conversion's.
 const STEPS: u32 = (FULL_SCALE / CONVERTER_FULL_SCALE) as u32;
 
-/// How many conversions make a sample at `rate_hz`, if at most `most_per_s` conversions can be done: a power of two.
-pub fn conversions_per_sample(rate_hz: f32, most_per_s: f32) -> u32 {
-    let mut conversions = LEAST;
-    while conversions < MOST && 2.0 * conversions as f32 * rate_hz <= most_per_s {
-        conversions *= 2;
-    }
-    conversions
+/// How a rate is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Conversions for each sample: a power of two.
+    pub per_sample: u32,
+    /// Ticks of the timer from one conversion to the next.
+    pub ticks: u32,
 }
 
-/// Sums conversions up to a sample.
-#[derive(Clone, Debug)]
-pub struct Averager {
-    per_sample: u32,
-    sum: u32,
-    n_summed: u32,
+/// The plan for `rate_hz` with a timer of `clock_hz`, at most `most_per_s` conversions a second. Among the plans that
+/// meet the rate exactly the one with the most conversions; if none does, the nearest with the most conversions.
+pub fn plan(rate_hz: f32, clock_hz: u32, most_per_s: u32) -> Plan {
+    let clock_hz = f64::from(clock_hz);
+    let ticks = |per_sample: u32| clock_hz / (f64::from(per_sample) * f64::from(rate_hz));
+    let affordable = |per_sample: &u32| *per_sample as f32 * rate_hz <= most_per_s as f32;
+    let exact = |per_sample: &u32| ticks(*per_sample) == f64::from(ticks(*per_sample) as u32);
+    let candidates = || (LEAST.ilog2()..=MOST.ilog2()).rev().map(|power| 1 << power).filter(affordable);
+    let per_sample = candidates().find(exact).or_else(|| candidates().next()).unwrap_or(LEAST);
+    Plan { per_sample, ticks: (ticks(per_sample) + 0.5) as u32 }
 }
 
-impl Averager {
-    /// For `per_sample` conversions, a power of two from [`conversions_per_sample`].
-    pub const fn new(per_sample: u32) -> Self {
-        Self { per_sample, sum: 0, n_summed: 0 }
-    }
-
-    /// Takes a conversion, 0 … 4095; gives the sample that it completes.
-    pub fn push(&mut self, conversion: u16) -> Option<Code> {
-        self.sum += u32::from(conversion);
-        self.n_summed += 1;
-        if self.n_summed < self.per_sample {
-            return None;
-        }
-        let code = (STEPS * self.sum + self.per_sample / 2) / self.per_sample;
-        self.restart();
-        Some(Code(code as u16))
-    }
-
-    /// Forgets a half-summed sample.
-    pub fn restart(&mut self) {
-        (self.sum, self.n_summed) = (0, 0);
-    }
+/// The sample that these conversions (0 … 4095 each) make.
+pub fn sample(conversions: impl Iterator<Item = u16>) -> Code {
+    let (sum, n) = conversions.fold((0, 0), |(sum, n), conversion| (sum + u32::from(conversion), n + 1));
+    Code(((STEPS * sum + n / 2) / n) as u16)
 }

@@ -6,6 +6,9 @@ use std::process::Command;
 /// The processor of every board.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// The profile in the workspace that is made for small flash.
+pub const PROFILE: &str = "firmware";
+
 /// A board of the firmware, by its feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Board {
@@ -33,12 +36,12 @@ pub fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("this package lies in the workspace")
 }
 
-/// Builds the firmware for a board, in release, and gives the image.
+/// Builds the firmware for a board, optimised for size, and gives the image.
 pub fn firmware(board: Board) -> Result<PathBuf, String> {
     build(&["-p", "firmware", "--no-default-features", "--features", board.feature()], board.feature(), "firmware")
 }
 
-/// Builds a program of the on-target tests, in release, and gives the image.
+/// Builds a program of the on-target tests, optimised for size, and gives the image.
 pub fn target_program(name: &str) -> Result<PathBuf, String> {
     build(&["-p", "target-tests", "--features", "target", "--bin", name], name, name)
 }
@@ -49,7 +52,7 @@ fn build(arguments: &[&str], keep_as: &str, program: &str) -> Result<PathBuf, St
     let target_dir = workspace().join("target");
     let output = Command::new(cargo)
         .current_dir(workspace())
-        .args(["build", "--release", "--target", TARGET, "--target-dir"])
+        .args(["build", "--profile", PROFILE, "--target", TARGET, "--target-dir"])
         .arg(&target_dir)
         .args(arguments)
         .output()
@@ -58,7 +61,7 @@ fn build(arguments: &[&str], keep_as: &str, program: &str) -> Result<PathBuf, St
         let reason = String::from_utf8_lossy(&output.stderr);
         return Err(format!("could not build {keep_as} for {TARGET} (rustup target add {TARGET}?):\n{reason}"));
     }
-    let built = target_dir.join(TARGET).join("release").join(program);
+    let built = target_dir.join(TARGET).join(PROFILE).join(program);
     let kept = target_dir.join(TARGET).join(format!("{keep_as}.elf"));
     std::fs::copy(&built, &kept).map_err(|error| format!("could not copy {}: {error}", built.display()))?;
     Ok(kept)

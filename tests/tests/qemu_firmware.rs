@@ -28,6 +28,8 @@ fn other_parameters() -> Parameters<f32> {
 fn it_greets_streams_every_sample_and_counts_them() {
     let (_qemu, mut link) = start();
     assert_eq!(link.hello().unwrap().name, "qemu");
+    // A hello that arrives while the firmware starts is half a frame.
+    let bad_frames = link.statistics().unwrap().bad_frames;
     assert_eq!(link.ask(Command::Start(Stream { raw: true, live_every: 10 })).unwrap(), Answer::Done);
     link.collect(Duration::from_secs(60), |frames| frames.len() >= 600).unwrap();
     assert_eq!(link.ask(Command::Stop).unwrap(), Answer::Done);
@@ -41,7 +43,7 @@ fn it_greets_streams_every_sample_and_counts_them() {
     }
     let statistics = link.statistics().unwrap();
     assert!(statistics.samples >= next_sample.unwrap());
-    assert_eq!((statistics.overruns, statistics.dropped_frames, statistics.bad_frames), (0, 0, 0));
+    assert_eq!((statistics.overruns, statistics.dropped_frames, statistics.bad_frames), (0, 0, bad_frames));
     let health = statistics.health;
     assert!(health.cpu_permille > 0 && health.stack_used > 0 && health.stack_used < health.stack_size / 2);
     println!("{} samples, stack {} of {}", statistics.samples, health.stack_used, health.stack_size);
