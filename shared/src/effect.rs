@@ -67,6 +67,7 @@ pub struct Memory<R> {
     /// Torque in N·m at an instant, given the memory of the last accepted step; acts at rest too.
     pub torque: fn(&Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> R,
     /// The memory after a step from the first instant to the second; the sliding direction did not change in between.
+    #[allow(clippy::type_complexity, reason = "four plain arguments read better than a name for them")]
     pub advance: fn(&Motion<R>, &Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> [R; MEMORY],
 }
 
@@ -102,14 +103,14 @@ pub struct Effect<R: 'static> {
 
 impl<R: Real> Effect<R> {
     /// Every effect there is.
-    pub const ALL: &'static [Effect<R>] = &[
+    pub const ALL: &'static [Effect<R>] = &without_prose_on_the_board([
         viscous::effect(),
         coulomb::effect(),
         stiction::effect(),
         quadratic_drag::effect(),
         sensor_gain::effect(),
         presliding::effect(),
-    ];
+    ]);
 
     /// Index in [`Effect::ALL`] of the effect with this id.
     pub fn index_of(id: u16) -> Option<usize> {
@@ -130,6 +131,16 @@ impl<R: Real> Effect<R> {
     pub const fn is_base(&self) -> bool {
         matches!(self.action, Action::Base)
     }
+}
+
+/// Nobody reads there; every effect's texts would take 300 bytes of its flash.
+const fn without_prose_on_the_board<R: Real, const N: usize>(mut all: [Effect<R>; N]) -> [Effect<R>; N] {
+    let mut i = 0;
+    while cfg!(target_os = "none") && i < N {
+        (all[i].summary, all[i].formula, all[i].source, all[i].experiment) = ("", "", "", "");
+        i += 1;
+    }
+    all
 }
 
 /// Ids are unique, not reserved, and no effect has too many parameters: checked when the crate is compiled.
