@@ -361,11 +361,44 @@ impl From<ForRig> for Frame {
     }
 }
 
+/// Bytes that stuffing adds in front at most: one, and one for each 254 bytes without a zero.
+const STUFFING: usize = 1 + MAX_FRAME / 254;
+
+/// Bytes of the check sum.
+const CHECK: usize = 4;
+
 /// Encodes a frame for the wire, delimiter included.
+///
+/// Message, check sum and stuffing are three passes over the buffer: in one pass, byte by byte, they take the board
+/// three times as long.
 pub fn encode<'b>(frame: &Frame, buffer: &'b mut [u8; MAX_FRAME]) -> Result<&'b [u8], postcard::Error> {
-    use postcard::ser_flavors::{Cobs, Slice, crc::CrcModifier};
-    let cobs = Cobs::try_new(Slice::new(buffer))?;
-    postcard::serialize_with_flavor(frame, CrcModifier::new(cobs, CRC.digest())).map(|bytes| &*bytes)
+    let message = postcard::to_slice(frame, &mut buffer[STUFFING..MAX_FRAME - CHECK - 1])?;
+    let (n_bytes, check) = (message.len(), CRC.checksum(message));
+    let end = STUFFING + n_bytes + CHECK;
+    buffer[end - CHECK..end].copy_from_slice(&check.to_le_bytes());
+    let length = stuff(buffer, STUFFING, end);
+    buffer[length] = 0;
+    Ok(&buffer[..=length])
+}
+
+/// Consistent Overhead Byte Stuffing (Cheshire, Baker 1999) of the bytes from `start` to `end`, moved to the buffer's
+/// beginning; gives the new length. `start` leaves room for what is added, so nothing is overwritten unread.
+fn stuff(buffer: &mut [u8; MAX_FRAME], start: usize, end: usize) -> usize {
+    let (mut run_at, mut to) = (0, 1);
+    for from in start..end {
+        let byte = buffer[from];
+        if byte != 0 {
+            buffer[to] = byte;
+            to += 1;
+        }
+        if byte == 0 || to - run_at == 0xff {
+            buffer[run_at] = (to - run_at) as u8;
+            run_at = to;
+            to += 1;
+        }
+    }
+    buffer[run_at] = (to - run_at) as u8;
+    to
 }
 
 /// Why received bytes are not a frame.
