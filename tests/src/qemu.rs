@@ -6,7 +6,7 @@
 use crate::plant::{Plant, Scenario};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -46,7 +46,7 @@ struct Shared {
 
 impl Qemu {
     /// Starts `image` (from [`crate::image::firmware`]) with a pendulum in `scenario`; killed after `limit`.
-    pub fn start(image: &std::path::Path, scenario: Scenario, limit: Duration) -> Result<Self, String> {
+    pub fn start(image: &Path, scenario: Scenario, limit: Duration) -> Result<Self, String> {
         let directory = own_directory()?;
         let socket = directory.join("plant");
         let chardev = format!("socket,id=plant,path={},server=on,wait=on", socket.display());
@@ -174,20 +174,14 @@ pub fn missing(error: std::io::Error) -> String {
     format!("could not start {QEMU}: {error}. Install it, for example with: apt install qemu-system-arm")
 }
 
-/// Runs an image that ends by itself, with semihosting and these arguments; gives its exit code and what it printed.
-pub fn run(
-    image: &std::path::Path,
-    extra: &[&str],
-    arguments: &[&str],
-    limit: Duration,
-) -> Result<(i32, String), String> {
-    let mut config = String::from("enable=on,target=native");
-    for argument in arguments {
-        config += &format!(",arg={argument}");
-    }
+/// Runs an image that ends by itself in `directory`, where it finds its files; gives what it printed. `icount` makes
+/// time count instructions, so that two runs are the same.
+pub fn run(image: &Path, directory: &Path, icount: Option<&str>, limit: Duration) -> Result<String, String> {
+    let icount = icount.into_iter().flat_map(|setting| ["-icount", setting]);
     let mut process = command()
-        .args(["-serial", "null", "-semihosting-config", &config])
-        .args(extra)
+        .current_dir(directory)
+        .args(["-serial", "null", "-semihosting-config", "enable=on,target=native,arg=image"])
+        .args(icount)
         .arg("-kernel")
         .arg(image)
         .stdout(Stdio::piped())
@@ -208,7 +202,7 @@ pub fn run(
         }
     };
     let text = output.join().unwrap_or_default() + &errors.join().unwrap_or_default();
-    Ok((status.code().unwrap_or(-1), text))
+    if status.success() { Ok(text) } else { Err(format!("{} failed ({status}):\n{text}", image.display())) }
 }
 
 fn collect(stream: Option<impl Read + Send + 'static>) -> JoinHandle<String> {
@@ -251,7 +245,7 @@ fn terminal_of(process: &mut Child) -> Result<String, String> {
     Err(format!("{QEMU} opened no terminal; it said: {said}"))
 }
 
-fn connect(socket: &std::path::Path) -> Result<UnixStream, String> {
+fn connect(socket: &Path) -> Result<UnixStream, String> {
     let started = Instant::now();
     loop {
         match UnixStream::connect(socket) {
