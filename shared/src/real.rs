@@ -116,7 +116,8 @@ macro_rules! sine {
             let shifted = angle * (core::f64::consts::FRAC_1_PI as $float) + $magic;
             let half_turns = shifted - $magic;
             let flip = shifted.to_bits() << $shift;
-            let rest = $pi.iter().fold(angle, |rest, part| rest - half_turns * part);
+            let [first, second, third] = $pi;
+            let rest = angle - half_turns * first - half_turns * second - half_turns * third;
             let value = odd_polynomial(rest, &$odd);
             <$float>::from_bits(value.to_bits() ^ (flip as $bits))
         }
@@ -128,10 +129,12 @@ macro_rules! sine {
 fn odd_polynomial<F: Copy + Add<Output = F> + Mul<Output = F>, const N: usize>(x: F, c: &[[F; 2]; N]) -> F {
     let x2 = x * x;
     let x4 = x2 * x2;
-    let mut sum = c[N - 1][0] + c[N - 1][1] * x2;
-    for pair in c[..N - 1].iter().rev() {
-        sum = sum * x4 + (pair[0] + pair[1] * x2);
+    let pair = |i: usize| c[i][0] + c[i][1] * x2;
+    // Written out for the board, where the compiler saves flash and would keep a loop.
+    if N == 3 {
+        return x + x * x2 * ((pair(2) * x4 + pair(1)) * x4 + pair(0));
     }
+    let sum = (0..N - 1).rev().fold(pair(N - 1), |sum, i| sum * x4 + pair(i));
     x + x * x2 * sum
 }
 
