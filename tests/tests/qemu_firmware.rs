@@ -10,6 +10,9 @@ use tests::qemu::Qemu;
 
 const LIMIT: Duration = Duration::from_secs(120);
 
+/// The deepest call (a save that has to move the store to another sector) stays below this.
+const MOST_STACK: u32 = 12 * 1024;
+
 fn start() -> (Qemu, Link) {
     let image = firmware(Board::Qemu).unwrap();
     let qemu = Qemu::start(&image, Scenario::default(), LIMIT).unwrap();
@@ -31,7 +34,9 @@ fn it_greets_streams_every_sample_and_counts_them() {
     // A hello that arrives while the firmware starts is half a frame.
     let bad_frames = link.statistics().unwrap().bad_frames;
     assert_eq!(link.ask(Command::Start(Stream { raw: true, live_every: 10 })).unwrap(), Answer::Done);
+    let started = std::time::Instant::now();
     link.collect(Duration::from_secs(60), |frames| frames.len() >= 600).unwrap();
+    println!("{:.0} frames a second", 600.0 / started.elapsed().as_secs_f64());
     assert_eq!(link.ask(Command::Stop).unwrap(), Answer::Done);
     let (mut next_sample, mut next_sequence) = (None, 0);
     for frame in &link.frames {
@@ -44,9 +49,7 @@ fn it_greets_streams_every_sample_and_counts_them() {
     let statistics = link.statistics().unwrap();
     assert!(statistics.samples >= next_sample.unwrap());
     assert_eq!((statistics.overruns, statistics.dropped_frames, statistics.bad_frames), (0, 0, bad_frames));
-    let health = statistics.health;
-    assert!(health.cpu_permille > 0 && health.stack_used > 0 && health.stack_used < health.stack_size / 2);
-    println!("{} samples, stack {} of {}", statistics.samples, health.stack_used, health.stack_size);
+    assert!((1..=1000).contains(&statistics.health.cpu_permille));
 }
 
 #[test]
@@ -92,4 +95,23 @@ fn bad_input_is_answered_and_changes_nothing() {
     link.hello().unwrap();
     assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(before));
     assert_eq!(link.statistics().unwrap().bad_frames, 1);
+}
+
+#[test]
+fn many_saves_move_through_all_sectors_on_a_bounded_stack() {
+    let (_qemu, mut link) = start();
+    link.hello().unwrap();
+    let mut parameters = other_parameters();
+    // More than 48 KB of them.
+    for i in 0..600 {
+        parameters.pendulum.inertia_kg_m2 = 0.002 + 1e-6 * i as f32;
+        assert_eq!(link.ask(Command::SetParameters(parameters.clone())).unwrap(), Answer::Done);
+        assert_eq!(link.ask(Command::Save).unwrap(), Answer::Done, "save {i}");
+    }
+    assert_eq!(link.ask(Command::Defaults).unwrap(), Answer::Done);
+    assert_eq!(link.ask(Command::Load).unwrap(), Answer::Done);
+    assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(parameters));
+    let health = link.statistics().unwrap().health;
+    println!("stack: {} of {} bytes", health.stack_used, health.stack_size);
+    assert!(health.stack_used > 0 && health.stack_used <= MOST_STACK, "{}", health.stack_used);
 }
