@@ -73,6 +73,7 @@ impl Converter {
         trigger: Peri<'static, TIM3>,
         counter: Peri<'static, TIM2>,
     ) -> Self {
+        pac::RCC.ahb1enr().modify(|w| w.set_dma2en(true));
         let mut pin = Flex::new(pin);
         pin.set_as_analog();
         let trigger = Timer::new(trigger);
@@ -116,8 +117,8 @@ impl Converter {
             w.set_minc(true);
             w.set_circ(true);
             w.set_pl(Pl::VERY_HIGH);
-            w.set_en(true);
         });
+        stream.cr().modify(|w| w.set_en(true));
 
         ADC1.sqr1().modify(|w| w.set_l(0));
         ADC1.sqr3().modify(|w| w.set_sq(0, self.input.channel));
