@@ -1,18 +1,24 @@
 //! The PC's side of the wire, for tests that talk to a board themselves.
 
 use shared::wire::{Answer, Command, Deframer, Frame, Hello, MAX_FRAME, Statistics, encode};
+use std::collections::VecDeque;
+use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
 
 /// How long to wait for an answer.
-const PATIENCE: Duration = Duration::from_secs(10);
+const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A hello is repeated after this time: the board may be starting.
 const AGAIN: Duration = Duration::from_millis(500);
+
+/// What [`Link::receive`] waits for.
+const SOON: Duration = Duration::from_millis(50);
 
 /// An open port.
 pub struct Link {
     port: Box<dyn serialport::SerialPort>,
     deframer: Deframer,
+    unread: VecDeque<u8>,
     number: u16,
     /// Samples and live points that came in between.
     pub frames: Vec<Frame>,
@@ -27,7 +33,7 @@ impl Link {
             .timeout(Duration::from_millis(20))
             .open()
             .map_err(|error| format!("could not open {port}: {error}"))?;
-        Ok(Self { port, deframer: Deframer::new(), number: 0, frames: Vec::new(), n_bad: 0 })
+        Ok(Self { port, deframer: Deframer::new(), unread: VecDeque::new(), number: 0, frames: Vec::new(), n_bad: 0 })
     }
 
     /// Opens a session: hello, repeated until it is answered.
@@ -101,19 +107,21 @@ impl Link {
         Ok(())
     }
 
-    /// The next frame, if one comes soon. Bytes after it wait for the next call.
+    /// The next frame, if one comes soon.
     pub fn receive(&mut self) -> Result<Option<Frame>, String> {
-        let mut byte = [0];
-        let waited = Instant::now();
-        while waited.elapsed() < Duration::from_millis(50) {
-            match std::io::Read::read(&mut self.port, &mut byte) {
-                Ok(0) => {}
-                Ok(_) => match self.deframer.push(byte[0]) {
+        let started = Instant::now();
+        while started.elapsed() < SOON {
+            while let Some(byte) = self.unread.pop_front() {
+                match self.deframer.push(byte) {
                     Some(Ok(frame)) => return Ok(Some(frame)),
                     Some(Err(_)) => self.n_bad += 1,
                     None => {}
-                },
-                Err(error) if error.kind() == std::io::ErrorKind::TimedOut => {}
+                }
+            }
+            let mut bytes = [0; 1024];
+            match self.port.read(&mut bytes) {
+                Ok(n_bytes) => self.unread.extend(&bytes[..n_bytes]),
+                Err(error) if error.kind() == ErrorKind::TimedOut => {}
                 Err(error) => return Err(format!("could not read: {error}")),
             }
         }

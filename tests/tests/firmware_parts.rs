@@ -1,13 +1,23 @@
 //! The firmware's parts on the PC: the store under power cuts, the wire under faults, the queue, the converter's
 //! bookkeeping, and the application on a board made of memory.
 
+use embassy_futures::select::select;
+use embassy_futures::{block_on, yield_now};
+use embedded_io_async::{ErrorType, Read, Write};
 use firmware::frame_queue::{CAPACITY, Encoded, FrameQueue};
 use firmware::oversampling::{plan, sample};
-use firmware::ports::FULL_SCALE;
+use firmware::ports::{BATCH, Batch, Board, FULL_SCALE, Sampler, System};
 use firmware::ring::{RingReader, Trouble};
 use shared::units::Code;
-use shared::wire::{Deframer, Frame, Live, MAX_FRAME, POINTS_PER_FRAME, Point, SAMPLES_PER_FRAME, Samples, encode};
+use shared::wire::{
+    Answer, Command, Deframer, Frame, Health, Live, MAX_FRAME, POINTS_PER_FRAME, Point, SAMPLES_PER_FRAME, Samples,
+    Stream, encode,
+};
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::convert::Infallible;
 use target_tests::checks::count_power_cuts;
+use target_tests::cut_flash::{CutFlash, SIZE};
 use target_tests::noise::Noise;
 
 #[test]
@@ -54,7 +64,7 @@ fn of_a_hundred_thousand_frames_none_passes_wrong_and_each_fault_costs_at_most_t
     let mut noise = Noise::new(5);
     let mut deframer = Deframer::new();
     let (mut n_faults, mut n_received, mut last) = (0, 0_u32, None);
-    let frame = |i: u32| if i % 3 == 0 { live(i) } else { samples(i) };
+    let frame = |i: u32| if i.is_multiple_of(3) { live(i) } else { samples(i) };
     let n_frames = 100_000;
     for i in 0..n_frames {
         let mut buffer = [0; MAX_FRAME];
@@ -88,7 +98,7 @@ fn a_full_queue_drops_the_oldest_whole_frames_and_counts_them() {
     let mut deframer = Deframer::new();
     let mut n_bytes = 0;
     for _ in 0..n_pushed - n_dropped {
-        embassy_futures::block_on(queue.take(&mut encoded));
+        block_on(queue.take(&mut encoded));
         n_bytes += encoded.len();
         let frame = encoded.iter().find_map(|byte| deframer.push(*byte));
         let Some(Ok(Frame::Samples(samples))) = frame else { panic!("{frame:?}") };
@@ -152,4 +162,144 @@ fn a_converter_that_stopped_is_noticed_and_started_again_on_the_grid() {
     assert_eq!(reader.skip_to(500), 16);
     assert_eq!(reader.ready(544, 44), Ok(32));
     assert_eq!(reader.place(0), 12);
+}
+
+/// A board made of memory, seen from outside.
+#[derive(Default)]
+struct Bench {
+    to_rig: RefCell<VecDeque<u8>>,
+    from_rig: RefCell<Vec<u8>>,
+    link_takes: Cell<bool>,
+    n_batches: Cell<u64>,
+    n_fed: Cell<u64>,
+}
+
+struct MemorySampler<'b>(&'b Bench);
+
+impl Sampler for MemorySampler<'_> {
+    fn set_rate(&mut self, _: f32) {}
+
+    async fn next(&mut self) -> Batch {
+        yield_now().await;
+        self.0.n_batches.set(self.0.n_batches.get() + 1);
+        Batch { lost: 0, codes: [Code(8190); BATCH].into_iter().collect() }
+    }
+}
+
+struct MemoryLink<'b>(&'b Bench);
+
+impl ErrorType for MemoryLink<'_> {
+    type Error = Infallible;
+}
+
+impl Read for MemoryLink<'_> {
+    async fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
+        yield_now().await;
+        let mut waiting = self.0.to_rig.borrow_mut();
+        let n_bytes = waiting.len().min(bytes.len());
+        bytes[..n_bytes].iter_mut().zip(waiting.drain(..n_bytes)).for_each(|(to, from)| *to = from);
+        Ok(n_bytes)
+    }
+}
+
+impl Write for MemoryLink<'_> {
+    async fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        while !self.0.link_takes.get() {
+            yield_now().await;
+        }
+        self.0.from_rig.borrow_mut().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    async fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+struct MemoryChip<'b>(&'b Bench);
+
+impl System for MemoryChip<'_> {
+    const HAS_BOOTLOADER: bool = false;
+
+    fn since_power_up(&mut self) -> Health {
+        Health::default()
+    }
+
+    fn measure(&mut self, _: &mut Health) {}
+
+    fn feed_watchdog(&mut self) {
+        self.0.n_fed.set(self.0.n_fed.get() + 1);
+    }
+
+    async fn pause(_: u32) {}
+
+    fn reset(&mut self) -> ! {
+        panic!("nobody asked")
+    }
+
+    fn bootloader(&mut self) -> ! {
+        panic!("nobody asked")
+    }
+}
+
+impl Bench {
+    fn send(&self, command: Command) {
+        let mut buffer = [0; MAX_FRAME];
+        let bytes = encode(&Frame::Command(1, command), &mut buffer).unwrap();
+        self.to_rig.borrow_mut().extend(bytes);
+    }
+
+    /// Lets the application go on for so many batches.
+    async fn pass(&self, n_batches: u64) {
+        let end = self.n_batches.get() + n_batches;
+        while self.n_batches.get() < end {
+            yield_now().await;
+        }
+    }
+}
+
+#[test]
+fn a_link_that_takes_nothing_for_a_while_costs_frames_but_no_samples() {
+    let bench = Bench::default();
+    let mut flash = CutFlash::new(1);
+    let board = Board {
+        name: "memory",
+        sampler: MemorySampler(&bench),
+        receiver: MemoryLink(&bench),
+        sender: MemoryLink(&bench),
+        flash: &mut flash,
+        store: 0..SIZE as u32,
+        system: MemoryChip(&bench),
+    };
+    let script = async {
+        bench.link_takes.set(true);
+        bench.send(Command::Start(Stream { raw: true, live_every: 0 }));
+        bench.pass(50).await;
+        bench.link_takes.set(false);
+        bench.pass(1000).await;
+        bench.link_takes.set(true);
+        bench.pass(1000).await;
+        bench.send(Command::Stop);
+        bench.send(Command::Statistics);
+        bench.pass(300).await;
+    };
+    block_on(select(firmware::app::run(board), script));
+
+    let mut deframer = Deframer::new();
+    let frames: Vec<Frame> =
+        bench.from_rig.borrow().iter().filter_map(|byte| deframer.push(*byte)).map(Result::unwrap).collect();
+    let n_dropped = frames.iter().find_map(|frame| match frame {
+        Frame::Answer(_, Answer::Statistics(statistics)) => Some(statistics.dropped_frames),
+        _ => None,
+    });
+    let sequences: Vec<u32> = frames
+        .iter()
+        .filter_map(|frame| if let Frame::Samples(samples) = frame { Some(samples.sequence) } else { None })
+        .collect();
+    let n_missing: u32 = sequences.windows(2).map(|pair| pair[1] - pair[0] - 1).sum();
+    let n_gaps = sequences.windows(2).filter(|pair| pair[1] != pair[0] + 1).count();
+    assert_eq!(n_dropped, Some(n_missing));
+    // One gap for the pause, and one if a frame stood between queue and link when it began.
+    assert!(n_missing > 1000 && (1..=2).contains(&n_gaps), "{n_missing} in {n_gaps} gaps");
+    assert_eq!(bench.n_fed.get(), bench.n_batches.get());
 }

@@ -157,7 +157,7 @@ fn innovation_of_a_swing(parameters: &Parameters<f32>) -> f64 {
     };
     let n_points = 11_000 / 4;
     link.collect(Duration::from_secs(60), |frames| {
-        frames.len() % 50 == 0 && released(&angles(frames)).is_some_and(|at| frames.len() * 8 > at + n_points)
+        frames.len().is_multiple_of(50) && released(&angles(frames)).is_some_and(|at| frames.len() * 8 > at + n_points)
     })
     .unwrap();
     let points = angles(&link.frames);

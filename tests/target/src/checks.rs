@@ -31,6 +31,7 @@ pub const ALL: &[Check] = &[
     Check { name: "the_observer_finds_the_velocity", run: the_observer_finds_the_velocity },
     Check { name: "a_frame_with_any_wrong_bit_is_refused", run: a_frame_with_any_wrong_bit_is_refused },
     Check { name: "the_store_keeps_what_it_was_given", run: the_store_keeps_what_it_was_given },
+    Check { name: "foreign_content_is_refused_and_then_replaced", run: foreign_content_is_refused_and_then_replaced },
     Check { name: "a_power_cut_leaves_the_old_or_the_new", run: || power_cuts(200, 5) },
 ];
 
@@ -141,6 +142,16 @@ fn the_store_keeps_what_it_was_given() {
     assert_eq!(block_on(Store::new(&mut flash, 0..SIZE as u32).load()), Err(StoreState::Empty));
     for i in 1..100 {
         let given = stored(i as f32 * 1e-4);
+        assert_eq!(block_on(Store::new(&mut flash, 0..SIZE as u32).save(&given)), Ok(()));
+        assert_eq!(block_on(Store::new(&mut flash, 0..SIZE as u32).load()), Ok(given));
+    }
+}
+
+fn foreign_content_is_refused_and_then_replaced() {
+    for seed in 1..20 {
+        let mut flash = CutFlash::foreign(seed);
+        assert!(block_on(Store::new(&mut flash, 0..SIZE as u32).load()).is_err());
+        let given = stored(2e-3);
         assert_eq!(block_on(Store::new(&mut flash, 0..SIZE as u32).save(&given)), Ok(()));
         assert_eq!(block_on(Store::new(&mut flash, 0..SIZE as u32).load()), Ok(given));
     }

@@ -51,6 +51,14 @@ impl CutFlash {
         Self { bytes: [0xff; SIZE], noise: Noise::new(seed), left: None, at_an_erase: false, cut: None }
     }
 
+    /// Full of somebody else's bytes.
+    pub fn foreign(seed: u32) -> Self {
+        let mut flash = Self::new(seed);
+        let mut noise = Noise::new(seed);
+        flash.bytes.fill_with(|| noise.bits() as u8);
+        flash
+    }
+
     /// The power goes during the operation after the next `n_operations`.
     pub fn cut_after(&mut self, n_operations: u32) {
         self.left = Some(n_operations);
