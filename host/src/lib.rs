@@ -1,1 +1,18 @@
 //! The pendulum rig on the PC.
+
+pub mod cli;
+pub mod diagnose;
+pub mod error;
+pub mod fit;
+pub mod lanes;
+pub mod link;
+pub mod noise;
+pub mod record;
+pub mod recording;
+pub mod responses;
+pub mod rigfile;
+pub mod rsm;
+pub mod sim;
+pub mod swing;
+pub mod trajectory;
+pub mod zero_phase;

@@ -1,2 +1,12 @@
-//! The program `host`.
-fn main() {}
+//! The program `host`: understand the command line, do it, say how it went.
+
+use host::cli;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = cli::understand();
+    match cli::carry_out(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => cli::explain(&failure),
+    }
+}

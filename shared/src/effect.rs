@@ -7,11 +7,25 @@
 use crate::motion::Motion;
 use crate::real::Real;
 
+pub mod angle_dependent_friction;
+pub mod angle_offset;
+pub mod asymmetric_coulomb;
+pub mod backlash;
 pub mod coulomb;
+pub mod detent;
+pub mod drifting_friction;
+pub mod eddy_brake;
+pub mod load_dependent_coulomb;
+pub mod pivot_compliance;
+pub mod power_law_drag;
 pub mod presliding;
 pub mod quadratic_drag;
 pub mod sensor_gain;
+pub mod sensor_lag;
+pub mod sensor_nonlinearity;
 pub mod stiction;
+pub mod stribeck;
+pub mod torsional_spring;
 pub mod viscous;
 
 /// The most parameters an effect may have.
@@ -19,6 +33,9 @@ pub const MAX_VALUES: usize = 4;
 
 /// How many numbers an effect may remember between steps.
 pub const MEMORY: usize = 2;
+
+/// How many numbers a sensor effect may remember between readings.
+pub const SENSOR_MEMORY: usize = 3;
 
 /// Reserved for the formula that a user types; its frame kind in [`crate::wire`] is reserved as well.
 pub const CUSTOM_FORMULA_ID: u16 = 1000;
@@ -42,6 +59,9 @@ pub struct Parameter {
 
 /// Torque in N·m at an instant, positive counter-clockwise.
 pub type Torque<R> = fn(&Motion<R>, &[R; MAX_VALUES]) -> R;
+
+/// From the instants before and after a step and the memory before it: the memory after it.
+pub type Advance<R> = fn(&Motion<R>, &Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> [R; MEMORY];
 
 /// Where and how an effect acts.
 #[derive(Clone, Copy)]
@@ -67,17 +87,16 @@ pub struct Memory<R> {
     /// Torque in N·m at an instant, given the memory of the last accepted step; acts at rest too.
     pub torque: fn(&Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> R,
     /// The memory after a step from the first instant to the second; the sliding direction did not change in between.
-    #[allow(clippy::type_complexity, reason = "four plain arguments read better than a name for them")]
-    pub advance: fn(&Motion<R>, &Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> [R; MEMORY],
+    pub advance: Advance<R>,
 }
 
 /// An effect on the measurement.
 #[derive(Clone, Copy)]
 pub struct Sensor<R> {
-    /// The memory on a pendulum that was held still at this instant.
-    pub start: fn(&Motion<R>, &[R; MAX_VALUES]) -> [R; MEMORY],
+    /// The memory on a pendulum that was held still at this instant, given the reading of what lies before it.
+    pub start: fn(R, &Motion<R>, &[R; MAX_VALUES]) -> [R; SENSOR_MEMORY],
     /// Takes the reading of what lies before it (the true angle for the first), gives its own, in rad.
-    pub read: fn(R, &Motion<R>, &mut [R; MEMORY], &[R; MAX_VALUES]) -> R,
+    pub read: fn(R, &Motion<R>, &mut [R; SENSOR_MEMORY], &[R; MAX_VALUES]) -> R,
 }
 
 /// A physical effect.
@@ -97,19 +116,44 @@ pub struct Effect<R: 'static> {
     pub experiment: &'static str,
     /// Its numbers, at most [`MAX_VALUES`].
     pub parameters: &'static [Parameter],
+    /// Points from which a fit begins, the first of them at every parameter's `start`. The strength is zero where the
+    /// law is linear in it, what the law is not linear in is spread over its range: step the strength first, then all.
+    pub starts: &'static [[f64; MAX_VALUES]],
+    /// The simpler effect of which this one is the wider form; the simpler one wins unless it is clearly worse.
+    pub generalises: Option<&'static str>,
     /// Where and how it acts.
     pub action: Action<R>,
 }
 
+impl<R> core::fmt::Debug for Effect<R> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
 impl<R: Real> Effect<R> {
-    /// Every effect there is.
+    /// Every effect there is. Those on the sensor stand in the order in which they act, from the shaft to the wire.
     pub const ALL: &'static [Effect<R>] = &without_prose_on_the_board([
         viscous::effect(),
         coulomb::effect(),
         stiction::effect(),
         quadratic_drag::effect(),
-        sensor_gain::effect(),
+        power_law_drag::effect(),
+        stribeck::effect(),
+        load_dependent_coulomb::effect(),
+        asymmetric_coulomb::effect(),
+        angle_dependent_friction::effect(),
+        eddy_brake::effect(),
+        drifting_friction::effect(),
+        torsional_spring::effect(),
+        detent::effect(),
+        pivot_compliance::effect(),
         presliding::effect(),
+        backlash::effect(),
+        sensor_nonlinearity::effect(),
+        sensor_gain::effect(),
+        angle_offset::effect(),
+        sensor_lag::effect(),
     ]);
 
     /// Index in [`Effect::ALL`] of the effect with this id.
@@ -177,6 +221,27 @@ mod tests {
     }
 
     #[test]
+    fn fits_start_inside_the_ranges_and_first_where_the_parameters_say() {
+        for effect in Effect::<f64>::ALL {
+            assert!(!effect.starts.is_empty(), "{}", effect.name);
+            for (i, p) in effect.parameters.iter().enumerate() {
+                assert_eq!(effect.starts[0][i], p.start, "{} {}", effect.name, p.symbol);
+                assert!(effect.starts.iter().all(|start| (p.low..=p.high).contains(&start[i])), "{}", effect.name);
+            }
+        }
+    }
+
+    #[test]
+    fn what_an_effect_generalises_exists_and_has_fewer_parameters() {
+        for effect in Effect::<f64>::ALL {
+            if let Some(simpler) = effect.generalises {
+                let simpler = Effect::<f64>::by_name(simpler).unwrap();
+                assert!(simpler.parameters.len() < effect.parameters.len(), "{}", effect.name);
+            }
+        }
+    }
+
+    #[test]
     fn names_find_their_effects_on_both_number_types() {
         for effect in Effect::<f32>::ALL {
             assert_eq!(Effect::<f64>::by_name(effect.name).unwrap().id, effect.id);
@@ -191,9 +256,9 @@ pub(crate) mod tests_support {
     use super::*;
     use crate::motion::Pendulum;
 
-    fn motion(angle_rad: f64, velocity_rad_s: f64) -> Motion<f64> {
+    pub(crate) fn motion_at(angle_rad: f64, velocity_rad_s: f64, time_s: f64) -> Motion<f64> {
         let pendulum = Pendulum { mass_kg: 0.15, length_m: 0.16, inertia_kg_m2: 2.7e-3, gravity_m_s2: 9.81 };
-        Motion { angle_rad, velocity_rad_s, direction: velocity_rad_s.sign(), time_s: 0.0, pendulum }
+        Motion { angle_rad, velocity_rad_s, direction: velocity_rad_s.sign(), time_s, pendulum }
     }
 
     fn padded(values: &[f64]) -> [f64; MAX_VALUES] {
@@ -201,7 +266,17 @@ pub(crate) mod tests_support {
     }
 
     pub(crate) fn torque_at(effect: &Effect<f64>, angle_rad: f64, velocity_rad_s: f64, values: &[f64]) -> f64 {
-        let motion = motion(angle_rad, velocity_rad_s);
+        torque_at_time(effect, angle_rad, velocity_rad_s, 0.0, values)
+    }
+
+    pub(crate) fn torque_at_time(
+        effect: &Effect<f64>,
+        angle_rad: f64,
+        velocity_rad_s: f64,
+        time_s: f64,
+        values: &[f64],
+    ) -> f64 {
+        let motion = motion_at(angle_rad, velocity_rad_s, time_s);
         match effect.action {
             Action::Drive(torque) | Action::Friction(torque) => torque(&motion, &padded(values)),
             _ => panic!("{} has no torque of this instant alone", effect.name),
@@ -209,9 +284,11 @@ pub(crate) mod tests_support {
     }
 
     pub(crate) fn reading_at(effect: &Effect<f64>, angle_rad: f64, velocity_rad_s: f64, values: &[f64]) -> f64 {
-        let (motion, values) = (motion(angle_rad, velocity_rad_s), padded(values));
+        let (motion, values) = (motion_at(angle_rad, velocity_rad_s, 0.0), padded(values));
         match effect.action {
-            Action::Sensor(sensor) => (sensor.read)(angle_rad, &motion, &mut (sensor.start)(&motion, &values), &values),
+            Action::Sensor(sensor) => {
+                (sensor.read)(angle_rad, &motion, &mut (sensor.start)(angle_rad, &motion, &values), &values)
+            }
             _ => panic!("{} is not a sensor effect", effect.name),
         }
     }

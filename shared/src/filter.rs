@@ -80,7 +80,9 @@ mod tests {
 
     #[test]
     fn gain_is_minus_3_db_at_the_cutoff_and_flat_below() {
-        for (frequency_hz, gain, tolerance) in [(50.0, 0.707_107, 1e-4), (1.0, 1.0, 1e-6), (200.0, 0.047_469, 1e-4)] {
+        for (frequency_hz, gain, tolerance) in
+            [(50.0, core::f64::consts::FRAC_1_SQRT_2, 1e-4), (1.0, 1.0, 1e-6), (200.0, 0.047_469, 1e-4)]
+        {
             let measured = gain_at(frequency_hz, 50.0, 1000.0);
             assert!((measured - gain).abs() < tolerance, "{frequency_hz} Hz: {measured}");
         }

@@ -6,7 +6,7 @@
 //! begins or ends is cut at that instant; a plain 1 ms step would be 7e-4 rad off at Ms = 0.01 N·m and would chatter
 //! at DV = 0.
 
-use crate::effect::{Action, Effect, MAX_VALUES, MEMORY, Memory, Sensor, Torque, coulomb, viscous};
+use crate::effect::{Action, Effect, MAX_VALUES, MEMORY, Memory, SENSOR_MEMORY, Sensor, Torque, coulomb, viscous};
 use crate::karnopp::{Balance, Contact};
 use crate::motion::{Motion, Pendulum};
 use crate::parameters::{MAX_EFFECTS, Parameters, base};
@@ -14,8 +14,11 @@ use crate::real::{Mask, Real};
 use crate::rk4::{self, Phase};
 use heapless::Vec;
 
-/// How many effects with a memory, of torque and of sensor each, a model may have.
+/// How many torques with a memory a model may have.
 pub const MAX_MEMORIES: usize = 2;
+
+/// How many effects on the sensor a model may have.
+pub const MAX_SENSORS: usize = 5;
 
 /// A step is cut at most this often; the rest of it is then taken without looking.
 const MAX_CUTS: usize = 6;
@@ -43,7 +46,7 @@ pub struct Model<R: 'static> {
     drives: Vec<Term<Torque<R>, R>, MAX_EFFECTS>,
     frictions: Vec<Term<Torque<R>, R>, MAX_EFFECTS>,
     memories: Vec<Term<Memory<R>, R>, MAX_MEMORIES>,
-    sensors: Vec<Term<Sensor<R>, R>, MAX_MEMORIES>,
+    sensors: Vec<Term<Sensor<R>, R>, MAX_SENSORS>,
     /// Nothing beyond the base effects: the inner loop skips the lists.
     plain: bool,
 }
@@ -64,7 +67,7 @@ pub struct State<R> {
 
 /// What the sensor effects remember between two readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SensorState<R>([[R; MEMORY]; MAX_MEMORIES]);
+pub struct SensorState<R>([[R; SENSOR_MEMORY]; MAX_SENSORS]);
 
 /// The coefficients of the base model in the present contact: which of them act, divided by the inertia.
 #[derive(Clone, Copy)]
@@ -77,7 +80,7 @@ struct Regime<R> {
 
 impl<R: Real> Model<R> {
     /// Builds the model from parameters that passed [`Parameters::check`]; unknown effects are left out.
-    /// At most [`MAX_MEMORIES`] effects with a memory, and as many on the sensor, are taken.
+    /// At most [`MAX_MEMORIES`] torques with a memory and [`MAX_SENSORS`] effects on the sensor are taken.
     pub fn new(parameters: &Parameters<R>) -> Self {
         let value = |id, index: usize| parameters.values(id).and_then(|v| v.get(index)).copied().unwrap_or(R::zero());
         let pendulum = parameters.pendulum;
@@ -95,9 +98,10 @@ impl<R: Real> Model<R> {
             sensors: Vec::new(),
             plain: true,
         };
-        for present in &parameters.effects {
-            if let Some(effect) = Effect::<R>::by_id(present.id) {
-                model.add(effect, &present.values);
+        // In the order of the list of all effects, which for the sensor is that from the shaft to the wire.
+        for effect in Effect::<R>::ALL {
+            if let Some(values) = parameters.values(effect.id) {
+                model.add(effect, values);
             }
         }
         model.plain = model.drives.is_empty() && model.frictions.is_empty() && model.memories.is_empty();
@@ -106,7 +110,7 @@ impl<R: Real> Model<R> {
 
     fn add(&mut self, effect: &Effect<R>, values: &[R]) {
         let values = core::array::from_fn(|i| values.get(i).copied().unwrap_or(R::zero()));
-        // The lists are as long as the parameter list may be; only the memories can run out, as documented.
+        // The lists are as long as the parameter list may be; only memories and sensors can run out, as documented.
         let _ = match effect.action {
             Action::Base => true,
             Action::Drive(law) => self.drives.push(Term { law, values }).is_ok(),
@@ -149,11 +153,27 @@ impl<R: Real> Model<R> {
     pub fn step(&self, state: &mut State<R>, dt_s: R) {
         let trial = self.trial(state, dt_s);
         let onward = self.velocity_band.le(state.contact.slide * trial.velocity);
-        if state.contact.is_sliding().and(onward).all() {
+        if state.contact.is_sliding().and(onward).all() || self.stays(state, trial, dt_s).all() {
             self.accept(state, trial, dt_s);
         } else {
             self.step_in_pieces(state, dt_s);
         }
+    }
+
+    /// True where the contact is the same before and after a step.
+    #[inline(never)]
+    fn stays(&self, state: &State<R>, trial: Phase<R>, dt_s: R) -> R::Mask {
+        let contact = &state.contact;
+        let slides = contact.is_sliding().and(self.velocity_band.le(contact.slide * trial.velocity));
+        let time = state.time_s + dt_s;
+        let driven =
+            contact.level_nm.le(contact.push * self.drive_nm(trial.angle, trial.velocity, time, &state.memories));
+        let creeps = contact.is_in_band().and(trial.velocity.abs().le(self.velocity_band)).and(driven);
+        if !contact.is_resting().any() {
+            return slides.or(creeps);
+        }
+        let held = self.balance(trial.angle, R::zero(), time, &state.memories).holds();
+        slides.or(creeps).or(contact.is_resting().and(held))
     }
 
     /// A step in which sliding may begin or end: cut there as often as needed.
@@ -378,9 +398,11 @@ impl<R: Real> Model<R> {
     /// The sensor on a pendulum that is held still in this state.
     pub fn sensor_at_rest(&self, state: &State<R>) -> SensorState<R> {
         let motion = self.motion_of(state);
-        let mut memories = [[R::zero(); MEMORY]; MAX_MEMORIES];
+        let mut memories = [[R::zero(); SENSOR_MEMORY]; MAX_SENSORS];
+        let mut reading = state.angle_rad;
         for (memory, term) in memories.iter_mut().zip(&self.sensors) {
-            *memory = (term.law.start)(&motion, &term.values);
+            *memory = (term.law.start)(reading, &motion, &term.values);
+            reading = (term.law.read)(reading, &motion, memory, &term.values);
         }
         SensorState(memories)
     }

@@ -180,7 +180,11 @@ fn check_effect<R: Copy + Into<f64>>(effect: &EffectValues<R>) -> Result<(), Par
     }
     for (index, (parameter, value)) in known.parameters.iter().zip(&effect.values).enumerate() {
         let value: f64 = (*value).into();
-        let low = if parameter.low < 0.0 { parameter.low * ABSURD } else { f64::from(parameter.low as f32) };
+        let low = if parameter.low < 0.0 {
+            parameter.low * ABSURD
+        } else {
+            f64::from(parameter.low as f32).min(parameter.low)
+        };
         // Not a number fails the comparison and is refused as well.
         if !(low..=parameter.high * ABSURD).contains(&value) {
             return Err(ParameterError::OutOfRange { id, index: index as u8 });

@@ -594,7 +594,7 @@ mod tests {
                 let mut deframer = Deframer::new();
                 let frames: std::vec::Vec<_> =
                     bytes.iter().filter_map(|byte| deframer.push(*byte)).filter_map(Result::ok).collect();
-                assert_eq!(frames, [frame.clone()], "byte {position} bit {bit}");
+                assert_eq!(frames, core::slice::from_ref(frame), "byte {position} bit {bit}");
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Coulomb friction: constant torque against the direction of sliding.
 //! Source: paper, Eq 14.
 
-use super::{Action, Effect, Parameter};
+use super::{Action, Effect, MAX_VALUES, Parameter};
 use crate::real::Real;
 
 /// The effect's entry in the list.
@@ -21,6 +21,8 @@ pub const fn effect<R: Real>() -> Effect<R> {
             start: 0.0,
             meaning: "torque while sliding",
         }],
+        starts: &[[0.0; MAX_VALUES]],
+        generalises: None,
         action: Action::Base,
     }
 }

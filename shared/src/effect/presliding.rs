@@ -36,6 +36,8 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 meaning: "angle over which friction builds up",
             },
         ],
+        starts: &[[0.0, 5e-3, 0.0, 0.0], [0.0, 5e-4, 0.0, 0.0], [0.0, 3e-2, 0.0, 0.0]],
+        generalises: None,
         action: Action::State(Memory { start, torque, advance }),
     }
 }

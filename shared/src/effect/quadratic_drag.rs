@@ -22,6 +22,8 @@ pub const fn effect<R: Real>() -> Effect<R> {
             start: 0.0,
             meaning: "drag torque at 1 rad/s",
         }],
+        starts: &[[0.0; MAX_VALUES]],
+        generalises: None,
         action: Action::Friction(torque),
     }
 }

@@ -1,7 +1,7 @@
 //! Sensor gain: the potentiometer's electrical travel differs from the data sheet's 340°.
 //! Source: Vishay Spectrol 157 data sheet, electrical angle 340° ± 4°.
 
-use super::{Action, Effect, MAX_VALUES, MEMORY, Parameter, Sensor};
+use super::{Action, Effect, MAX_VALUES, Parameter, SENSOR_MEMORY, Sensor};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -22,15 +22,17 @@ pub const fn effect<R: Real>() -> Effect<R> {
             start: 0.0,
             meaning: "relative error of the gain",
         }],
+        starts: &[[0.0; MAX_VALUES]],
+        generalises: None,
         action: Action::Sensor(Sensor { start, read }),
     }
 }
 
-fn start<R: Real>(_: &Motion<R>, _: &[R; MAX_VALUES]) -> [R; MEMORY] {
-    [R::zero(); MEMORY]
+fn start<R: Real>(_: R, _: &Motion<R>, _: &[R; MAX_VALUES]) -> [R; SENSOR_MEMORY] {
+    [R::zero(); SENSOR_MEMORY]
 }
 
-fn read<R: Real>(angle_rad: R, _: &Motion<R>, _: &mut [R; MEMORY], values: &[R; MAX_VALUES]) -> R {
+fn read<R: Real>(angle_rad: R, _: &Motion<R>, _: &mut [R; SENSOR_MEMORY], values: &[R; MAX_VALUES]) -> R {
     angle_rad * (R::one() + values[0])
 }
 

@@ -2,7 +2,7 @@
 //! Source: D. Karnopp, J. Dyn. Sys. Meas. Control 107 (1985) 100; paper, Eq 14. The rule itself is in
 //! [`crate::karnopp`].
 
-use super::{Action, Effect, Parameter};
+use super::{Action, Effect, MAX_VALUES, Parameter};
 use crate::real::Real;
 
 /// The effect's entry in the list.
@@ -32,6 +32,8 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 meaning: "speeds below count as standing",
             },
         ],
+        starts: &[[0.0; MAX_VALUES]],
+        generalises: None,
         action: Action::Base,
     }
 }

@@ -1,0 +1,104 @@
+//! The command line: one file a command, and the conventions they share.
+//!
+//! Results go to stdout, progress and questions to stderr. With `--json` stdout is exactly one object in SI units.
+//! Exit codes: 0 a result was produced, whatever it says; 2 wrong use; 1 failed.
+
+mod columns;
+mod fit;
+mod init;
+mod interrupt;
+mod now;
+mod output;
+mod port;
+mod pull;
+mod push;
+mod record;
+mod rig;
+mod simulate;
+mod statistics;
+mod values;
+
+use crate::error::Failure;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Identify a pendulum's friction from a free swing, and write it back to the rig.
+#[derive(Debug, Parser)]
+#[command(name = "host", version, after_help = EXAMPLE, max_term_width = 100, arg_required_else_help = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  host fit --port sim                                    everything at once, without hardware
+  host init --mass 0.147 --length 0.156 --inertia 0.00284 -o rig.toml
+  host record --port /dev/ttyACM0 -o swing.csv           let the pendulum go when asked
+  host fit swing.csv --rig rig.toml -o rig.toml
+  host push --rig rig.toml --port /dev/ttyACM0
+
+Ports are serial devices, sim (the simulated rig), or sim:NAME (one of its scenarios).
+`host COMMAND --help` explains a command.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Init(init::Options),
+    Record(record::Options),
+    Fit(fit::Options),
+    Push(push::Options),
+    Pull(pull::Options),
+    Statistics(statistics::Options),
+    Simulate(simulate::Options),
+}
+
+/// Reads the command line; on wrong use and for help the program ends here, as clap does it.
+pub fn understand() -> Arguments {
+    Arguments::parse()
+}
+
+/// Does what was asked.
+///
+/// # Errors
+/// Whatever keeps the command from a result.
+pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
+    match arguments.command {
+        Command::Init(options) => init::run(&options),
+        Command::Record(options) => record::run(&options),
+        Command::Fit(options) => fit::run(&options),
+        Command::Push(options) => push::run(&options),
+        Command::Pull(options) => pull::run(&options),
+        Command::Statistics(options) => statistics::run(&options),
+        Command::Simulate(options) => simulate::run(&options),
+    }
+}
+
+/// Tells on stderr what went wrong and what to do next.
+pub fn explain(failure: &Failure) -> ExitCode {
+    output::complain(failure);
+    ExitCode::from(failure.exit_code())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_do_not_contradict_each_other() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn every_help_fits_a_screen_and_has_an_example() {
+        let mut program = Arguments::command().term_width(100);
+        program.build();
+        let commands: Vec<String> = program.get_subcommands().map(|command| command.get_name().to_owned()).collect();
+        for name in commands.iter().filter(|name| *name != "help") {
+            let help = program.find_subcommand_mut(name).unwrap().render_long_help().to_string();
+            assert!(help.lines().count() <= 60, "{name}: {} lines", help.lines().count());
+            assert!(help.contains("Example:"), "{name}");
+        }
+        assert!(program.render_long_help().to_string().lines().count() <= 60);
+    }
+}

@@ -1,0 +1,82 @@
+//! How recordings of others are to be read; shared by every command that reads some.
+
+use super::values::{finite, positive};
+use crate::error::Failure;
+use crate::recording::segment::{SegmentOptions, segment};
+use crate::recording::{self, AngleUnit, Columns, ReadOptions, Recording};
+use crate::swing::Swing;
+use crate::{noise, recording::segment::Segments};
+use clap::Args;
+use std::path::Path;
+
+/// Of the rest so much is kept, s.
+const REST_S: f64 = 2.0;
+
+/// Options for reading recordings.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Reading recordings")]
+pub(super) struct Reading {
+    /// Columns by number from 0 or by name, such as t=0,theta=2 or t=0:ms,theta=angle:deg
+    #[arg(long, value_name = "COLUMNS")]
+    columns: Option<Columns>,
+    /// The angles are in degrees
+    #[arg(long, conflicts_with = "radians")]
+    degrees: bool,
+    /// The angles are in radians, however large they are
+    #[arg(long)]
+    radians: bool,
+    /// Samples per second, for files without a time column
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
+    rate: Option<f64>,
+    /// The free swing begins here, s
+    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
+    from: Option<f64>,
+    /// The free swing ends here, s
+    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
+    to: Option<f64>,
+}
+
+impl Reading {
+    /// What only both limits together tell.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        match (self.from, self.to) {
+            (Some(from), Some(to)) if from >= to => {
+                Err(Failure::wrong_use(format!("--from {from} s is not before --to {to} s"))
+                    .next(format!("write --from {to} --to {from}, or leave one out")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Reads a recording.
+    pub(super) fn read(&self, path: &Path) -> Result<Recording, Failure> {
+        let angle_unit = match (self.degrees, self.radians) {
+            (true, _) => Some(AngleUnit::Degrees),
+            (_, true) => Some(AngleUnit::Radians),
+            _ => None,
+        };
+        let options = ReadOptions { columns: self.columns.clone(), rate_hz: self.rate, angle_unit };
+        recording::read(path, &options).map_err(Failure::failed)
+    }
+
+    /// Reads a recording and finds its free swing; gives what was noticed on the way too.
+    pub(super) fn swing(&self, path: &Path) -> Result<(Swing, Vec<String>), Failure> {
+        let recording = self.read(path)?;
+        let name = path.display().to_string();
+        let options = SegmentOptions { from_s: self.from, to_s: self.to };
+        let segments = segment(&recording, &options).map_err(|error| Failure::failed(format!("{name}: {error}")))?;
+        let notes = recording.notes().iter().chain(&segments.notes).map(|note| format!("{name}: {note}")).collect();
+        Ok((free_swing(&name, &recording, &segments), notes))
+    }
+}
+
+/// The free swing of a recording with the beginning of the rest: where it rests tells about stiction.
+fn free_swing(name: &str, recording: &Recording, segments: &Segments) -> Swing {
+    let end = segments.rest.as_ref().map_or(segments.free.end, |rest| {
+        let rested_s = recording.times_s()[rest.start] + REST_S;
+        recording.index_at(rested_s).min(rest.end)
+    });
+    let free = segments.free.start..end;
+    let noise_rad = noise::estimate(recording).total_rms;
+    Swing::new(name, &recording.times_s()[free.clone()], &recording.angles_rad()[free], noise_rad)
+}

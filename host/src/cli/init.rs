@@ -1,0 +1,104 @@
+//! `host init`: writes a model file.
+
+use super::values::{not_negative, positive};
+use super::{output, rig};
+use crate::error::Failure;
+use crate::rigfile::RigFile;
+use clap::Args;
+use serde::Serialize;
+use shared::motion::Pendulum;
+use std::path::PathBuf;
+
+/// Write a model file for a rig of known (or unknown) geometry.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(super) struct Options {
+    /// Mass of the pendulum, kg
+    #[arg(long, value_name = "KG", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(required_unless_present = "unknown_geometry", conflicts_with = "unknown_geometry")]
+    mass: Option<f64>,
+    /// Distance from the pivot to the centre of mass, m
+    #[arg(long, value_name = "M", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(required_unless_present = "unknown_geometry", conflicts_with = "unknown_geometry")]
+    length: Option<f64>,
+    /// Moment of inertia about the centre of mass (not the pivot), kg·m²
+    #[arg(long, value_name = "KG·M²", value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(required_unless_present = "unknown_geometry", conflicts_with = "unknown_geometry")]
+    inertia: Option<f64>,
+    /// Gravitational acceleration, m/s²
+    #[arg(long, value_name = "M/S²", value_parser = positive, allow_negative_numbers = true, default_value = "9.81")]
+    gravity: f64,
+    /// Only the motion is known: every torque comes per m·g·l
+    #[arg(long)]
+    unknown_geometry: bool,
+    /// The file to write
+    #[arg(short, long, value_name = "FILE", default_value = "rig.toml")]
+    output: PathBuf,
+    /// Replace the file if it exists
+    #[arg(long)]
+    force: bool,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  host init --mass 0.1466084 --length 0.1562177 --inertia 0.00284252 -o rig.toml
+  host init --unknown-geometry -o rig.toml
+
+Friction starts as a guess from the pendulum's size. Next: `host record`, then `host fit`.";
+
+#[derive(Serialize)]
+struct Written {
+    file: PathBuf,
+    normalised: bool,
+    gravity_torque_nm: f64,
+    pivot_inertia_kg_m2: f64,
+    period_s: f64,
+    parameters: Vec<rig::Value>,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    rig::refuse_existing(&options.output, options.force)?;
+    let file = model(options);
+    file.save(&options.output)?;
+    let pendulum = &file.parameters().pendulum;
+    let (gravity_torque_nm, pivot_inertia_kg_m2) = (pendulum.gravity_torque_nm(), pendulum.pivot_inertia_kg_m2());
+    let written = Written {
+        file: options.output.clone(),
+        normalised: file.is_normalised(),
+        gravity_torque_nm,
+        pivot_inertia_kg_m2,
+        period_s: 2.0 * std::f64::consts::PI * (pivot_inertia_kg_m2 / gravity_torque_nm).sqrt(),
+        parameters: rig::values(&file),
+    };
+    if options.json {
+        output::json("init", &written)
+    } else {
+        output::result(&in_words(&written))
+    }
+    Ok(())
+}
+
+fn model(options: &Options) -> RigFile {
+    match (options.mass, options.length, options.inertia) {
+        (Some(mass_kg), Some(length_m), Some(inertia_kg_m2)) => {
+            RigFile::new(Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2: options.gravity })
+        }
+        _ => RigFile::normalised(options.gravity),
+    }
+}
+
+fn in_words(written: &Written) -> String {
+    let file = written.file.display();
+    let geometry = if written.normalised {
+        "The geometry is unknown: m·g·l counts as 1, so every torque and inertia in the file is per m·g·l.".to_owned()
+    } else {
+        format!(
+            "A pendulum with m·g·l = {:.4} N·m, m·l² + I = {:.6} kg·m² and a period of {:.3} s for small swings.",
+            written.gravity_torque_nm, written.pivot_inertia_kg_m2, written.period_s
+        )
+    };
+    format!("wrote {file}\n{geometry}\nFriction is a guess until a fit: host fit --rig {file} --port PORT -o {file}")
+}

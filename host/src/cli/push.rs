@@ -1,0 +1,81 @@
+//! `host push`: sends a model to the rig and saves it there.
+
+use super::{output, port, rig};
+use crate::error::Failure;
+use crate::link::Session;
+use crate::rigfile::RigFile;
+use clap::Args;
+use serde::Serialize;
+use shared::wire::Command;
+use std::path::PathBuf;
+
+/// Send a model to the rig, save it to flash, read it back and compare.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(super) struct Options {
+    /// The model file; ./rig.toml if there is one
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+    /// Serial device, sim, or sim:NAME
+    #[arg(long, value_name = "PORT")]
+    port: String,
+    /// Send the file's sensor calibration too, over the one the rig has
+    #[arg(long)]
+    calibration: bool,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  host push --rig rig.toml --port /dev/ttyACM0
+
+The rig keeps the model without power. Values are compared after rounding to the rig's 32-bit numbers.";
+
+#[derive(Serialize)]
+struct Pushed {
+    port: String,
+    firmware: String,
+    calibration: bool,
+    parameters: Vec<rig::Value>,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let file = rig::load(options.rig.as_deref())?;
+    let mut session = port::connect(&options.port)?;
+    let calibration = calibrate(&mut session, &file, options.calibration)?;
+    session.push(file.parameters())?;
+    let pushed = Pushed {
+        port: options.port.clone(),
+        firmware: session.firmware(),
+        calibration,
+        parameters: rig::values(&file),
+    };
+    if options.json {
+        output::json("push", &pushed);
+    } else {
+        let listing = rig::listing(&file);
+        output::result(&format!("saved in {} and read back the same:\n{listing}", pushed.firmware));
+    }
+    Ok(())
+}
+
+/// Sends the calibration if that is wanted; else says when the rig has another one than the file.
+fn calibrate(session: &mut Session, file: &RigFile, wanted: bool) -> Result<bool, Failure> {
+    let Some(potentiometer) = file.potentiometer() else {
+        let nothing = Failure::wrong_use("the model file has no [sensor] table, so there is no calibration to send")
+            .next("leave --calibration out, or take the rig's with `host pull`");
+        return if wanted { Err(nothing) } else { Ok(false) };
+    };
+    let settings = session.settings()?;
+    if settings.potentiometer == *potentiometer {
+        return Ok(false);
+    }
+    if wanted {
+        session.tell(&Command::SetSettings(shared::wire::Settings { potentiometer: *potentiometer, ..settings }))?;
+    } else {
+        output::warn("the rig's calibration differs from the file's and stays; --calibration sends the file's");
+    }
+    Ok(wanted)
+}

@@ -1,0 +1,198 @@
+//! `host record`: a swing from the rig into a file.
+
+use super::values::positive;
+use super::{interrupt, now, output, port};
+use crate::error::Failure;
+use crate::link::Session;
+use crate::record::{End, Live, Plan, Stage, Taken, Watch, record};
+use crate::recording::Existing;
+use clap::Args;
+use serde::Serialize;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// The live line is written this often.
+const LIVE_EVERY: Duration = Duration::from_millis(100);
+
+/// Record a swing from the rig: wait until the pendulum is still, let it go when asked, wait until it rests.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(super) struct Options {
+    /// Serial device, sim, or sim:NAME
+    #[arg(long, value_name = "PORT")]
+    port: String,
+    /// The recording to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Replace the file if it exists
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    patience: Patience,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// When to give up.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct Patience {
+    /// Give up if the pendulum was not let go within so many seconds
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value = "120")]
+    wait: f64,
+    /// End the recording so many seconds after the release
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value = "300")]
+    limit: f64,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  host record --port /dev/ttyACM0 -o swing.csv
+  host record --port sim -o swing.csv
+
+Ctrl-C ends a recording early and keeps it. The file holds raw, unfiltered angles and converter codes.";
+
+#[derive(Serialize)]
+struct Recorded {
+    file: PathBuf,
+    n_samples: usize,
+    release_rad: f64,
+    n_passages: u32,
+    swing_s: f64,
+    frames_lost: u64,
+    samples_lost: u64,
+    ended: &'static str,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let mut session = port::connect(&options.port)?;
+    let existing = if options.force { Existing::Overwrite } else { Existing::Keep };
+    let taken = take(&mut session, &options.output, existing, &options.patience)?;
+    let recorded = Recorded {
+        file: taken.path.clone(),
+        n_samples: taken.n_samples,
+        release_rad: taken.release_rad,
+        n_passages: taken.n_passages,
+        swing_s: taken.swing_s,
+        frames_lost: taken.frames_lost,
+        samples_lost: taken.samples_lost,
+        ended: ended(&taken.end),
+    };
+    if options.json {
+        output::json("record", &recorded)
+    } else {
+        output::result(&in_words(&taken))
+    }
+    Ok(())
+}
+
+/// Records one swing; anything but a usable one is a failure, told together with what was kept.
+pub(super) fn take(
+    session: &mut Session,
+    path: &Path,
+    existing: Existing,
+    patience: &Patience,
+) -> Result<Taken, Failure> {
+    let started = Some(now::iso());
+    let plan = Plan { path, existing, wait_s: patience.wait, limit_s: patience.limit, started };
+    let mut screen = Screen::new();
+    let taken = interrupt::orderly(|stop| record(session, &plan, &mut screen, stop));
+    screen.clear();
+    usable(taken?)
+}
+
+fn usable(taken: Taken) -> Result<Taken, Failure> {
+    let kept = format!("{} samples are kept in {}", taken.n_samples, taken.path.display());
+    match &taken.end {
+        End::AtRest | End::TimeLimit if taken.is_usable() => Ok(taken),
+        End::AtRest | End::TimeLimit => {
+            Err(Failure::failed(format!("the pendulum came to rest before it had swung twice; {kept}"))
+                .next("release it from a larger angle, and let it swing freely"))
+        }
+        End::Stopped if taken.is_usable() => {
+            output::warn(&format!("stopped before the pendulum came to rest; the file is usable: {kept}"));
+            Ok(taken)
+        }
+        End::Stopped => Err(Failure::failed(format!("stopped before the pendulum had swung twice; {kept}"))
+            .next("record again and let it swing to rest")),
+        End::Disconnected { code } => Err(Failure::failed(format!(
+            "the potentiometer reads code {code}, an end of its range, since {:.1} s after the release; {kept}",
+            taken.swing_s
+        ))
+        .next("check the potentiometer's three wires; release from a smaller angle if it left its track")),
+        End::Lost(error) => Err(Failure::failed(format!("{error}; {kept}")).next(error.next_step())),
+    }
+}
+
+fn ended(end: &End) -> &'static str {
+    match end {
+        End::AtRest => "at rest",
+        End::TimeLimit => "time limit",
+        End::Stopped => "stopped",
+        End::Disconnected { .. } => "disconnected",
+        End::Lost(_) => "link lost",
+    }
+}
+
+/// One swing in a sentence.
+pub(super) fn in_words(taken: &Taken) -> String {
+    let lost = match taken.samples_lost {
+        0 => "none lost".to_owned(),
+        n_lost => format!("{n_lost} lost"),
+    };
+    format!(
+        "wrote {}: released from {:.3} rad ({:.1}°), {:.1} s of swing, {} samples ({lost})",
+        taken.path.display(),
+        taken.release_rad,
+        taken.release_rad.to_degrees(),
+        taken.swing_s,
+        taken.n_samples
+    )
+}
+
+/// What the person at the rig sees.
+struct Screen {
+    is_terminal: bool,
+    shown: Option<Instant>,
+}
+
+impl Screen {
+    fn new() -> Self {
+        Self { is_terminal: output::is_watched(), shown: None }
+    }
+
+    /// Takes the live line away.
+    fn clear(&mut self) {
+        if self.shown.take().is_some() {
+            let _ = write!(std::io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
+impl Watch for Screen {
+    fn stage(&mut self, stage: Stage) {
+        self.clear();
+        match stage {
+            Stage::Settling => output::say("waiting until the pendulum is still …"),
+            Stage::Waiting => output::say("still: lift it, hold it, and let it go"),
+            Stage::Swinging => output::say("released: recording until it rests (Ctrl-C ends earlier)"),
+            Stage::AtRest => {}
+        }
+    }
+
+    fn live(&mut self, live: &Live) {
+        let due = self.shown.is_none_or(|shown| shown.elapsed() >= LIVE_EVERY);
+        if !self.is_terminal || !due {
+            return;
+        }
+        self.shown = Some(Instant::now());
+        let (angle, amplitude) = (live.angle_rad.to_degrees(), live.amplitude_rad.to_degrees());
+        let _ = write!(
+            std::io::stderr(),
+            "\r\x1b[Kangle {angle:+7.1}°  amplitude {amplitude:6.1}°  elapsed {:6.1} s  frames lost {}",
+            live.elapsed_s,
+            live.frames_lost
+        );
+    }
+}

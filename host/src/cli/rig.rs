@@ -1,0 +1,82 @@
+//! Finding the model for a command, and showing it.
+
+use crate::error::Failure;
+use crate::link::Session;
+use crate::rigfile::{Quantity, RigFile, Source, USUAL_NAME};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// The model file of a command: the named one, or `rig.toml` here.
+pub(super) fn chosen_path(named: Option<&Path>) -> Option<PathBuf> {
+    let usual = Path::new(USUAL_NAME);
+    named.or(usual.exists().then_some(usual)).map(Path::to_owned)
+}
+
+/// The named file, or `rig.toml` here.
+pub(super) fn load(named: Option<&Path>) -> Result<RigFile, Failure> {
+    let Some(path) = chosen_path(named) else {
+        return Err(Failure::wrong_use(format!("no model was named, and there is no {USUAL_NAME} here"))
+            .next("name one with --rig, make one with `host init`, or take it from the rig with `host pull`"));
+    };
+    Ok(RigFile::load(&path)?)
+}
+
+/// The model that a rig reports, as a file.
+pub(super) fn reported(session: &mut Session) -> Result<RigFile, Failure> {
+    let parameters = session.parameters()?;
+    let potentiometer = session.settings()?.potentiometer;
+    let mut file = RigFile::of_rig(&parameters, &source(session))?;
+    file.set_potentiometer(potentiometer);
+    Ok(file)
+}
+
+/// Where values came from that a rig reported.
+pub(super) fn source(session: &Session) -> Source {
+    Source { method: format!("read from {}", session.rig().name), recordings: Vec::new() }
+}
+
+/// Refuses to write over a file that was not meant.
+pub(super) fn refuse_existing(path: &Path, force: bool) -> Result<(), Failure> {
+    if force || !path.exists() {
+        return Ok(());
+    }
+    Err(Failure::wrong_use(format!("{} exists already", path.display()))
+        .next("choose another name with -o, or replace it with --force"))
+}
+
+/// A number of the model, as `--json` shows it.
+#[derive(Debug, Serialize)]
+pub(super) struct Value {
+    symbol: &'static str,
+    name: &'static str,
+    value: f64,
+    std: Option<f64>,
+    unit: &'static str,
+}
+
+/// Every number of a model.
+pub(super) fn values(file: &RigFile) -> Vec<Value> {
+    let describe = |quantity: Quantity| Value {
+        symbol: quantity.symbol(),
+        name: quantity.owner(),
+        value: quantity.get(file.parameters()).unwrap_or_default(),
+        std: file.knowledge(quantity).and_then(|knowledge| knowledge.std),
+        unit: quantity.unit(),
+    };
+    Quantity::all(file.parameters()).into_iter().map(describe).collect()
+}
+
+/// The same for a person: one number a line.
+pub(super) fn listing(file: &RigFile) -> String {
+    let line = |value: Value| {
+        let std = value.std.map_or(String::new(), |std| format!(" ± {std:.1e}"));
+        format!("  {:<4} {:>12}{std} {:<14} {}", value.symbol, short(value.value), value.unit, value.name)
+    };
+    values(file).into_iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Six digits are more than any of these is known to.
+fn short(value: f64) -> String {
+    let plain = value == 0.0 || (1e-3..1e6).contains(&value.abs());
+    if plain { format!("{}", (value * 1e9).round() / 1e9) } else { format!("{value:.5e}") }
+}

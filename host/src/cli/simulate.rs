@@ -1,0 +1,167 @@
+//! `host simulate`: a swing of the model, written as a recording.
+
+use super::values::{Assignment, finite, not_negative, positive};
+use super::{output, rig};
+use crate::error::Failure;
+use crate::recording::{Calibration, Existing, Header, WriteError, Writer};
+use crate::sim::Noise;
+use clap::Args;
+use serde::Serialize;
+use shared::model::Model;
+use shared::parameters::Parameters;
+use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
+use std::path::PathBuf;
+
+/// The pendulum is held still at the start angle for so long, s.
+const HELD_S: f64 = 0.5;
+
+/// Rates beyond this make files nobody wants.
+const HIGHEST_RATE_HZ: f64 = 100_000.0;
+
+/// Longer swings neither.
+const LONGEST_S: f64 = 36_000.0;
+
+/// Simulate a swing of the model, with 0.5 s of stillness before the release, and write it as a recording.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(super) struct Options {
+    /// The model file; ./rig.toml if there is one
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+    /// Release angle, rad
+    #[arg(long, value_name = "RAD", value_parser = finite, allow_negative_numbers = true, default_value = "1.5")]
+    start: f64,
+    /// Length of the swing, s
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value = "46")]
+    seconds: f64,
+    /// Standard deviation of white noise on the angle, rad
+    #[arg(long, value_name = "RAD", value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(default_value = "0.001")]
+    noise: f64,
+    /// Equal seeds give equal noise
+    #[arg(long, value_name = "N", default_value = "1")]
+    seed: u64,
+    /// Samples per second
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true, default_value = "1000")]
+    rate: f64,
+    /// Set a number of the model for this swing; adds its effect if need be (may be repeated)
+    #[arg(long, value_name = "NAME=VALUE")]
+    with: Vec<Assignment>,
+    /// Write the angle as it is, not through a 12-bit converter
+    #[arg(long)]
+    exact: bool,
+    /// The recording to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Replace the file if it exists
+    #[arg(long)]
+    force: bool,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  host simulate --rig rig.toml --start 1.5 --seconds 46 --noise 0.001 --seed 1 -o swing.csv
+  host simulate --rig rig.toml --with Cq=1e-4 -o with-air-drag.csv";
+
+#[derive(Serialize)]
+struct Simulated {
+    file: PathBuf,
+    n_samples: usize,
+    rate_hz: f64,
+    release_rad: f64,
+    final_angle_rad: f64,
+    rests: bool,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    check(options)?;
+    let file = rig::load(options.rig.as_deref())?;
+    let parameters = with(file.parameters(), &options.with)?;
+    let potentiometer = file.potentiometer().copied().unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT));
+    let simulated = write(options, &parameters, (!options.exact).then_some(potentiometer)).map_err(not_written)?;
+    if options.json {
+        output::json("simulate", &simulated);
+    } else {
+        let Simulated { n_samples, final_angle_rad, .. } = simulated;
+        let end = if simulated.rests { "rests" } else { "still swings" };
+        output::result(&format!(
+            "wrote {} with {n_samples} samples; at the end the pendulum {end} at {final_angle_rad:.4} rad",
+            options.output.display()
+        ));
+    }
+    Ok(())
+}
+
+fn check(options: &Options) -> Result<(), Failure> {
+    if options.rate > HIGHEST_RATE_HZ || options.seconds > LONGEST_S {
+        let what = format!("{} s at {} Hz is too much", options.seconds, options.rate);
+        return Err(Failure::wrong_use(what).next(format!("stay within {LONGEST_S} s and {HIGHEST_RATE_HZ} Hz")));
+    }
+    rig::refuse_existing(&options.output, options.force)
+}
+
+fn with(parameters: &Parameters<f64>, assignments: &[Assignment]) -> Result<Parameters<f64>, Failure> {
+    let refused = |error| Failure::wrong_use(error).next("give --with a value within the range");
+    let mut parameters = parameters.clone();
+    for Assignment { quantity, value } in assignments {
+        quantity.add_effect(&mut parameters).map_err(refused)?;
+        quantity.set(&mut parameters, *value);
+    }
+    parameters.check().map_err(refused)?;
+    Ok(parameters)
+}
+
+fn write(
+    options: &Options,
+    parameters: &Parameters<f64>,
+    converter: Option<Potentiometer>,
+) -> Result<Simulated, WriteError> {
+    let existing = if options.force { Existing::Overwrite } else { Existing::Keep };
+    let mut writer = Writer::create(&options.output, &header(options, converter), existing)?;
+    let model = Model::new(parameters);
+    let mut state = model.release(options.start, 0.0);
+    let mut sensor = model.sensor_at_rest(&state);
+    let mut noise = Noise::new(options.seed);
+    let n_held = (HELD_S * options.rate).round() as usize;
+    let n_samples = n_held + (options.seconds * options.rate).round() as usize + 1;
+    for sample_idx in 0..n_samples {
+        if sample_idx > n_held {
+            model.step(&mut state, 1.0 / options.rate);
+        }
+        let angle_rad = model.read(&state, &mut sensor) + options.noise * noise.normal();
+        let (angle_rad, code) = converter.map_or((angle_rad, None), |potentiometer| convert(&potentiometer, angle_rad));
+        writer.write(sample_idx as f64 / options.rate, angle_rad, code)?;
+    }
+    writer.finish()?;
+    Ok(Simulated {
+        file: options.output.clone(),
+        n_samples,
+        rate_hz: options.rate,
+        release_rad: options.start,
+        final_angle_rad: state.angle_rad,
+        rests: state.contact.is_resting(),
+    })
+}
+
+fn header(options: &Options, converter: Option<Potentiometer>) -> Header {
+    let calibration = converter.map(|potentiometer| Calibration {
+        zero_code: f64::from(potentiometer.zero_code),
+        radians_per_code: f64::from(potentiometer.radian_per_code),
+    });
+    let comment = format!("simulated, noise {} rad, seed {}", options.noise, options.seed);
+    Header { rate_hz: Some(options.rate), calibration, comment: Some(comment), ..Header::default() }
+}
+
+/// Through the converter and back, as the rig does it.
+fn convert(potentiometer: &Potentiometer, angle_rad: f64) -> (f64, Option<u16>) {
+    let (zero, step) = (f64::from(potentiometer.zero_code), f64::from(potentiometer.radian_per_code));
+    let code = (angle_rad / step + zero).round().clamp(0.0, f64::from(potentiometer.full_scale)) as u16;
+    ((f64::from(code) - zero) * step, Some(code))
+}
+
+fn not_written(error: WriteError) -> Failure {
+    Failure::failed(error)
+}

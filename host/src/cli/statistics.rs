@@ -1,0 +1,87 @@
+//! `host statistics`: the rig's counters since its last reset.
+
+use super::{output, port};
+use crate::error::Failure;
+use clap::Args;
+use serde::Serialize;
+use shared::wire::{ResetCause, Statistics, StoreState};
+
+/// Show the rig's counters since its last reset: samples, losses, health.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(super) struct Options {
+    /// Serial device, sim, or sim:NAME
+    #[arg(long, value_name = "PORT")]
+    port: String,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  host statistics --port /dev/ttyACM0";
+
+#[derive(Serialize)]
+struct Shown {
+    port: String,
+    firmware: String,
+    #[serde(flatten)]
+    statistics: Statistics,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let mut session = port::connect(&options.port)?;
+    let statistics = session.statistics()?;
+    let shown = Shown { port: options.port.clone(), firmware: session.firmware(), statistics };
+    if options.json {
+        output::json("statistics", &shown)
+    } else {
+        output::result(&in_words(&shown))
+    }
+    Ok(())
+}
+
+fn in_words(shown: &Shown) -> String {
+    let Shown { statistics, .. } = shown;
+    let health = &statistics.health;
+    let measured = |value: bool, text: String| if value { text } else { "not measured".to_owned() };
+    let cpu = measured(health.cpu_permille > 0, format!("{:.1} %", f64::from(health.cpu_permille) / 10.0));
+    let stack = measured(health.stack_size > 0, format!("{} of {} bytes", health.stack_used, health.stack_size));
+    let fault = if health.last_fault.is_empty() { "none" } else { health.last_fault.as_str() };
+    let rows = [
+        ("rig", shown.firmware.clone()),
+        ("samples", statistics.samples.to_string()),
+        ("lost to overruns", statistics.overruns.to_string()),
+        ("not taken while saving", statistics.paused.to_string()),
+        ("frames dropped", statistics.dropped_frames.to_string()),
+        ("bad frames received", statistics.bad_frames.to_string()),
+        ("samples disconnected", statistics.disconnected.to_string()),
+        ("innovation, rms", format!("{:.2} mrad", 1e3 * statistics.innovation_rms_rad)),
+        ("processor in use", cpu),
+        ("stack used at most", stack),
+        ("restarts", format!("{}, the last {}", health.resets, cause(health.cause))),
+        ("flash at start", store(health.store).to_owned()),
+        ("last fault", fault.to_owned()),
+    ];
+    rows.map(|(what, value)| format!("{what:<24}{value}")).join("\n")
+}
+
+fn cause(cause: ResetCause) -> &'static str {
+    match cause {
+        ResetCause::Power => "at power-on",
+        ResetCause::Asked => "on request",
+        ResetCause::Watchdog => "by the watchdog",
+        ResetCause::Panic => "after a panic",
+        ResetCause::HardFault => "after a hard fault",
+    }
+}
+
+fn store(state: StoreState) -> &'static str {
+    match state {
+        StoreState::Empty => "empty: defaults in use",
+        StoreState::Loaded => "valid, in use",
+        StoreState::OtherVersion => "of another version: defaults in use",
+        StoreState::Damaged => "damaged: defaults in use",
+    }
+}

@@ -1,0 +1,90 @@
+//! Numbers on the command line, checked where they enter.
+
+use crate::rigfile::Quantity;
+
+/// A finite number above zero.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    if value > 0.0 { Ok(value) } else { Err("expected a number above zero, in SI units".into()) }
+}
+
+/// A finite number, zero or above.
+pub(super) fn not_negative(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    if value >= 0.0 { Ok(value) } else { Err("expected zero or a number above, in SI units".into()) }
+}
+
+/// A finite number.
+pub(super) fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err("expected a finite number, such as 0.15".into()),
+    }
+}
+
+/// `NAME=VALUE`, the name a symbol such as `Cq`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Assignment {
+    pub(super) quantity: Quantity,
+    pub(super) value: f64,
+}
+
+impl std::str::FromStr for Assignment {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE, such as Cq=1e-4")?;
+        Ok(Self { quantity: quantity(name)?, value: finite(value)? })
+    }
+}
+
+/// `NAME=LOW..HIGH`, the name a symbol such as `Mw`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Range {
+    pub(super) quantity: Quantity,
+    pub(super) low: f64,
+    pub(super) high: f64,
+}
+
+impl std::str::FromStr for Range {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = "expected NAME=LOW..HIGH, such as Mw=1e-4..1e-3";
+        let (name, ends) = text.split_once('=').ok_or(form)?;
+        let (low, high) = ends.split_once("..").ok_or(form)?;
+        let (quantity, low, high) = (quantity(name)?, finite(low)?, finite(high)?);
+        let symbol = quantity.symbol();
+        match quantity {
+            Quantity::Mass | Quantity::Length | Quantity::Gravity => {
+                Err(format!("{symbol} cannot be found from a swing; give ranges for I and the effects only"))
+            }
+            _ if low == high => Err(format!("both ends are {low}; expected {symbol}=LOW..HIGH with LOW below HIGH")),
+            _ if low > high => Err(format!("the ends are reversed; write {symbol}={high}..{low}")),
+            _ => Ok(Self { quantity, low, high }),
+        }
+    }
+}
+
+fn quantity(name: &str) -> Result<Quantity, String> {
+    let name = name.trim();
+    Quantity::by_name(name).ok_or_else(|| format!("there is no parameter {name}; known are {}", Quantity::symbols()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_read_and_reversed_ones_turned_down() {
+        let range: Range = "Mw=1e-4..1e-3".parse().unwrap();
+        assert_eq!((range.quantity.symbol(), range.low, range.high), ("Mw", 1e-4, 1e-3));
+        let complaint = |text: &str| text.parse::<Range>().unwrap_err();
+        assert!(complaint("Mw=1e-3..1e-4").contains("reversed; write Mw=0.0001..0.001"));
+        assert!(complaint("Mw=1..1").contains("both ends"));
+        assert!(complaint("Mx=0..1").contains("no parameter Mx; known are m, l, I, g, Mw"));
+        assert!(complaint("m=0..1").contains("cannot be found from a swing"));
+        assert!(complaint("Mw=0..inf").contains("finite"));
+        assert!(complaint("Mw").contains("NAME=LOW..HIGH"));
+    }
+}

@@ -1,0 +1,13 @@
+//! Discovery: which physical effect is missing from the model?
+//!
+//! The base model is fitted first. If it leaves more than the noise, every effect of the list is tried: a score test
+//! ([`score`]) tells in one linearised step what each could gain, the promising ones are fitted in earnest
+//! ([`trial`]), and [`search`] goes on with pairs until nothing significant is left. [`verdict`] says what may be
+//! claimed, what can't be told apart, and what stays unexplained.
+
+pub mod score;
+pub mod search;
+pub mod trial;
+pub mod verdict;
+
+pub use verdict::{Diagnosis, diagnose};

@@ -1,0 +1,102 @@
+//! A model that is tried: the base effects and some added ones, fitted to the swings.
+
+use crate::fit::descent::{Descent, Patience, descend};
+use crate::fit::linear::Steps;
+use crate::fit::problem::{Point, Problem, Unknown};
+use crate::fit::stiction::{self, Settled, Stiction, with_stiction};
+use crate::swing::Window;
+use shared::effect::Effect;
+use shared::parameters::Parameters;
+
+/// A fitted model.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// The added effects.
+    pub effects: Vec<&'static Effect<f64>>,
+    /// Unknowns without Ms and DV.
+    pub unknowns: Vec<Unknown>,
+    /// Parameters with all numbers fitted.
+    pub parameters: Parameters<f64>,
+    /// Ms and DV in them.
+    pub stiction: Stiction,
+    /// Values of the unknowns, and the starts.
+    pub point: Point,
+    /// Sum of squared errors, rad².
+    pub cost: f64,
+}
+
+impl Trial {
+    /// The trial that a search for Ms and DV ended with.
+    pub fn settled(problem: &Problem, effects: Vec<&'static Effect<f64>>, settled: Settled) -> Self {
+        Self::of(problem, effects, settled.stiction, settled.descent)
+    }
+
+    fn of(problem: &Problem, effects: Vec<&'static Effect<f64>>, stiction: Stiction, descent: Descent) -> Self {
+        let fixed = with_stiction(problem, stiction);
+        let parameters = fixed.parameters(&descent.point.values);
+        Self { effects, unknowns: fixed.unknowns, parameters, stiction, point: descent.point, cost: descent.cost }
+    }
+
+    /// The problem of this trial.
+    pub fn problem<'a>(&self, of: &Problem<'a>) -> Problem<'a> {
+        Problem { template: self.parameters.clone(), unknowns: self.unknowns.clone(), ..of.clone() }
+    }
+
+    /// Is an effect of this name among the added ones?
+    pub fn has(&self, name: &str) -> bool {
+        self.effects.iter().any(|effect| effect.name == name)
+    }
+
+    /// Names of the added effects.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.effects.iter().map(|effect| effect.name).collect()
+    }
+
+    /// Numbers of the added effects.
+    pub fn n_added(&self) -> usize {
+        self.effects.iter().map(|effect| effect.parameters.len()).sum()
+    }
+
+    /// This model with one more effect, its values given, the others as fitted.
+    pub fn with(
+        &self,
+        of: &Problem,
+        effect: &'static Effect<f64>,
+        values: &[f64],
+    ) -> Option<(Vec<Unknown>, Parameters<f64>)> {
+        let mut parameters = self.parameters.clone();
+        parameters.set(effect.id, values).ok()?;
+        let mut unknowns = self.unknowns.clone();
+        unknowns.extend(Unknown::all_of_effect(effect, &of.template));
+        Some((unknowns, parameters))
+    }
+}
+
+/// Fits a model from a guess with Ms and DV fixed as in `from`, then with Ms searched anew.
+pub fn fit_from(problem: &Problem, effects: Vec<&'static Effect<f64>>, point: &Point, stiction: Stiction) -> Trial {
+    let fixed = with_stiction(problem, stiction);
+    let descent = descend(&fixed, point, Window::Whole, Patience::ROUGH, Steps::new(&fixed));
+    Trial::of(&fixed, effects, stiction, descent)
+}
+
+/// Fits on until nothing moves, and searches Ms and, where the noise is not reached, DV.
+pub fn finish(of: &Problem, trial: &Trial) -> Trial {
+    let problem = trial.problem(of);
+    let descent = descend(
+        &with_stiction(&problem, trial.stiction),
+        &trial.point,
+        Window::Whole,
+        Patience::FINE,
+        Steps::new(&problem),
+    );
+    let settled = stiction::settle(&problem, &descent);
+    better(
+        Trial::of(&problem, trial.effects.clone(), trial.stiction, descent),
+        Trial::settled(&problem, trial.effects.clone(), settled),
+    )
+}
+
+/// The one with the lower cost.
+pub fn better(a: Trial, b: Trial) -> Trial {
+    if b.cost < a.cost { b } else { a }
+}

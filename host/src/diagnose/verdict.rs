@@ -1,0 +1,399 @@
+//! What may be claimed: which effects are missing, which can't be told apart, what stays unexplained.
+
+use super::search::{EXCESS_WORTH_EXPLAINING, Found, excess, is_explained, search};
+use super::trial::{Trial, finish, fit_from};
+use crate::fit::covariance::covariance;
+use crate::fit::descent::{Patience, descend};
+use crate::fit::identify::{held_out_rmse, problem_of, smooth};
+use crate::fit::linear::{Steps, linearise};
+use crate::fit::problem::{PER_SWING, Point, Problem, Unknown};
+use crate::fit::stiction::{self, Settled, Stiction, with_stiction};
+use crate::fit::{start, windows};
+use crate::swing::{Swing, Window};
+use serde::Serialize;
+use shared::effect::Effect;
+use shared::parameters::{Parameters, base};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// An effect must remove this share of the excess that was there before it.
+const SUBSTANTIAL_SHARE: f64 = 0.4;
+
+/// Sums of squares closer than this, in noise variances, are no reason to prefer one effect over another.
+const INDISTINGUISHABLE: f64 = 25.0;
+
+/// A residual above this many noises is called unexplained.
+const UNEXPLAINED_NOISES: f64 = 1.10;
+
+/// A common offset is claimed from this many standard errors …
+const OFFSET_SIGNIFICANT: f64 = 5.0;
+
+/// … and from this angle on, if the converter's step is not known: one step of 12 bits over 340°.
+const LSB_RAD: f64 = 340.0 * std::f64::consts::PI / 180.0 / 4096.0;
+
+/// A number of a candidate effect.
+#[derive(Clone, Debug, Serialize)]
+pub struct Value {
+    /// The literature's symbol.
+    pub symbol: &'static str,
+    /// The value.
+    pub value: f64,
+    /// Standard deviation, if the data give one.
+    pub std: Option<f64>,
+    /// SI unit.
+    pub unit: &'static str,
+}
+
+/// A model that was fitted.
+#[derive(Clone, Debug, Serialize)]
+pub struct Candidate {
+    /// The effects added, joined by `+`; `none` for the base model.
+    pub name: String,
+    /// Root mean square error, rad.
+    pub rmse: f64,
+    /// Bayesian information criterion in units of the noise; lower is better.
+    pub criterion: f64,
+    /// The added effects' numbers.
+    pub parameters: Vec<Value>,
+}
+
+/// What is missing.
+#[derive(Clone, Debug, Serialize)]
+pub struct Diagnosis {
+    /// Version of this record.
+    pub version: u32,
+    /// Effects claimed to be missing from the base model; empty: nothing is missing, or nothing could be named.
+    pub verdict: Vec<&'static str>,
+    /// Effects that the data can't tell from one of the verdict.
+    pub undecided: Vec<&'static str>,
+    /// Effects by how well each explains the swings, `none` where it belongs.
+    pub ranked: Vec<&'static str>,
+    /// Root mean square error of the base model without any offset, rad.
+    pub rmse_before: f64,
+    /// The same with all of the verdict, rad.
+    pub rmse_after: f64,
+    /// On held-out swings before, rad.
+    pub held_out_before: Option<f64>,
+    /// On held-out swings after, rad.
+    pub held_out_after: Option<f64>,
+    /// Noise of the measurement, rad.
+    pub noise: f64,
+    /// True if more than 1.10 times the noise remains.
+    pub unexplained: bool,
+    /// Time taken.
+    pub seconds: f64,
+    /// Simulated swings.
+    pub simulations: usize,
+    /// Everything that was fitted, best first.
+    pub candidates: Vec<Candidate>,
+    /// The enlarged model.
+    #[serde(skip)]
+    pub parameters: Parameters<f64>,
+    /// The base model alone.
+    #[serde(skip)]
+    pub base_parameters: Parameters<f64>,
+    /// Error after each added effect, base first: the staircase.
+    pub staircase: Vec<Step>,
+}
+
+/// One step of the staircase of errors.
+#[derive(Clone, Debug, Serialize)]
+pub struct Step {
+    /// The effect that was added; `base` first.
+    pub added: &'static str,
+    /// Root mean square error on the fitted swings, rad.
+    pub rmse: f64,
+    /// The same on the held-out swings, rad.
+    pub held_out: Option<f64>,
+}
+
+/// Finds what is missing from the base model of a rig.
+pub fn diagnose(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>) -> Diagnosis {
+    let began = Instant::now();
+    let count = AtomicUsize::new(0);
+    let problem = base_problem(swings, rig, &count);
+    let base = fit_base(&problem);
+    let candidates = candidates();
+    let found = search(&problem, &base, &candidates);
+    let judge = Judge { problem: &problem, found: &found, candidates: &candidates };
+    let claimed = judge.claimed();
+    let undecided = judge.undecided(&claimed);
+    let offset_is_missing = judge.offset_is_missing(&claimed);
+    Summary { judge, claimed, undecided, offset_is_missing, held_out, began, count: &count }.build()
+}
+
+/// The effects that may be found missing: all but the base effects and the offset, which is fitted anyway.
+fn candidates() -> Vec<&'static Effect<f64>> {
+    Effect::ALL.iter().filter(|effect| !effect.is_base() && effect.name != ANGLE_OFFSET).collect()
+}
+
+/// The offset is a free number of every fit; it is claimed by its value, not by its gain.
+const ANGLE_OFFSET: &str = "angle-offset";
+
+fn base_problem<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a AtomicUsize) -> Problem<'a> {
+    let mut bare = rig.clone();
+    bare.effects.retain(|effect| effect.id <= base::STICTION);
+    let mut problem = smooth(&problem_of(swings, &bare, count));
+    for (unknown, start) in problem.unknowns.clone().iter().zip(problem.template_values()) {
+        if unknown.name != "inertia" && start <= unknown.low {
+            unknown.set(&mut problem.template, unknown.scale);
+        }
+    }
+    with_stiction(&problem, Stiction { level_nm: 0.0, velocity_band: 0.0 })
+}
+
+fn fit_base(problem: &Problem) -> Settled {
+    let grown = windows::grow(problem, &start::guess(problem));
+    stiction::settle(problem, &grown)
+}
+
+/// Decides from what the search found.
+struct Judge<'a, 'b> {
+    problem: &'b Problem<'a>,
+    found: &'b Found,
+    candidates: &'b [&'static Effect<f64>],
+}
+
+impl Judge<'_, '_> {
+    fn noise_variance(&self) -> f64 {
+        self.problem.noise_rad().powi(2)
+    }
+
+    /// Cost in noise variances, a unit that grows where even the best model leaves more than the noise.
+    fn unit(&self) -> f64 {
+        let lowest = self.found.levels.iter().flatten().map(|trial| trial.cost).fold(self.found.base.cost, f64::min);
+        self.noise_variance().max(lowest / self.problem.n_samples(Window::Whole) as f64)
+    }
+
+    fn criterion(&self, trial: &Trial) -> f64 {
+        let n_samples = self.problem.n_samples(Window::Whole) as f64;
+        trial.cost / self.unit() + trial.n_added() as f64 * n_samples.ln()
+    }
+
+    /// The model to claim: level by level as long as each added effect removes a substantial part of what was left;
+    /// at the last level the lowest criterion decides, a special case before its generalisation.
+    fn claimed(&self) -> Trial {
+        let mut claimed = self.found.base.clone();
+        for level in &self.found.levels {
+            let chosen = self.preferred(level);
+            let left = excess(self.problem, claimed.cost);
+            let removed = left - excess(self.problem, chosen.cost);
+            let substantial = left > EXCESS_WORTH_EXPLAINING && removed > SUBSTANTIAL_SHARE * left;
+            if substantial {
+                claimed = chosen.clone();
+            }
+        }
+        self.pruned(claimed)
+    }
+
+    fn preferred<'t>(&self, level: &'t [Trial]) -> &'t Trial {
+        let best = level.iter().min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b))).unwrap_or(&level[0]);
+        let simpler = |trial: &&Trial| {
+            let close = trial.cost - best.cost < INDISTINGUISHABLE * self.unit();
+            close && best.effects.iter().any(|effect| effect.generalises.is_some_and(|special| trial.has(special)))
+        };
+        level.iter().find(simpler).unwrap_or(best)
+    }
+
+    /// Without effects that became unnecessary once others were in.
+    fn pruned(&self, trial: Trial) -> Trial {
+        if trial.effects.len() < 2 {
+            return trial;
+        }
+        let without: Vec<Trial> = trial.effects.iter().map(|effect| self.without(&trial, effect.id)).collect();
+        let dispensable = without.into_iter().filter(|smaller| {
+            smaller.cost - trial.cost < INDISTINGUISHABLE * self.unit() || is_explained(self.problem, smaller)
+        });
+        match dispensable.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
+            Some(smaller) => self.pruned(smaller),
+            None => trial,
+        }
+    }
+
+    fn without(&self, trial: &Trial, id: u16) -> Trial {
+        let effects: Vec<&'static Effect<f64>> =
+            trial.effects.iter().copied().filter(|effect| effect.id != id).collect();
+        let known =
+            self.found.levels.iter().flatten().find(|other| {
+                other.effects.len() == effects.len() && effects.iter().all(|effect| other.has(effect.name))
+            });
+        if let Some(known) = known {
+            return finish(self.problem, known);
+        }
+        let keep = |unknown: &&Unknown| !trial.unknowns_of(id).contains(&unknown.quantity);
+        let kept: Vec<usize> = (0..trial.unknowns.len()).filter(|j| keep(&&trial.unknowns[*j])).collect();
+        let mut template = trial.parameters.clone();
+        template.remove(id);
+        let problem = Problem {
+            unknowns: kept.iter().map(|j| trial.unknowns[*j].clone()).collect(),
+            template,
+            ..self.problem.clone()
+        };
+        let point =
+            Point { values: kept.iter().map(|j| trial.point.values[*j]).collect(), starts: trial.point.starts.clone() };
+        finish(self.problem, &fit_from(&problem, effects, &point, trial.stiction))
+    }
+
+    /// Effects that could stand for one of the claimed ones without any visible loss.
+    fn undecided(&self, claimed: &Trial) -> Vec<&'static str> {
+        let Some(level) = claimed.effects.len().checked_sub(1).and_then(|level| self.found.levels.get(level)) else {
+            return Vec::new();
+        };
+        let close = |trial: &&Trial| trial.cost - claimed.cost < INDISTINGUISHABLE * self.unit();
+        let mut names: Vec<&'static str> = level.iter().filter(close).flat_map(Trial::names).collect();
+        names.retain(|name| !claimed.has(name));
+        names.dedup();
+        names
+    }
+
+    /// Is the sensor's zero off by the same angle in all swings, visibly?
+    fn offset_is_missing(&self, claimed: &Trial) -> bool {
+        let offsets: Vec<f64> = claimed.point.starts.iter().map(|start| start.offset_rad).collect();
+        let mean = offsets.iter().sum::<f64>() / offsets.len() as f64;
+        let spread = offsets.iter().map(|offset| (offset - mean).abs()).fold(0.0, f64::max);
+        let problem = claimed.problem(self.problem);
+        let linear = linearise(&problem, &claimed.point, Window::Whole, &mut Steps::new(&problem));
+        let n_unknowns = problem.unknowns.len();
+        let std = covariance(&linear).and_then(|covariance| covariance.std(n_unknowns + PER_SWING - 1)).unwrap_or(0.0);
+        mean.abs() > LSB_RAD && mean.abs() > OFFSET_SIGNIFICANT * std && spread < 0.5 * mean.abs()
+    }
+
+    fn ranked(&self, claimed: &Trial) -> Vec<&'static str> {
+        let mut ranked = claimed.names();
+        if ranked.is_empty() {
+            ranked.push("none");
+        }
+        let mut others: Vec<(&Trial, f64)> =
+            self.found.levels.first().into_iter().flatten().map(|trial| (trial, self.criterion(trial))).collect();
+        others.push((&self.found.base, self.criterion(&self.found.base)));
+        others.sort_by(|a, b| a.1.total_cmp(&b.1));
+        for (trial, _) in others {
+            let name = trial.effects.first().map_or("none", |effect| effect.name);
+            if !ranked.contains(&name) {
+                ranked.push(name);
+            }
+        }
+        let _ = self.candidates;
+        ranked
+    }
+
+    fn candidate(&self, trial: &Trial) -> Candidate {
+        let n_samples = self.problem.n_samples(Window::Whole) as f64;
+        let is_added = |unknown: &Unknown| trial.has(unknown.name);
+        let problem = trial.problem(self.problem);
+        let mut steps = Steps::new(&problem);
+        linearise(&problem, &trial.point, Window::Whole, &mut steps);
+        let covariance = covariance(&linearise(&problem, &trial.point, Window::Whole, &mut steps));
+        let value = |(j, unknown): (usize, &Unknown)| Value {
+            symbol: unknown.symbol,
+            value: trial.point.values[j],
+            std: covariance.as_ref().and_then(|covariance| covariance.std(j)),
+            unit: unknown.unit,
+        };
+        let added = trial.unknowns.iter().enumerate().filter(|(_, unknown)| is_added(unknown));
+        Candidate {
+            name: if trial.effects.is_empty() { "none".to_owned() } else { trial.names().join("+") },
+            rmse: (trial.cost / n_samples).sqrt(),
+            criterion: self.criterion(trial),
+            parameters: added.map(value).collect(),
+        }
+    }
+}
+
+impl Trial {
+    fn unknowns_of(&self, id: u16) -> Vec<crate::fit::problem::Quantity> {
+        use crate::fit::problem::Quantity;
+        let belongs = |quantity: &Quantity| matches!(quantity, Quantity::Effect { id: of, .. } if *of == id);
+        self.unknowns.iter().map(|unknown| unknown.quantity).filter(belongs).collect()
+    }
+}
+
+/// Puts the result together.
+struct Summary<'a, 'b, 'c> {
+    judge: Judge<'a, 'b>,
+    claimed: Trial,
+    undecided: Vec<&'static str>,
+    offset_is_missing: bool,
+    held_out: &'c [Swing],
+    began: Instant,
+    count: &'c AtomicUsize,
+}
+
+impl Summary<'_, '_, '_> {
+    fn build(self) -> Diagnosis {
+        let problem = self.judge.problem;
+        let n_samples = problem.n_samples(Window::Whole) as f64;
+        let base = &self.judge.found.base;
+        let rmse = |cost: f64| (cost / n_samples).sqrt();
+        let noise = problem.noise_rad();
+        let rmse_before = rmse(cost_without_offset(problem, base));
+        let rmse_after = rmse(self.claimed.cost);
+        let held_out = |parameters: &Parameters<f64>| {
+            (!self.held_out.is_empty()).then(|| held_out_rmse(self.held_out, parameters, self.count))
+        };
+        let mut verdict = self.claimed.names();
+        let mut ranked = self.judge.ranked(&self.claimed);
+        if self.offset_is_missing {
+            verdict.push(ANGLE_OFFSET);
+            let place = if self.claimed.effects.is_empty() { 0 } else { 1 };
+            ranked.insert(place, ANGLE_OFFSET);
+        }
+        let mut trials: Vec<&Trial> = vec![&self.claimed];
+        let is_claimed = |trial: &Trial| trial.names() == self.claimed.names();
+        trials.extend(self.judge.found.levels.iter().flatten().chain([base]).filter(|trial| !is_claimed(trial)));
+        trials.sort_by(|a, b| self.judge.criterion(a).total_cmp(&self.judge.criterion(b)));
+        trials.truncate(MAX_LISTED);
+        let staircase = self.staircase(rmse_before, &held_out);
+        Diagnosis {
+            version: 1,
+            undecided: self.undecided,
+            rmse_before,
+            rmse_after,
+            held_out_before: held_out(&base.parameters),
+            held_out_after: held_out(&self.claimed.parameters),
+            noise,
+            unexplained: rmse_after > UNEXPLAINED_NOISES * noise,
+            candidates: trials.into_iter().map(|trial| self.judge.candidate(trial)).collect(),
+            parameters: self.claimed.parameters,
+            base_parameters: base.parameters.clone(),
+            staircase,
+            seconds: self.began.elapsed().as_secs_f64(),
+            simulations: self.count.load(Ordering::Relaxed),
+            verdict,
+            ranked,
+        }
+    }
+
+    fn staircase(&self, rmse_before: f64, held_out: &dyn Fn(&Parameters<f64>) -> Option<f64>) -> Vec<Step> {
+        let found = self.judge.found;
+        let n_samples = self.judge.problem.n_samples(Window::Whole) as f64;
+        let mut steps = vec![Step { added: "base", rmse: rmse_before, held_out: held_out(&found.base.parameters) }];
+        for n_added in 1..=self.claimed.effects.len() {
+            let part = &self.claimed.effects[..n_added];
+            let is_part =
+                |trial: &&Trial| trial.effects.len() == n_added && part.iter().all(|effect| trial.has(effect.name));
+            let trial = if n_added == self.claimed.effects.len() {
+                Some(&self.claimed)
+            } else {
+                found.levels.iter().flatten().find(is_part)
+            };
+            if let Some(trial) = trial {
+                let rmse = (trial.cost / n_samples).sqrt();
+                steps.push(Step { added: part[n_added - 1].name, rmse, held_out: held_out(&trial.parameters) });
+            }
+        }
+        steps
+    }
+}
+
+/// At most this many models are listed.
+const MAX_LISTED: usize = 12;
+
+/// The base model's error if the sensor's zero were perfect.
+fn cost_without_offset(problem: &Problem, base: &Trial) -> f64 {
+    let mut fixed = base.problem(problem);
+    fixed.offsets_are_free = false;
+    let mut point = base.point.clone();
+    point.starts.iter_mut().for_each(|start| start.offset_rad = 0.0);
+    descend(&fixed, &point, Window::Whole, Patience::ROUGH, Steps::new(&fixed)).cost
+}

@@ -1,0 +1,17 @@
+//! Identification: from swings to parameters with uncertainties.
+//!
+//! [`problem`] says what is unknown, [`descent`] lowers the squared error, [`windows`] keeps it out of local minima
+//! by letting the time window grow, [`stiction`] searches the two parameters in which the error is not smooth, and
+//! [`covariance`] tells how well each is known.
+
+pub mod covariance;
+pub mod descent;
+pub mod identify;
+pub mod linear;
+pub mod problem;
+pub mod quality;
+pub mod ranges;
+pub mod sequential;
+pub mod start;
+pub mod stiction;
+pub mod windows;

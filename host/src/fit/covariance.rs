@@ -1,0 +1,107 @@
+//! How well each number is known: covariance of the least-squares estimate, allowing for coloured residuals.
+//!
+//! For white residuals the covariance is s²·(JᵀJ)⁻¹. Real residuals are correlated from sample to sample, so the sum
+//! over lags of Newey and West (Econometrica 55 (1987) 703) stands in the middle: (JᵀJ)⁻¹·S·(JᵀJ)⁻¹.
+
+use super::linear::{Linear, SwingLinear};
+use super::problem::PER_SWING;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Correlation below this many standard errors counts as none.
+const CORRELATION_SIGNIFICANT: f64 = 3.0;
+
+/// Blocks at least this many times longer than the residuals' memory.
+const BLOCK_OF_MEMORIES: usize = 4;
+
+/// Uncertainties of all columns of a linearisation.
+#[derive(Clone, Debug)]
+pub struct Covariance {
+    /// Covariance matrix; unknowns first, then the starts.
+    pub matrix: DMatrix<f64>,
+    /// True if the residuals are correlated in time.
+    pub coloured: bool,
+}
+
+impl Covariance {
+    /// Standard deviation of a column; `None` if the data say nothing about it.
+    pub fn std(&self, column: usize) -> Option<f64> {
+        let variance = self.matrix[(column, column)];
+        (variance.is_finite() && variance > 0.0).then(|| variance.sqrt())
+    }
+
+    /// Correlation of two columns.
+    pub fn correlation(&self, i: usize, j: usize) -> Option<f64> {
+        Some(self.matrix[(i, j)] / (self.std(i)? * self.std(j)?))
+    }
+}
+
+/// The covariance at a linearisation; `None` if some column is without effect or the copy of others.
+pub fn covariance(linear: &Linear) -> Option<Covariance> {
+    let size = linear.gradient.len();
+    let scale = DVector::from_fn(size, |i, _| linear.normal[(i, i)].sqrt());
+    if scale.iter().any(|s| !s.is_normal()) {
+        return None;
+    }
+    let unit = DMatrix::from_fn(size, size, |i, j| linear.normal[(i, j)] / (scale[i] * scale[j]));
+    let inverse = unit.cholesky()?.inverse();
+    let dof = linear.n_samples.saturating_sub(size).max(1) as f64;
+    let memory = linear.swings.iter().map(memory).max().unwrap_or(0);
+    let middle = if memory == 0 {
+        &inverse * (linear.cost / dof)
+    } else {
+        let n_unknowns = size - PER_SWING * linear.swings.len();
+        let scores = score_covariance(linear, n_unknowns, memory * BLOCK_OF_MEMORIES);
+        let scaled = DMatrix::from_fn(size, size, |i, j| scores[(i, j)] / (scale[i] * scale[j]));
+        let sandwich = &inverse * scaled * &inverse;
+        let white = &inverse * (linear.cost / dof);
+        // The sandwich is an estimate from few blocks; it is never taken to be surer than white noise.
+        larger_diagonal(sandwich, &white)
+    };
+    let matrix = DMatrix::from_fn(size, size, |i, j| middle[(i, j)] / (scale[i] * scale[j]));
+    Some(Covariance { matrix, coloured: memory > 0 })
+}
+
+/// Scales rows and columns so that no variance is below that of `least`.
+fn larger_diagonal(matrix: DMatrix<f64>, least: &DMatrix<f64>) -> DMatrix<f64> {
+    let factor = |i: usize| (least[(i, i)] / matrix[(i, i)].max(1e-300)).max(1.0).sqrt();
+    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] * factor(i) * factor(j))
+}
+
+/// Samples over which residuals stay correlated: 0 for white ones.
+fn memory(swing: &SwingLinear) -> usize {
+    let residuals = &swing.residuals;
+    let n_samples = residuals.len();
+    let square: f64 = residuals.iter().map(|r| r * r).sum();
+    let significant = CORRELATION_SIGNIFICANT / (n_samples as f64).sqrt();
+    let correlated = |lag: &usize| {
+        let product: f64 = residuals[*lag..].iter().zip(residuals).map(|(a, b)| a * b).sum();
+        product > significant * square
+    };
+    (1..n_samples / 4).take_while(correlated).count()
+}
+
+/// Sum over blocks of the products of Jᵀr: the covariance of the scores when blocks are independent.
+fn score_covariance(linear: &Linear, n_unknowns: usize, block: usize) -> DMatrix<f64> {
+    let size = linear.gradient.len();
+    let of_swing = |(swing_idx, swing): (usize, &SwingLinear)| {
+        let mut sum = DMatrix::zeros(size, size);
+        let place = |j: usize| if j < n_unknowns { j } else { j + PER_SWING * swing_idx };
+        for from in (0..swing.residuals.len()).step_by(block) {
+            let to = (from + block).min(swing.residuals.len());
+            let score: Vec<f64> = swing
+                .columns
+                .iter()
+                .map(|column| column[from..to].iter().zip(&swing.residuals[from..to]).map(|(c, r)| c * r).sum())
+                .collect();
+            for (i, a) in score.iter().enumerate() {
+                for (j, b) in score.iter().enumerate() {
+                    sum[(place(i), place(j))] += a * b;
+                }
+            }
+        }
+        sum
+    };
+    let zero = || DMatrix::zeros(size, size);
+    linear.swings.par_iter().enumerate().map(of_swing).reduce(zero, |a, b| a + b)
+}

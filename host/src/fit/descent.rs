@@ -1,0 +1,139 @@
+//! Levenberg–Marquardt with bounds: lowers the squared error within one window.
+//!
+//! Source: D. W. Marquardt, J. SIAM 11 (1963) 431. Four dampings are tried at once, because four simulations cost
+//! little more than one.
+
+use super::linear::{Linear, Steps, linearise, solve_damped};
+use super::problem::{LANES, PER_SWING, Point, Problem};
+use crate::swing::Window;
+use nalgebra::DVector;
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patience {
+    /// At most this many linearisations.
+    pub max_iterations: usize,
+    /// Stop when a step lowers the cost by less than this many noise variances.
+    pub least_gain: f64,
+}
+
+impl Patience {
+    /// To go on with a longer window.
+    pub const ROUGH: Self = Self { max_iterations: 6, least_gain: 3.0 };
+    /// For the final answer.
+    pub const FINE: Self = Self { max_iterations: 15, least_gain: 1e-2 };
+}
+
+/// Where a descent ended.
+#[derive(Clone, Debug)]
+pub struct Descent {
+    /// The best guess.
+    pub point: Point,
+    /// Sum of squared errors there, rad².
+    pub cost: f64,
+    /// The last linearisation, at (or one small step before) the best guess.
+    pub linear: Linear,
+    /// Finite-difference steps, to go on with.
+    pub steps: Steps,
+    /// False if patience ran out first.
+    pub converged: bool,
+}
+
+/// The dampings tried around the present one.
+const DAMPING_FACTORS: [f64; LANES] = [1e-3, 1e-1, 1.0, 30.0];
+
+/// Damping at the start: nearly Gauss–Newton.
+const FIRST_DAMPING: f64 = 1e-3;
+
+/// Beyond this no direction helps.
+const LARGEST_DAMPING: f64 = 1e6;
+
+/// Descends from a guess.
+pub fn descend(problem: &Problem, from: &Point, window: Window, patience: Patience, steps: Steps) -> Descent {
+    let mut steps = steps;
+    let mut point = from.clone();
+    let mut damping = FIRST_DAMPING;
+    let unit = problem.noise_rad().powi(2).max(1e-14);
+    let mut linear = linearise(problem, &point, window, &mut steps);
+    let mut cost = linear.cost;
+    let mut converged = false;
+    for iteration in 0..patience.max_iterations {
+        if iteration > 0 {
+            linear = linearise(problem, &point, window, &mut steps);
+        }
+        let gain = loop {
+            let Some((better, lower, factor)) = best_trial(problem, &point, &linear, window, damping, cost) else {
+                damping *= 1e4;
+                if damping > LARGEST_DAMPING {
+                    break 0.0;
+                }
+                continue;
+            };
+            damping = (damping * factor).clamp(1e-9, LARGEST_DAMPING);
+            let gain = cost - lower;
+            (point, cost) = (better, lower);
+            break gain;
+        };
+        if gain < patience.least_gain * unit {
+            converged = true;
+            break;
+        }
+    }
+    Descent { point, cost, linear, steps, converged }
+}
+
+/// The best of four damped steps, if it is better than staying.
+fn best_trial(
+    problem: &Problem,
+    point: &Point,
+    linear: &Linear,
+    window: Window,
+    damping: f64,
+    cost: f64,
+) -> Option<(Point, f64, f64)> {
+    let trials: Vec<Point> =
+        DAMPING_FACTORS.iter().map(|factor| bounded_step(problem, point, linear, damping * factor)).collect();
+    let costs = problem.costs(window, &trials);
+    let (best, lowest) =
+        costs.iter().enumerate().filter(|(_, cost)| cost.is_finite()).min_by(|a, b| a.1.total_cmp(b.1))?;
+    (*lowest < cost).then(|| (trials[best].clone(), *lowest, DAMPING_FACTORS[best]))
+}
+
+/// A damped step within the bounds: an unknown that would leave them is put on its bound, and the others are solved
+/// for again.
+fn bounded_step(problem: &Problem, point: &Point, linear: &Linear, damping: f64) -> Point {
+    let n_unknowns = problem.unknowns.len();
+    let is_offset = |j: usize| j >= n_unknowns && (j - n_unknowns) % PER_SWING == PER_SWING - 1;
+    let mut free: Vec<bool> = (0..linear.gradient.len()).map(|j| problem.offsets_are_free || !is_offset(j)).collect();
+    let mut gradient = linear.gradient.clone();
+    let mut fixed_step = DVector::zeros(gradient.len());
+    loop {
+        let step = solve_damped(&linear.normal, &gradient, damping, &free) + &fixed_step;
+        let leaving = (0..n_unknowns).filter(|j| free[*j]).find_map(|j| {
+            let target = point.values[j] + step[j];
+            let bounded = target.clamp(problem.unknowns[j].low, problem.unknowns[j].high);
+            (bounded != target).then_some((j, bounded - point.values[j]))
+        });
+        match leaving {
+            None => return stepped(point, &step, n_unknowns),
+            Some((j, to_bound)) => {
+                free[j] = false;
+                fixed_step[j] = to_bound;
+                gradient -= linear.normal.column(j) * to_bound;
+            }
+        }
+    }
+}
+
+/// The guess after a step.
+pub fn stepped(point: &Point, step: &DVector<f64>, n_unknowns: usize) -> Point {
+    let mut next = point.clone();
+    next.values.iter_mut().zip(step.iter()).for_each(|(value, change)| *value += change);
+    for (swing_idx, start) in next.starts.iter_mut().enumerate() {
+        let first = n_unknowns + PER_SWING * swing_idx;
+        start.angle_rad += step[first];
+        start.velocity_rad_s += step[first + 1];
+        start.offset_rad += step[first + 2];
+    }
+    next
+}

@@ -1,0 +1,179 @@
+//! The model linearised at a guess: residuals, their derivatives, and the normal equations.
+
+use super::problem::{PER_SWING, Point, Problem, Start};
+use crate::swing::Window;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Finite-difference steps are chosen so that the readings change by about this much (rms, rad): far above rounding,
+/// far below where the curvature shows.
+const WANTED_CHANGE_RAD: f64 = 1e-5;
+
+/// A step that changes the readings by less, even when enlarged, has no effect.
+const NO_CHANGE_RAD: f64 = 1e-12;
+
+/// Derivative step for the start angle (rad) and velocity (rad/s).
+const START_STEP: f64 = 1e-6;
+
+/// One swing, linearised.
+#[derive(Clone, Debug)]
+pub struct SwingLinear {
+    /// Measured minus predicted, rad.
+    pub residuals: Vec<f64>,
+    /// Derivatives of the prediction, a column an unknown, then start angle, velocity and offset.
+    pub columns: Vec<Vec<f64>>,
+}
+
+/// All swings, linearised at a guess.
+#[derive(Clone, Debug)]
+pub struct Linear {
+    /// One a swing.
+    pub swings: Vec<SwingLinear>,
+    /// JᵀJ; unknowns first, then angle, velocity and offset of each swing.
+    pub normal: DMatrix<f64>,
+    /// Jᵀr.
+    pub gradient: DVector<f64>,
+    /// rᵀr, rad².
+    pub cost: f64,
+    /// Number of residuals.
+    pub n_samples: usize,
+}
+
+/// The finite-difference step of each unknown; it adapts from one linearisation to the next.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steps(pub Vec<f64>);
+
+impl Steps {
+    /// First steps, from the unknowns' scales.
+    pub fn new(problem: &Problem) -> Self {
+        Self(problem.unknowns.iter().map(|unknown| 1e-4 * unknown.scale).collect())
+    }
+
+    fn adapt(&mut self, problem: &Problem, change_rad: &[f64]) {
+        for ((step, unknown), change) in self.0.iter_mut().zip(&problem.unknowns).zip(change_rad) {
+            let factor = if *change > NO_CHANGE_RAD { WANTED_CHANGE_RAD / change } else { 100.0 };
+            *step = (*step * factor.clamp(1e-3, 1e2)).min(0.1 * unknown.scale);
+        }
+    }
+}
+
+/// Linearises at a guess within a window.
+pub fn linearise(problem: &Problem, point: &Point, window: Window, steps: &mut Steps) -> Linear {
+    let moved = moved_values(problem, point, steps);
+    let swings: Vec<SwingLinear> = (0..problem.swings.len())
+        .into_par_iter()
+        .map(|swing_idx| linearise_swing(problem, point, window, &moved, swing_idx))
+        .collect();
+    let linear = assemble(problem.unknowns.len(), swings);
+    let n_samples = linear.n_samples.max(1) as f64;
+    let changes: Vec<f64> = moved
+        .iter()
+        .enumerate()
+        .map(|(j, (_, step))| step.abs() * (linear.normal[(j, j)] / n_samples).sqrt())
+        .collect();
+    steps.adapt(problem, &changes);
+    linear
+}
+
+/// The guess with one unknown moved, for each unknown, and by how much: inwards where a bound is near.
+fn moved_values(problem: &Problem, point: &Point, steps: &Steps) -> Vec<(Vec<f64>, f64)> {
+    let moved = |j: usize| {
+        let mut values = point.values.clone();
+        let step = if values[j] + steps.0[j] > problem.unknowns[j].high { -steps.0[j] } else { steps.0[j] };
+        values[j] += step;
+        (values, step)
+    };
+    (0..problem.unknowns.len()).map(moved).collect()
+}
+
+fn linearise_swing(
+    problem: &Problem,
+    point: &Point,
+    window: Window,
+    moved: &[(Vec<f64>, f64)],
+    swing_idx: usize,
+) -> SwingLinear {
+    let swing = &problem.swings[swing_idx];
+    let n_samples = swing.samples_within(window);
+    let start = point.starts[swing_idx];
+    let mut guesses: Vec<(&[f64], Start)> = vec![(&point.values, start)];
+    guesses.extend(moved.iter().map(|(values, _)| (values.as_slice(), start)));
+    guesses.push((&point.values, Start { angle_rad: start.angle_rad + START_STEP, ..start }));
+    guesses.push((&point.values, Start { velocity_rad_s: start.velocity_rad_s + START_STEP, ..start }));
+    let mut predicted = problem.predict(swing_idx, n_samples, &guesses);
+
+    let base = predicted.remove(0);
+    let steps = moved.iter().map(|(_, step)| *step).chain([START_STEP; 2]);
+    for (column, step) in predicted.iter_mut().zip(steps) {
+        column.iter_mut().zip(&base).for_each(|(moved, base)| *moved = (*moved - base) / step);
+    }
+    predicted.push(vec![1.0; n_samples]);
+    let residuals = swing.angles_rad.iter().zip(&base).map(|(m, p)| m - p - start.offset_rad).collect();
+    SwingLinear { residuals, columns: predicted }
+}
+
+/// Builds the normal equations of all swings.
+fn assemble(n_unknowns: usize, swings: Vec<SwingLinear>) -> Linear {
+    let size = n_unknowns + PER_SWING * swings.len();
+    let mut normal = DMatrix::zeros(size, size);
+    let mut gradient = DVector::zeros(size);
+    let mut cost = 0.0;
+    let blocks: Vec<(DMatrix<f64>, DVector<f64>)> = swings.par_iter().map(normal_of_swing).collect();
+    for (swing_idx, (block, slope)) in blocks.iter().enumerate() {
+        let place = |j: usize| if j < n_unknowns { j } else { j + PER_SWING * swing_idx };
+        for i in 0..slope.len() {
+            gradient[place(i)] += slope[i];
+            for j in 0..slope.len() {
+                normal[(place(i), place(j))] += block[(i, j)];
+            }
+        }
+        cost += dot(&swings[swing_idx].residuals, &swings[swing_idx].residuals);
+    }
+    let n_samples = swings.iter().map(|swing| swing.residuals.len()).sum();
+    Linear { swings, normal, gradient, cost, n_samples }
+}
+
+fn normal_of_swing(swing: &SwingLinear) -> (DMatrix<f64>, DVector<f64>) {
+    let n_columns = swing.columns.len();
+    let mut normal = DMatrix::zeros(n_columns, n_columns);
+    for i in 0..n_columns {
+        for j in 0..=i {
+            let product = dot(&swing.columns[i], &swing.columns[j]);
+            normal[(i, j)] = product;
+            normal[(j, i)] = product;
+        }
+    }
+    (normal, DVector::from_iterator(n_columns, swing.columns.iter().map(|column| dot(column, &swing.residuals))))
+}
+
+/// Sum of products, in four parts that the processor works on together.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (chunks_a, chunks_b) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = chunks_a.remainder().iter().zip(chunks_b.remainder()).map(|(x, y)| x * y).sum();
+    for (x, y) in chunks_a.zip(chunks_b) {
+        (0..4).for_each(|k| sums[k] += x[k] * y[k]);
+    }
+    sums.iter().sum::<f64>() + rest
+}
+
+/// Solves (JᵀJ + λ·diag)·δ = Jᵀr for the entries that `free` allows; the others stay put.
+pub fn solve_damped(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64, free: &[bool]) -> DVector<f64> {
+    let indices: Vec<usize> = (0..gradient.len()).filter(|i| free[*i]).collect();
+    let largest = indices.iter().map(|i| normal[(*i, *i)]).fold(0.0, f64::max);
+    // Columns are scaled to one, so that units do not matter; one without any effect is left alone.
+    let scale: Vec<f64> = indices.iter().map(|i| normal[(*i, *i)].max(1e-30 * largest).max(1e-300).sqrt()).collect();
+    let scaled = DMatrix::from_fn(indices.len(), indices.len(), |i, j| {
+        let unit = normal[(indices[i], indices[j])] / (scale[i] * scale[j]);
+        if i == j { unit + damping + 1e-13 } else { unit }
+    });
+    let right = DVector::from_fn(indices.len(), |i, _| gradient[indices[i]] / scale[i]);
+    let mut step = DVector::zeros(gradient.len());
+    if let Some(factor) = scaled.cholesky() {
+        let solution = factor.solve(&right);
+        for (k, i) in indices.iter().enumerate() {
+            step[*i] = solution[k] / scale[k];
+        }
+    }
+    step
+}

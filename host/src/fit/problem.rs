@@ -1,0 +1,239 @@
+//! What is unknown, and what a guess at it predicts.
+
+use crate::lanes::Lanes;
+use crate::swing::{Swing, Window};
+use crate::trajectory::simulate;
+use rayon::prelude::*;
+use shared::effect::{Effect, Parameter};
+use shared::model::Model;
+use shared::parameters::{Parameters, base};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Simulations run this many at a time on one core.
+pub const LANES: usize = 4;
+
+/// Where in the parameters an unknown sits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// I, the moment of inertia about the centre of mass.
+    Inertia,
+    /// A number of an effect.
+    Effect {
+        /// The effect's id.
+        id: u16,
+        /// Position in its parameter list.
+        index: usize,
+    },
+}
+
+/// A number to be identified.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unknown {
+    /// Where it sits.
+    pub quantity: Quantity,
+    /// The literature's symbol.
+    pub symbol: &'static str,
+    /// The effect's name, or `inertia`.
+    pub name: &'static str,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Smallest value allowed.
+    pub low: f64,
+    /// Largest value allowed.
+    pub high: f64,
+    /// A change that matters; steps and damping are measured against it.
+    pub scale: f64,
+}
+
+impl Unknown {
+    /// The moment of inertia of a pendulum, between nothing and ten times its moment about the pivot.
+    pub fn inertia(parameters: &Parameters<f64>) -> Self {
+        let pivot = parameters.pendulum.pivot_inertia_kg_m2();
+        let (symbol, name, unit) = ("I", "inertia", "kg·m²");
+        Self { quantity: Quantity::Inertia, symbol, name, unit, low: 0.0, high: 10.0 * pivot, scale: 0.1 * pivot }
+    }
+
+    /// A number of an effect, within its physical range. Friction scales with m·g·l.
+    pub fn of_effect(effect: &'static Effect<f64>, index: usize, parameters: &Parameters<f64>) -> Self {
+        let parameter: &Parameter = &effect.parameters[index];
+        let size = parameters.pendulum.gravity_torque_nm() / USUAL_GRAVITY_TORQUE_NM;
+        let grows = if parameter.unit.starts_with("N·m") { size.max(1.0) } else { 1.0 };
+        Self {
+            quantity: Quantity::Effect { id: effect.id, index },
+            symbol: parameter.symbol,
+            name: effect.name,
+            unit: parameter.unit,
+            low: parameter.low * grows,
+            high: parameter.high * grows,
+            scale: SCALE_OF_RANGE * (parameter.high - parameter.low) * grows,
+        }
+    }
+
+    /// All numbers of an effect.
+    pub fn all_of_effect(effect: &'static Effect<f64>, parameters: &Parameters<f64>) -> Vec<Self> {
+        (0..effect.parameters.len()).map(|index| Self::of_effect(effect, index, parameters)).collect()
+    }
+
+    /// Its value in a set of parameters; zero for an absent effect.
+    pub fn get(&self, parameters: &Parameters<f64>) -> f64 {
+        match self.quantity {
+            Quantity::Inertia => parameters.pendulum.inertia_kg_m2,
+            Quantity::Effect { id, index } => {
+                parameters.values(id).and_then(|values| values.get(index)).copied().unwrap_or(0.0)
+            }
+        }
+    }
+
+    /// Sets it; the effect must be present.
+    pub fn set<R: Copy>(&self, parameters: &mut Parameters<R>, value: R) {
+        match self.quantity {
+            Quantity::Inertia => parameters.pendulum.inertia_kg_m2 = value,
+            Quantity::Effect { id, index } => {
+                let effect = parameters.effects.iter_mut().find(|effect| effect.id == id);
+                if let Some(slot) = effect.and_then(|effect| effect.values.get_mut(index)) {
+                    *slot = value;
+                }
+            }
+        }
+    }
+
+    /// Is it Ms or DV, in which the error is not smooth?
+    pub fn is_stiction(&self) -> bool {
+        matches!(self.quantity, Quantity::Effect { id: base::STICTION, .. })
+    }
+}
+
+/// The effects' ranges are meant for a pendulum of about this m·g·l.
+const USUAL_GRAVITY_TORQUE_NM: f64 = 0.22;
+
+/// The usual change of a parameter as a share of its range.
+const SCALE_OF_RANGE: f64 = 0.02;
+
+/// How one swing began, and where the sensor's zero lay.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// θ at the first sample, rad.
+    pub angle_rad: f64,
+    /// ω at the first sample, rad/s.
+    pub velocity_rad_s: f64,
+    /// Added to the model's reading, rad.
+    pub offset_rad: f64,
+}
+
+/// Numbers per swing that are fitted beside the unknowns.
+pub const PER_SWING: usize = 3;
+
+/// A guess at everything.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// One value an unknown.
+    pub values: Vec<f64>,
+    /// One start a swing.
+    pub starts: Vec<Start>,
+}
+
+/// What is to be identified from which swings.
+#[derive(Clone, Debug)]
+pub struct Problem<'a> {
+    /// The measurements.
+    pub swings: &'a [Swing],
+    /// Fixed numbers, and the effects that are present.
+    pub template: Parameters<f64>,
+    /// What to identify.
+    pub unknowns: Vec<Unknown>,
+    /// Is the sensor's zero of each swing fitted too?
+    pub offsets_are_free: bool,
+    /// Simulations run so far.
+    pub n_simulations: &'a AtomicUsize,
+}
+
+impl Problem<'_> {
+    /// The parameters that a guess means.
+    pub fn parameters(&self, values: &[f64]) -> Parameters<f64> {
+        let mut parameters = self.template.clone();
+        for (unknown, value) in self.unknowns.iter().zip(values) {
+            unknown.set(&mut parameters, *value);
+        }
+        parameters
+    }
+
+    /// The unknowns' present values in the template, within their bounds.
+    pub fn template_values(&self) -> Vec<f64> {
+        self.unknowns.iter().map(|unknown| unknown.get(&self.template).clamp(unknown.low, unknown.high)).collect()
+    }
+
+    /// Readings without offset of one swing for several guesses, one column a guess, over its first samples.
+    pub fn predict(&self, swing_idx: usize, n_samples: usize, guesses: &[(&[f64], Start)]) -> Vec<Vec<f64>> {
+        let batches: Vec<&[(&[f64], Start)]> = guesses.chunks(LANES).collect();
+        batches.into_par_iter().flat_map_iter(|batch| self.predict_batch(swing_idx, n_samples, batch)).collect()
+    }
+
+    fn predict_batch(&self, swing_idx: usize, n_samples: usize, batch: &[(&[f64], Start)]) -> Vec<Vec<f64>> {
+        self.n_simulations.fetch_add(batch.len(), Ordering::Relaxed);
+        match batch {
+            [(values, start)] => {
+                let model = Model::new(&self.parameters(values));
+                let state = model.release(start.angle_rad, start.velocity_rad_s);
+                let mut column = Vec::with_capacity(n_samples);
+                simulate(&model, state, &self.swings[swing_idx].schedule, n_samples, |_, reading| column.push(reading));
+                vec![column]
+            }
+            _ => self.predict_lanes(swing_idx, n_samples, batch),
+        }
+    }
+
+    fn predict_lanes(&self, swing_idx: usize, n_samples: usize, batch: &[(&[f64], Start)]) -> Vec<Vec<f64>> {
+        // Spare lanes repeat the last guess.
+        let guess = |lane: usize| batch[lane.min(batch.len() - 1)];
+        let mut parameters = self.template.map(|value| Lanes::<LANES>([value; LANES]));
+        for (unknown_idx, unknown) in self.unknowns.iter().enumerate() {
+            let lanes = std::array::from_fn(|lane| guess(lane).0[unknown_idx]);
+            unknown.set(&mut parameters, Lanes::<LANES>(lanes));
+        }
+        let model = Model::new(&parameters);
+        let angle = Lanes(std::array::from_fn(|lane| guess(lane).1.angle_rad));
+        let velocity = Lanes(std::array::from_fn(|lane| guess(lane).1.velocity_rad_s));
+        let mut columns = vec![Vec::with_capacity(n_samples); batch.len()];
+        let state = model.release(angle, velocity);
+        simulate(&model, state, &self.swings[swing_idx].schedule, n_samples, |_, reading: Lanes<LANES>| {
+            for (column, value) in columns.iter_mut().zip(reading.0) {
+                column.push(value);
+            }
+        });
+        columns
+    }
+
+    /// Sums of squared errors within a window, one a guess, all swings together.
+    pub fn costs(&self, window: Window, guesses: &[Point]) -> Vec<f64> {
+        let of_swing = |swing_idx: usize| -> Vec<f64> {
+            let swing = &self.swings[swing_idx];
+            let n_samples = swing.samples_within(window);
+            let columns: Vec<(&[f64], Start)> =
+                guesses.iter().map(|point| (point.values.as_slice(), point.starts[swing_idx])).collect();
+            let predicted = self.predict(swing_idx, n_samples, &columns);
+            let cost = |(column, (_, start)): (&Vec<f64>, &(&[f64], Start))| -> f64 {
+                let error = |(m, p): (&f64, &f64)| (m - p - start.offset_rad).powi(2);
+                swing.angles_rad.iter().zip(column).map(error).sum()
+            };
+            predicted.iter().zip(&columns).map(cost).collect()
+        };
+        let per_swing: Vec<Vec<f64>> = (0..self.swings.len()).into_par_iter().map(of_swing).collect();
+        (0..guesses.len()).map(|guess| per_swing.iter().map(|costs| costs[guess]).sum()).collect()
+    }
+
+    /// Number of samples within a window, all swings together.
+    pub fn n_samples(&self, window: Window) -> usize {
+        self.swings.iter().map(|swing| swing.samples_within(window)).sum()
+    }
+
+    /// The longest swing, s.
+    pub fn longest_s(&self) -> f64 {
+        self.swings.iter().map(Swing::duration_s).fold(0.0, f64::max)
+    }
+
+    /// Root mean square noise over all swings, rad.
+    pub fn noise_rad(&self) -> f64 {
+        let squares: f64 = self.swings.iter().map(|swing| swing.noise_rad.powi(2) * swing.len() as f64).sum();
+        (squares / self.n_samples(Window::Whole).max(1) as f64).sqrt()
+    }
+}

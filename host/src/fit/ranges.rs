@@ -1,0 +1,79 @@
+//! Ranges for the first design, from the rig and the recording, where the user gives none.
+
+use super::problem::{Problem, Quantity, Unknown};
+use super::sequential::Ranges;
+use crate::swing::{Swing, Window};
+use shared::parameters::base;
+
+/// m·l² + I is sought within this share of its first guess.
+const INERTIA_SHARE: f64 = 0.2;
+
+/// Friction is sought up to this many times what the decay would need if it were alone.
+const FRICTION_FACTOR: f64 = 2.0;
+
+/// Stiction is sought up to this share of m·g·l.
+const STICTION_SHARE: f64 = 0.05;
+
+/// The velocity band is sought up to this, rad/s.
+const WIDEST_BAND: f64 = 0.06;
+
+/// How a swing decays over its lively part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Decay {
+    /// Largest angle at its start and end, rad.
+    from_rad: f64,
+    to_rad: f64,
+    /// Half swings between.
+    n_half_swings: f64,
+    /// Seconds between.
+    seconds: f64,
+}
+
+/// Ranges for all unknowns; `inertia_kg_m2` is the first guess at I.
+pub fn from_recording(problem: &Problem, inertia_kg_m2: f64) -> Ranges {
+    let decays: Vec<Decay> = problem.swings.iter().filter_map(decay).collect();
+    let largest = |value: &dyn Fn(&Decay) -> f64| decays.iter().map(value).fold(0.0, f64::max);
+    let pendulum = &problem.template.pendulum;
+    let gravity = pendulum.gravity_torque_nm();
+    let orbital = pendulum.mass_kg * pendulum.length_m * pendulum.length_m;
+    let pivot = orbital + inertia_kg_m2;
+    // Alone, viscous friction shrinks the amplitude by exp(−Mw·t/2J), Coulomb friction by 2·Mc/mgl a half swing.
+    let viscous = largest(&|d| 2.0 * pivot * (d.from_rad / d.to_rad).ln() / d.seconds);
+    let coulomb = largest(&|d| 0.5 * gravity * (d.from_rad - d.to_rad) / d.n_half_swings);
+    let range = |unknown: &Unknown| match unknown.quantity {
+        Quantity::Inertia => {
+            let half = INERTIA_SHARE * pivot;
+            ((inertia_kg_m2 - half).max(unknown.low), inertia_kg_m2 + half)
+        }
+        Quantity::Effect { id: base::VISCOUS, .. } => (0.0, FRICTION_FACTOR * viscous.max(1e-3 * unknown.scale)),
+        Quantity::Effect { id: base::COULOMB, .. } => (0.0, FRICTION_FACTOR * coulomb.max(1e-3 * unknown.scale)),
+        Quantity::Effect { id: base::STICTION, index: 0 } => (0.0, STICTION_SHARE * gravity),
+        Quantity::Effect { id: base::STICTION, .. } => (0.0, WIDEST_BAND),
+        Quantity::Effect { .. } => (unknown.low, unknown.high),
+    };
+    Ranges(problem.unknowns.iter().map(range).collect())
+}
+
+fn decay(swing: &Swing) -> Option<Decay> {
+    let n_samples = swing.samples_within(Window::Lively);
+    let angles = &swing.angles_rad[..n_samples];
+    let crossings: Vec<usize> = (1..n_samples).filter(|i| angles[i - 1] * angles[*i] < 0.0).collect();
+    // Noise may cross zero more than once: crossings closer than a tenth of the usual distance are one.
+    let mut lobes: Vec<(usize, f64)> = Vec::new();
+    let mut from = 0;
+    for to in crossings.into_iter().chain([n_samples]) {
+        let peak = angles[from..to].iter().fold(0.0_f64, |peak, a| peak.max(a.abs()));
+        if peak > PEAK_NOISES * swing.noise_rad {
+            lobes.push((from, peak));
+        }
+        from = to;
+    }
+    let (first, last) = (lobes.first()?, lobes.get(lobes.len().checked_sub(2)?)?);
+    let n_half_swings = (lobes.len() - 2) as f64;
+    let seconds = swing.times_s[last.0] - swing.times_s[first.0];
+    let sensible = n_half_swings >= 1.0 && seconds > 0.0 && first.1 > last.1;
+    sensible.then_some(Decay { from_rad: first.1, to_rad: last.1, n_half_swings, seconds })
+}
+
+/// A lobe's peak rises this far out of the noise.
+const PEAK_NOISES: f64 = 6.0;

@@ -1,0 +1,55 @@
+//! A first guess from the swings themselves.
+
+use super::problem::{Point, Problem, Quantity, Start};
+use crate::swing::{Swing, Window};
+use shared::motion::Pendulum;
+
+/// The inertia is first sought by its share of the period in so many seconds of the swing.
+const FIRST_WINDOW_S: f64 = 1.2;
+
+/// Moments about the pivot that are tried, as factors of the one assumed.
+const TRIED_FACTORS: usize = 48;
+const SMALLEST_FACTOR: f64 = 0.25;
+const LARGEST_FACTOR: f64 = 4.0;
+
+/// Start angles and velocities read off the swings, offset zero.
+pub fn starts(swings: &[Swing]) -> Vec<Start> {
+    swings
+        .iter()
+        .map(|swing| {
+            let (angle_rad, velocity_rad_s) = swing.start_guess();
+            Start { angle_rad, velocity_rad_s, offset_rad: 0.0 }
+        })
+        .collect()
+}
+
+/// The template's values, with the inertia that follows the first second of the swings best.
+pub fn guess(problem: &Problem) -> Point {
+    let here = Point { values: problem.template_values(), starts: starts(problem.swings) };
+    let Some(inertia) = problem.unknowns.iter().position(|unknown| unknown.quantity == Quantity::Inertia) else {
+        return here;
+    };
+    let unknown = &problem.unknowns[inertia];
+    let pivot = problem.template.pendulum.pivot_inertia_kg_m2();
+    let trials: Vec<Point> = tried_factors()
+        .map(|factor| about_centre(&problem.template.pendulum, factor * pivot))
+        .filter(|inertia_kg_m2| (unknown.low..=unknown.high).contains(inertia_kg_m2))
+        .map(|inertia_kg_m2| {
+            let mut trial = here.clone();
+            trial.values[inertia] = inertia_kg_m2;
+            trial
+        })
+        .collect();
+    let costs = problem.costs(Window::First(FIRST_WINDOW_S), &trials);
+    let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map(|(index, _)| index);
+    best.map_or(here, |index| trials[index].clone())
+}
+
+fn tried_factors() -> impl Iterator<Item = f64> {
+    let ratio = LARGEST_FACTOR / SMALLEST_FACTOR;
+    (0..TRIED_FACTORS).map(move |i| SMALLEST_FACTOR * ratio.powf(i as f64 / (TRIED_FACTORS - 1) as f64))
+}
+
+fn about_centre(pendulum: &Pendulum<f64>, pivot_inertia: f64) -> f64 {
+    pivot_inertia - pendulum.mass_kg * pendulum.length_m * pendulum.length_m
+}

@@ -1,0 +1,196 @@
+//! What can go wrong between the program and the rig.
+
+use crate::error::Failure;
+use shared::wire::{PROTOCOL, Refusal};
+use std::io;
+use thiserror::Error;
+
+/// A link that did not come about, or broke.
+#[derive(Debug, Error)]
+pub enum LinkError {
+    /// No device of this name.
+    #[error("there is no port {port}; {}", seen_ports(seen))]
+    NoSuchPort {
+        /// As the user named it.
+        port: String,
+        /// The ports there are.
+        seen: Vec<String>,
+    },
+    /// No scenario of this name.
+    #[error("there is no simulated rig {name}; there are {}", known.join(", "))]
+    NoSuchScenario {
+        /// As the user named it.
+        name: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// The system refused for lack of rights.
+    #[error("no permission to open {port}")]
+    NoPermission {
+        /// The port.
+        port: String,
+    },
+    /// Another program, or another run of this one, has it open.
+    #[error("{port} is in use{}", by_whom(users))]
+    Busy {
+        /// The port.
+        port: String,
+        /// Programs that have it open, as far as they can be seen.
+        users: Vec<String>,
+    },
+    /// Not a serial device, or one that does not work.
+    #[error("{port} could not be opened as a serial port: {reason}")]
+    NotUsable {
+        /// The port.
+        port: String,
+        /// In the system's words.
+        reason: String,
+    },
+    /// Nothing at all was heard.
+    #[error("nothing answers on {port}: not one byte in {seconds} s")]
+    Silent {
+        /// The port.
+        port: String,
+        /// How long it was listened to.
+        seconds: u64,
+    },
+    /// Something is there, but it is no rig.
+    #[error("what answers on {port} is not a pendulum rig: {n_bytes} bytes in {seconds} s, such as {sample}")]
+    Stranger {
+        /// The port.
+        port: String,
+        /// How long it was listened to.
+        seconds: u64,
+        /// Bytes heard.
+        n_bytes: u64,
+        /// The first of them, readable.
+        sample: String,
+    },
+    /// Our own words came back.
+    #[error("{port} sends back what it is sent")]
+    Echo {
+        /// The port.
+        port: String,
+    },
+    /// A rig of another version.
+    #[error("{name} on {port} (firmware {version}) speaks protocol {theirs}, this program {PROTOCOL}")]
+    OtherProtocol {
+        /// The port.
+        port: String,
+        /// The rig.
+        name: String,
+        /// Its firmware's version.
+        version: String,
+        /// Its protocol.
+        theirs: u16,
+    },
+    /// The device is gone.
+    #[error("the connection to {port} broke: {source}")]
+    Lost {
+        /// The port.
+        port: String,
+        /// In the system's words.
+        source: io::Error,
+    },
+    /// The stream dried up.
+    #[error("the rig on {port} stopped sending samples")]
+    StreamStopped {
+        /// The port.
+        port: String,
+    },
+    /// A command was asked several times in vain.
+    #[error("the rig on {port} did not answer when asked {n_times} times to {command}")]
+    NoAnswer {
+        /// The port.
+        port: String,
+        /// What it was to do.
+        command: &'static str,
+        /// How often it was asked.
+        n_times: u32,
+    },
+    /// The rig said no.
+    #[error("the rig refused to {command}: {refusal}")]
+    Refused {
+        /// What it was to do.
+        command: &'static str,
+        /// Its reason.
+        refusal: Refusal,
+    },
+    /// An answer that does not belong to the question.
+    #[error("the rig's answer does not fit the question ({command})")]
+    WrongAnswer {
+        /// What it was to do.
+        command: &'static str,
+    },
+    /// What came back from flash is not what was sent.
+    #[error("{what} came back from the rig's flash as {got}, sent was {sent}")]
+    NotKept {
+        /// The value.
+        what: String,
+        /// As sent, rounded to f32.
+        sent: f32,
+        /// As read back.
+        got: f32,
+    },
+}
+
+impl LinkError {
+    /// What to do next.
+    pub fn next_step(&self) -> String {
+        match self {
+            Self::NoSuchPort { .. } => "plug the rig in and name its port, or try without hardware: --port sim",
+            Self::NoSuchScenario { .. } => "choose one of them, or --port sim",
+            Self::NoPermission { .. } => {
+                "join the group that owns the port (often: sudo usermod -aG dialout $USER, then log in again), or add a \
+                 udev rule for the board"
+            }
+            Self::Busy { .. } => "close the other program, or wait until it is done",
+            Self::NotUsable { .. } => "name the serial device of the rig, such as /dev/ttyACM0",
+            Self::Silent { .. } => {
+                "check that this is the rig's port and that its firmware runs (its light blinks); press its reset button"
+            }
+            Self::Stranger { .. } => "this may be another device, or another firmware: name the rig's port, or flash the rig",
+            Self::Echo { .. } => "take the loop-back wire between its pins away, or name the rig's port",
+            Self::OtherProtocol { theirs, .. } if *theirs > PROTOCOL => "update this program",
+            Self::OtherProtocol { .. } => "update the rig's firmware",
+            Self::Lost { .. } => "check the cable, plug it in again and repeat the command",
+            Self::StreamStopped { .. } | Self::NoAnswer { .. } | Self::WrongAnswer { .. } => {
+                "press the rig's reset button and repeat the command"
+            }
+            Self::Refused { refusal, .. } => return after_refusal(refusal).to_owned(),
+            Self::NotKept { .. } => "push again; if it stays so, the rig's flash is worn out or its firmware is another",
+        }
+        .to_owned()
+    }
+}
+
+fn after_refusal(refusal: &Refusal) -> &'static str {
+    match refusal {
+        Refusal::Protocol { .. } => "update the older of the two",
+        Refusal::Parameters(_) => "correct that value, or update the rig's firmware if it does not know the effect",
+        Refusal::Setting { .. } => "choose a value within the range",
+        Refusal::NotStill => "hold the pendulum still and repeat the command",
+        Refusal::BadAngle => "hold it at a larger, well-known angle and repeat the command",
+        Refusal::SensorDisconnected => "check the potentiometer's three wires",
+        Refusal::Flash => "repeat the command; if it stays so, the rig's flash is worn out",
+        Refusal::NothingStored => "store something first with `host push`",
+        Refusal::NotHere => "use a board that can, or do without",
+    }
+}
+
+fn seen_ports(seen: &[String]) -> String {
+    match seen {
+        [] => "no serial port is plugged in".to_owned(),
+        ports => format!("seen are {}", ports.join(", ")),
+    }
+}
+
+fn by_whom(users: &[String]) -> String {
+    if users.is_empty() { " by another program".to_owned() } else { format!(" by {}", users.join(" and ")) }
+}
+
+impl From<LinkError> for Failure {
+    fn from(error: LinkError) -> Self {
+        Self::failed(&error).next(error.next_step())
+    }
+}

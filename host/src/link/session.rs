@@ -1,0 +1,272 @@
+//! A conversation with one rig.
+
+use super::hello::{Heard, OWN_NAME, version};
+use super::{LinkError, Port, Tally};
+use shared::wire::{self, Answer, Command, Deframer, Frame, Hello, MAX_FRAME, Stream};
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// A rig that has just started needs a moment; after so long it is none.
+const HELLO_PATIENCE: Duration = Duration::from_secs(4);
+
+/// The greeting is repeated this often.
+const HELLO_EVERY: Duration = Duration::from_millis(500);
+
+/// Commands may be repeated: none of them does harm when carried out twice.
+const N_ATTEMPTS: u32 = 3;
+
+/// How long an answer may take.
+const ANSWER_PATIENCE: Duration = Duration::from_secs(1);
+
+/// Erasing a flash sector stops the rig for up to a second or two.
+const FLASH_PATIENCE: Duration = Duration::from_secs(5);
+
+/// A rig that was greeted and understood.
+pub struct Session {
+    port: Box<dyn Port>,
+    deframer: Deframer,
+    unread: VecDeque<u8>,
+    /// Stream frames that came while an answer was awaited.
+    waiting: VecDeque<Frame>,
+    tally: Tally,
+    rig: Hello,
+    next_number: u16,
+    streaming: bool,
+}
+
+impl Session {
+    /// Greets whoever is behind the port until it answers.
+    ///
+    /// # Errors
+    /// Nothing, a stranger or another protocol there (told within seconds), or the port is gone.
+    pub fn open(port: Box<dyn Port>) -> Result<Self, LinkError> {
+        let mut session = Self {
+            port,
+            deframer: Deframer::new(),
+            unread: VecDeque::new(),
+            waiting: VecDeque::new(),
+            tally: Tally::default(),
+            rig: Hello::new(OWN_NAME),
+            next_number: 1,
+            streaming: false,
+        };
+        // A lone delimiter ends whatever an earlier program left unfinished.
+        session.write(&[0])?;
+        session.greet()?;
+        session.tally = Tally::default();
+        Ok(session)
+    }
+
+    fn greet(&mut self) -> Result<(), LinkError> {
+        let own = Frame::Hello(Hello::new(OWN_NAME));
+        let mut heard = Heard::default();
+        let give_up = self.port.elapsed() + HELLO_PATIENCE;
+        while self.port.elapsed() < give_up {
+            self.send(&own)?;
+            let again = self.port.elapsed() + HELLO_EVERY;
+            while let Some(frame) = self.next_frame(again, Some(&mut heard))? {
+                let Frame::Hello(hello) = frame else { continue };
+                match heard.judge(self.port.name(), &hello) {
+                    None => {}
+                    Some(Err(error)) => return Err(error),
+                    Some(Ok(())) => {
+                        self.rig = hello;
+                        return Ok(());
+                    }
+                }
+            }
+        }
+        Err(heard.verdict(self.port.name(), HELLO_PATIENCE.as_secs()))
+    }
+
+    /// The port's name.
+    pub fn port(&self) -> &str {
+        self.port.name()
+    }
+
+    /// Who answered.
+    pub fn rig(&self) -> &Hello {
+        &self.rig
+    }
+
+    /// Name and firmware version, as people write them.
+    pub fn firmware(&self) -> String {
+        format!("{} {}", self.rig.name, version(&self.rig))
+    }
+
+    /// Do rig and program know the same effects?
+    pub fn knows_the_same_effects(&self) -> bool {
+        self.rig.catalogue == wire::catalogue_hash()
+    }
+
+    /// Time since the port was opened, by its own clock.
+    pub fn elapsed(&self) -> Duration {
+        self.port.elapsed()
+    }
+
+    /// What the present stream lost.
+    pub fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    /// Asks for something and waits for the answer, asking again if none comes.
+    ///
+    /// # Errors
+    /// No answer, a refusal, or the port is gone.
+    pub fn ask(&mut self, command: &Command) -> Result<Answer, LinkError> {
+        let number = self.next_number;
+        self.next_number = self.next_number.wrapping_add(1);
+        let frame = Frame::Command(number, command.clone());
+        for _ in 0..N_ATTEMPTS {
+            self.send(&frame)?;
+            match self.answer(number, patience(command))? {
+                None => {}
+                Some(Answer::Refused(refusal)) => {
+                    return Err(LinkError::Refused { command: words(command), refusal });
+                }
+                Some(answer) => return Ok(answer),
+            }
+        }
+        let port = self.port.name().to_owned();
+        Err(LinkError::NoAnswer { port, command: words(command), n_times: N_ATTEMPTS })
+    }
+
+    /// Tells the rig to do something that has no answer but "done".
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn tell(&mut self, command: &Command) -> Result<(), LinkError> {
+        match self.ask(command)? {
+            Answer::Done => Ok(()),
+            _ => Err(LinkError::WrongAnswer { command: words(command) }),
+        }
+    }
+
+    /// Starts a stream.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn start(&mut self, stream: Stream) -> Result<(), LinkError> {
+        self.tally = Tally::default();
+        self.waiting.clear();
+        self.streaming = true;
+        self.tell(&Command::Start(stream))
+    }
+
+    /// Ends the stream; what is still on its way is dropped.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn stop(&mut self) -> Result<(), LinkError> {
+        self.tell(&Command::Stop)?;
+        self.streaming = false;
+        self.waiting.clear();
+        Ok(())
+    }
+
+    /// The next frame of the stream; `None` if none came in time.
+    ///
+    /// # Errors
+    /// The port is gone.
+    pub fn receive(&mut self, timeout: Duration) -> Result<Option<Frame>, LinkError> {
+        if let Some(frame) = self.waiting.pop_front() {
+            return Ok(Some(frame));
+        }
+        let deadline = self.port.elapsed() + timeout;
+        while let Some(frame) = self.next_frame(deadline, None)? {
+            if matches!(frame, Frame::Samples(_) | Frame::Live(_)) {
+                return Ok(Some(frame));
+            }
+        }
+        Ok(None)
+    }
+
+    fn answer(&mut self, number: u16, patience: Duration) -> Result<Option<Answer>, LinkError> {
+        let deadline = self.port.elapsed() + patience;
+        while let Some(frame) = self.next_frame(deadline, None)? {
+            match frame {
+                Frame::Answer(of, answer) if of == number => return Ok(Some(answer)),
+                Frame::Samples(_) | Frame::Live(_) if self.streaming => self.waiting.push_back(frame),
+                _ => {}
+            }
+        }
+        Ok(None)
+    }
+
+    /// The next good frame, counted; damaged ones are counted and passed over.
+    fn next_frame(&mut self, deadline: Duration, mut heard: Option<&mut Heard>) -> Result<Option<Frame>, LinkError> {
+        loop {
+            while let Some(byte) = self.unread.pop_front() {
+                match self.deframer.push(byte) {
+                    None => {}
+                    Some(Err(_)) => self.tally.frames_damaged += 1,
+                    Some(Ok(frame)) => {
+                        self.tally.count(&frame);
+                        return Ok(Some(frame));
+                    }
+                }
+            }
+            let left = deadline.saturating_sub(self.port.elapsed());
+            if left.is_zero() {
+                return Ok(None);
+            }
+            let mut buffer = [0; 4096];
+            let n_bytes = self.port.read(&mut buffer, left).map_err(|source| self.lost(source))?;
+            self.unread.extend(&buffer[..n_bytes]);
+            if let Some(heard) = heard.as_deref_mut() {
+                heard.take(&buffer[..n_bytes]);
+            }
+        }
+    }
+
+    fn send(&mut self, frame: &Frame) -> Result<(), LinkError> {
+        let mut buffer = [0; MAX_FRAME];
+        let bytes = wire::encode(frame, &mut buffer).expect("every frame fits the longest");
+        self.write(bytes)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.port.write(bytes).map_err(|source| self.lost(source))
+    }
+
+    fn lost(&self, source: std::io::Error) -> LinkError {
+        LinkError::Lost { port: self.port.name().to_owned(), source }
+    }
+}
+
+/// A rig that nobody listens to should be quiet.
+impl Drop for Session {
+    fn drop(&mut self) {
+        if self.streaming {
+            let number = self.next_number;
+            let _ = self.send(&Frame::Command(number, Command::Stop));
+        }
+    }
+}
+
+fn patience(command: &Command) -> Duration {
+    match command {
+        Command::Save | Command::Load => FLASH_PATIENCE,
+        _ => ANSWER_PATIENCE,
+    }
+}
+
+/// The command in the words of "the rig refused to …".
+fn words(command: &Command) -> &'static str {
+    match command {
+        Command::Start(_) => "start sending",
+        Command::Stop => "stop sending",
+        Command::GetParameters => "give its parameters",
+        Command::SetParameters(_) => "use these parameters",
+        Command::Save => "save to flash",
+        Command::Load => "load from flash",
+        Command::Defaults => "use its defaults",
+        Command::GetSettings => "give its settings",
+        Command::SetSettings(_) => "use these settings",
+        Command::ZeroHere => "set its zero",
+        Command::CalibrateGain(_) => "calibrate its gain",
+        Command::Statistics => "give its statistics",
+        Command::Reset => "restart",
+        Command::Bootloader => "start its bootloader",
+    }
+}

@@ -1,0 +1,88 @@
+//! Parameters, settings and counters from and to the rig.
+
+use super::{LinkError, Session};
+use crate::rigfile::Quantity;
+use shared::parameters::Parameters;
+use shared::wire::{Answer, Command, Settings, Statistics};
+
+impl Session {
+    /// The parameters in use.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn parameters(&mut self) -> Result<Parameters<f32>, LinkError> {
+        match self.ask(&Command::GetParameters)? {
+            Answer::Parameters(parameters) => Ok(parameters),
+            _ => Err(LinkError::WrongAnswer { command: "give its parameters" }),
+        }
+    }
+
+    /// The settings in use.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn settings(&mut self) -> Result<Settings, LinkError> {
+        match self.ask(&Command::GetSettings)? {
+            Answer::Settings(settings) => Ok(settings),
+            _ => Err(LinkError::WrongAnswer { command: "give its settings" }),
+        }
+    }
+
+    /// The counters since the last reset.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn statistics(&mut self) -> Result<Statistics, LinkError> {
+        match self.ask(&Command::Statistics)? {
+            Answer::Statistics(statistics) => Ok(statistics),
+            _ => Err(LinkError::WrongAnswer { command: "give its statistics" }),
+        }
+    }
+
+    /// Sets the parameters, saves them to flash, loads them from there and compares.
+    ///
+    /// # Errors
+    /// A refusal, no answer, or a value that came back different.
+    pub fn push(&mut self, parameters: &Parameters<f64>) -> Result<(), LinkError> {
+        let sent = parameters.map(|value| value as f32);
+        self.tell(&Command::SetParameters(sent.clone()))?;
+        self.tell(&Command::Save)?;
+        self.tell(&Command::Load)?;
+        let got = self.parameters()?;
+        compare(&sent, &got)
+    }
+}
+
+/// Equal to the last bit, or the first value that is not.
+fn compare(sent: &Parameters<f32>, got: &Parameters<f32>) -> Result<(), LinkError> {
+    if sent == got {
+        return Ok(());
+    }
+    let (sent, got) = (sent.map(f64::from), got.map(f64::from));
+    let quantities = [Quantity::all(&sent), Quantity::all(&got)].concat();
+    let value = |quantity: Quantity, of| quantity.get(of).map_or(f32::NAN, |value| value as f32);
+    let different = quantities.into_iter().find(|quantity| quantity.get(&sent) != quantity.get(&got));
+    match different {
+        None => Ok(()),
+        Some(quantity) => Err(LinkError::NotKept {
+            what: quantity.symbol().to_owned(),
+            sent: value(quantity, &sent),
+            got: value(quantity, &got),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_that_came_back_different_is_named() {
+        let sent = Parameters::paper().map(|value| value as f32);
+        assert!(compare(&sent, &sent).is_ok());
+        let mut got = sent.clone();
+        got.set(2, &[1.0]).unwrap();
+        let error = compare(&sent, &got).unwrap_err().to_string();
+        assert!(error.starts_with("Mc came back"), "{error}");
+    }
+}

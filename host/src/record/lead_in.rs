@@ -1,0 +1,35 @@
+//! The last seconds before the release, kept until it is known that there was one.
+
+use std::collections::VecDeque;
+
+/// One reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sample {
+    pub(super) number: u64,
+    pub(super) angle_rad: f64,
+    pub(super) code: u16,
+}
+
+/// The oldest sample makes room for the newest, unless all are to be kept.
+pub(super) struct LeadIn {
+    samples: VecDeque<Sample>,
+    n_kept: usize,
+}
+
+impl LeadIn {
+    pub(super) fn new(n_kept: usize) -> Self {
+        Self { samples: VecDeque::with_capacity(n_kept), n_kept: n_kept.max(1) }
+    }
+
+    pub(super) fn push(&mut self, sample: Sample, keep_all: bool) {
+        while self.samples.len() >= self.n_kept && !keep_all {
+            self.samples.pop_front();
+        }
+        self.samples.push_back(sample);
+    }
+
+    /// Takes the oldest.
+    pub(super) fn pop(&mut self) -> Option<Sample> {
+        self.samples.pop_front()
+    }
+}

@@ -1,0 +1,251 @@
+//! What can be wrong with a recording file, in words: the thing, the value, what was expected, what to do next.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::columns::ColumnsError;
+use super::header::{FORMAT_NAME, FORMAT_VERSION};
+use super::{MIN_SAMPLES, read};
+
+/// A file that could not be read as a recording.
+#[derive(Debug, Error)]
+#[error("could not read recording {file}: {fault}")]
+pub struct ReadError {
+    /// The file as the user named it.
+    pub file: String,
+    /// What is wrong with it.
+    pub fault: Fault,
+}
+
+/// What is wrong with the content of a recording.
+#[derive(Debug, Error)]
+pub enum Fault {
+    /// No such file.
+    #[error("there is no such file; check the path")]
+    Missing,
+    /// A folder was named.
+    #[error("this is a directory; name a CSV file inside it")]
+    Directory,
+    /// The system refused.
+    #[error("the system refused to read it ({0}); check the permissions")]
+    Unreadable(#[source] std::io::Error),
+    /// Zero bytes or only white space.
+    #[error("the file is empty; expected rows of time and angle")]
+    Empty,
+    /// Bytes that are no text.
+    #[error(
+        "this is not text (byte {byte:#04x} at position {position}); expected a CSV file, so export it as CSV first"
+    )]
+    NotText {
+        /// The offending byte.
+        byte: u8,
+        /// Its place, counted from 0.
+        position: usize,
+    },
+    /// No row of numbers.
+    #[error("no row of numbers in {n_lines} lines; expected rows such as 0.005,1.234 for time and angle")]
+    NoNumbers {
+        /// Lines in the file.
+        n_lines: usize,
+    },
+    /// Too short to be of use.
+    #[error("only {n_found} samples; expected at least {MIN_SAMPLES}, so record at least two swings")]
+    TooFewSamples {
+        /// Samples found.
+        n_found: usize,
+    },
+    /// Text, nothing, NaN or infinity where a number belongs.
+    #[error(
+        "{place}, column {column}: \"{value}\" is not a finite number; correct or delete that row, \
+         or choose other columns with --columns"
+    )]
+    NotANumber {
+        /// Line or sample.
+        place: String,
+        /// Name or number of the column.
+        column: String,
+        /// What stands there.
+        value: String,
+    },
+    /// A row with too few fields.
+    #[error("line {line} has {n_found} fields, but column {column} is needed; complete or delete that row")]
+    ShortRow {
+        /// Line, counted from 1.
+        line: usize,
+        /// Fields found.
+        n_found: usize,
+        /// The column that is not there.
+        column: String,
+    },
+    /// A column was asked for that the file lacks.
+    #[error("there is no column {wanted}; the file has {available}: choose with --columns, e.g. t=0,theta=1")]
+    UnknownColumn {
+        /// As the user wrote it.
+        wanted: String,
+        /// Names or count of what there is.
+        available: String,
+    },
+    /// Several columns could be meant.
+    #[error("several columns could be the {role}: {candidates}; choose with --columns, e.g. t=0,theta=1")]
+    AmbiguousColumn {
+        /// "time" or "angle".
+        role: &'static str,
+        /// The names in question.
+        candidates: String,
+    },
+    /// No time and no rate.
+    #[error("no time column among {available}; name it with --columns t=..., or give the sampling rate with --rate")]
+    NoTimeColumn {
+        /// Names or count of what there is.
+        available: String,
+    },
+    /// No angle.
+    #[error("no angle column among {available}; name it with --columns theta=...")]
+    NoAngleColumn {
+        /// Names or count of what there is.
+        available: String,
+    },
+    /// The same time twice with different angles.
+    #[error(
+        "{place}: time {time_s} s stands there twice, expected it to increase; export more digits of the time, \
+         or ignore the time column with --rate"
+    )]
+    TimeRepeats {
+        /// Line or sample.
+        place: String,
+        /// The repeated time, s.
+        time_s: f64,
+    },
+    /// Time runs backwards.
+    #[error(
+        "{place}: time goes back from {before_s} s to {after_s} s, expected it to increase; if two recordings were \
+         joined, split the file there, else sort it or ignore the time column with --rate"
+    )]
+    TimeBackwards {
+        /// Line or sample.
+        place: String,
+        /// Time of the row before, s.
+        before_s: f64,
+        /// Time of this row, s.
+        after_s: f64,
+    },
+    /// Angles too large for radians, unit not stated.
+    #[error(
+        "angles reach {largest}, expected at most {limit} rad for a pendulum; if they are degrees say --degrees, \
+         if it really turned over say --radians",
+        limit = read::LARGEST_UNSTATED_RAD
+    )]
+    LooksLikeDegrees {
+        /// Largest magnitude in the column.
+        largest: f64,
+    },
+    /// Steps too long for seconds, unit not stated.
+    #[error(
+        "the median time step is {step} s, expected less than {limit} s for a pendulum; \
+         if the column counts milliseconds say so, e.g. --columns t=0:ms,theta=1",
+        limit = read::LONGEST_STEP_S
+    )]
+    StepTooLong {
+        /// Median step as read, s.
+        step: f64,
+    },
+    /// A rate that is no rate.
+    #[error("sampling rate {rate_hz} Hz is not possible; expected a positive number such as 200")]
+    BadRate {
+        /// As given.
+        rate_hz: f64,
+    },
+    /// A header value that does not parse.
+    #[error("line {line}: {key} is \"{value}\", expected {expected}; correct that header line")]
+    HeaderValue {
+        /// Line, counted from 1.
+        line: usize,
+        /// The key.
+        key: String,
+        /// What stands there.
+        value: String,
+        /// What should.
+        expected: &'static str,
+    },
+    /// Written by a later program.
+    #[error(
+        "line {line}: format {FORMAT_NAME} {version}, this program knows up to {FORMAT_VERSION}; \
+         update the program"
+    )]
+    NewerFormat {
+        /// Line, counted from 1.
+        line: usize,
+        /// Version found.
+        version: u32,
+    },
+    /// Codes without a calibration.
+    #[error(
+        "only converter codes and no calibration; add header lines such as \"# zero_code: 2048\" and \
+         \"# radians_per_code: 0.00144874\""
+    )]
+    NoCalibration,
+    /// A code that is no code.
+    #[error("line {line}: converter code \"{value}\" is not a whole number from 0 to 65535; correct that row")]
+    BadCode {
+        /// Line, counted from 1.
+        line: usize,
+        /// What stands there.
+        value: String,
+    },
+    /// `--columns` could not be understood.
+    #[error(transparent)]
+    Columns(#[from] ColumnsError),
+    /// Samples handed over with different lengths.
+    #[error("{n_times} times, {n_angles} angles and {n_codes} codes; expected the same number of each")]
+    LengthsDiffer {
+        /// Times.
+        n_times: usize,
+        /// Angles.
+        n_angles: usize,
+        /// Codes.
+        n_codes: usize,
+    },
+}
+
+/// A recording that could not be written.
+#[derive(Debug, Error)]
+pub enum WriteError {
+    /// The file is there already.
+    #[error("{} exists already; choose another name, or allow it to be replaced with --overwrite", path.display())]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The system refused.
+    #[error("could not write {}: {source}; check that the folder exists, may be written to and has space", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: std::io::Error,
+    },
+    /// A sample that would make the file unreadable.
+    #[error("sample {sample_idx} (t = {time_s} s, theta = {angle_rad} rad) was not written: {reason}")]
+    BadSample {
+        /// Count of the sample, from 0.
+        sample_idx: usize,
+        /// Its time, s.
+        time_s: f64,
+        /// Its angle, rad.
+        angle_rad: f64,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+}
+
+/// Time must increase from one sample to the next.
+pub(super) fn check_step(place: &str, before_s: f64, after_s: f64) -> Result<(), Fault> {
+    if after_s < before_s {
+        return Err(Fault::TimeBackwards { place: place.to_owned(), before_s, after_s });
+    }
+    if after_s == before_s {
+        return Err(Fault::TimeRepeats { place: place.to_owned(), time_s: after_s });
+    }
+    Ok(())
+}

@@ -1,0 +1,223 @@
+//! The header lines of our own recording format.
+//!
+//! `# key: value`, one fact a line, before the column names:
+//! ```text
+//! # format: pendulum-recording 1
+//! # rate_hz: 1000
+//! # firmware: 0.1.0
+//! # zero_code: 2048
+//! # radians_per_code: 0.00144874
+//! # cutoff_hz: 10
+//! # started: 2025-03-01T12:00:00Z
+//! # comment: brass bush, 0.5 rad
+//! t,theta,code
+//! ```
+//! Unknown keys are left alone, so that later versions may add some. `key=value` is read too.
+
+use std::fmt;
+
+use super::error::Fault;
+
+/// The name in the `format` line.
+pub const FORMAT_NAME: &str = "pendulum-recording";
+
+/// The version this program writes, and the highest it reads.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// Facts about how a recording was taken; what is not known is `None`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Header {
+    /// Version of our format; `None` for files of others.
+    pub version: Option<u32>,
+    /// Sampling rate, Hz: nominal, or as measured by the board.
+    pub rate_hz: Option<f64>,
+    /// Version of the firmware that took it.
+    pub firmware: Option<String>,
+    /// From code to angle.
+    pub calibration: Option<Calibration>,
+    /// Cut-off of the filter that runs on the board, Hz. The recorded angles are not filtered.
+    pub cutoff_hz: Option<f64>,
+    /// Start, date and time as text (ISO 8601).
+    pub started: Option<String>,
+    /// Anything a person wrote; may have several lines.
+    pub comment: Option<String>,
+}
+
+/// The straight line from converter code to angle: `angle = (code − zero_code) · radians_per_code`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Calibration {
+    /// Code at which the pendulum hangs; need not be whole.
+    pub zero_code: f64,
+    /// Angle of one code step, rad; negative when the potentiometer turns the other way.
+    pub radians_per_code: f64,
+}
+
+impl Calibration {
+    /// Angle of a code, rad.
+    pub fn angle_rad(&self, code: u16) -> f64 {
+        (f64::from(code) - self.zero_code) * self.radians_per_code
+    }
+}
+
+impl fmt::Display for Header {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(out, "# format: {FORMAT_NAME} {FORMAT_VERSION}")?;
+        write_number(out, "rate_hz", self.rate_hz)?;
+        write_text(out, "firmware", self.firmware.as_deref())?;
+        write_number(out, "zero_code", self.calibration.map(|calibration| calibration.zero_code))?;
+        write_number(out, "radians_per_code", self.calibration.map(|calibration| calibration.radians_per_code))?;
+        write_number(out, "cutoff_hz", self.cutoff_hz)?;
+        write_text(out, "started", self.started.as_deref())?;
+        write_text(out, "comment", self.comment.as_deref())
+    }
+}
+
+fn write_number(out: &mut fmt::Formatter<'_>, key: &str, value: Option<f64>) -> fmt::Result {
+    value.map_or(Ok(()), |value| writeln!(out, "# {key}: {value}"))
+}
+
+fn write_text(out: &mut fmt::Formatter<'_>, key: &str, value: Option<&str>) -> fmt::Result {
+    value.unwrap_or_default().lines().try_for_each(|line| writeln!(out, "# {key}: {}", line.trim()))
+}
+
+/// Collects header lines while a file is read.
+#[derive(Debug, Default)]
+pub(super) struct HeaderReader {
+    header: Header,
+    zero_code: Option<f64>,
+    radians_per_code: Option<f64>,
+}
+
+impl HeaderReader {
+    /// Takes one comment line, with its number from 1. Lines that say nothing we know are passed over.
+    pub(super) fn take(&mut self, line: usize, text: &str) -> Result<(), Fault> {
+        let Some((key, value)) = split_line(text) else { return Ok(()) };
+        match key.as_str() {
+            "format" => self.take_format(line, value),
+            "rate_hz" => self.number(line, &key, value).map(|n| self.header.rate_hz = n.or(self.header.rate_hz)),
+            "cutoff_hz" => self.number(line, &key, value).map(|n| self.header.cutoff_hz = n),
+            "zero_code" => self.number(line, &key, value).map(|n| self.zero_code = n),
+            "radians_per_code" => self.number(line, &key, value).map(|n| self.radians_per_code = n),
+            "firmware" => set_text(&mut self.header.firmware, value),
+            "started" => set_text(&mut self.header.started, value),
+            "comment" => set_text(&mut self.header.comment, value),
+            _ => Ok(()),
+        }
+    }
+
+    /// What was found.
+    pub(super) fn finish(self) -> Header {
+        let calibration = self
+            .zero_code
+            .zip(self.radians_per_code)
+            .map(|(zero_code, radians_per_code)| Calibration { zero_code, radians_per_code });
+        Header { calibration, ..self.header }
+    }
+
+    fn take_format(&mut self, line: usize, value: &str) -> Result<(), Fault> {
+        let Some(number) = value.strip_prefix(FORMAT_NAME) else { return Ok(()) };
+        let Ok(version) = number.trim().parse() else {
+            return Err(bad_value(line, "format", value, "pendulum-recording and a version number"));
+        };
+        if version > FORMAT_VERSION {
+            return Err(Fault::NewerFormat { line, version });
+        }
+        self.header.version = Some(version);
+        Ok(())
+    }
+
+    /// In our own files a number that does not parse is an error; in files of others the line meant something else.
+    fn number(&self, line: usize, key: &str, value: &str) -> Result<Option<f64>, Fault> {
+        let number = value.parse::<f64>().ok().filter(|number| is_possible(key, *number));
+        match number {
+            None if self.header.version.is_some() => Err(bad_value(line, key, value, expected(key))),
+            number => Ok(number),
+        }
+    }
+}
+
+fn is_possible(key: &str, number: f64) -> bool {
+    match key {
+        "rate_hz" | "cutoff_hz" => number.is_finite() && number > 0.0,
+        "radians_per_code" => number.is_finite() && number != 0.0,
+        _ => number.is_finite(),
+    }
+}
+
+fn expected(key: &str) -> &'static str {
+    match key {
+        "rate_hz" | "cutoff_hz" => "a positive number of Hz",
+        "radians_per_code" => "a number of radians that is not 0",
+        _ => "a number",
+    }
+}
+
+fn bad_value(line: usize, key: &str, value: &str, expected: &'static str) -> Fault {
+    Fault::HeaderValue { line, key: key.to_owned(), value: value.to_owned(), expected }
+}
+
+/// Several lines of the same key make one text of several lines.
+fn set_text(text: &mut Option<String>, value: &str) -> Result<(), Fault> {
+    match text {
+        Some(text) => *text = format!("{text}\n{value}"),
+        None => *text = Some(value.to_owned()),
+    }
+    Ok(())
+}
+
+/// `# key: value` or `# key=value`, whichever sign comes first.
+fn split_line(text: &str) -> Option<(String, &str)> {
+    let text = text.trim_start_matches(['#', '%', '/', ' ', '\t']);
+    let (key, value) = text.split_once([':', '='])?;
+    Some((key.trim().to_lowercase(), value.trim()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Header, Fault> {
+        let mut reader = HeaderReader::default();
+        text.lines().enumerate().try_for_each(|(idx, line)| reader.take(idx + 1, line))?;
+        Ok(reader.finish())
+    }
+
+    fn full() -> Header {
+        Header {
+            version: Some(FORMAT_VERSION),
+            rate_hz: Some(1000.0),
+            firmware: Some("0.1.0".to_owned()),
+            calibration: Some(Calibration { zero_code: 2047.5, radians_per_code: 340f64.to_radians() / 4096.0 }),
+            cutoff_hz: Some(10.0),
+            started: Some("2025-03-01T12:00:00Z".to_owned()),
+            comment: Some("brass bush\nsecond line".to_owned()),
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        assert_eq!(parse(&full().to_string()).unwrap(), full());
+    }
+
+    #[test]
+    fn an_equals_sign_is_read_too() {
+        assert_eq!(parse("# rate_hz=200").unwrap().rate_hz, Some(200.0));
+    }
+
+    #[test]
+    fn a_newer_format_asks_for_an_update() {
+        let fault = parse("# format: pendulum-recording 9").unwrap_err();
+        assert!(fault.to_string().contains("update the program"), "{fault}");
+    }
+
+    #[test]
+    fn a_bad_rate_in_our_own_file_names_line_and_value() {
+        let fault = parse("# format: pendulum-recording 1\n# rate_hz: fast").unwrap_err().to_string();
+        assert!(fault.contains("line 2") && fault.contains("fast"), "{fault}");
+    }
+
+    #[test]
+    fn a_strange_line_in_a_foreign_file_is_passed_over() {
+        assert_eq!(parse("# rate_hz: as fast as possible\n# Origin: lab 3").unwrap(), Header::default());
+    }
+}

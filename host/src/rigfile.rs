@@ -1,0 +1,207 @@
+//! `rig.toml`, the model of one rig: geometry, the sensor's calibration, and every effect with its values, how certain
+//! they are and where they came from.
+//!
+//! In and out: a commented text file that a person may edit; comments and order survive every update. Effects stand
+//! there by name, parameters by symbol, in SI units and radians. A value is a number, or an inline table
+//! `{ value = 5.4e-4, std = 2e-6, method = "least squares", recordings = ["swing.csv"] }`.
+
+mod error;
+mod guess;
+mod quantity;
+mod read;
+mod write;
+
+pub use error::RigFileError;
+pub use quantity::Quantity;
+
+use crate::error::Failure;
+use shared::motion::Pendulum;
+use shared::parameters::Parameters;
+use shared::potentiometer::Potentiometer;
+use std::path::Path;
+use toml_edit::DocumentMut;
+
+/// The version this program writes, and the highest it reads.
+pub const FORMAT_VERSION: i64 = 1;
+
+/// Where a command looks for the model when none is named.
+pub const USUAL_NAME: &str = "rig.toml";
+
+/// Where a value came from.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Source {
+    /// How it was found: `least squares`, `guess`, `read from feather-f405` …
+    pub method: String,
+    /// The recordings it was found from.
+    pub recordings: Vec<String>,
+}
+
+/// How much is known of a value besides itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Knowledge {
+    /// Standard deviation, in the value's unit.
+    pub std: Option<f64>,
+    /// Where it came from; `None` for a number typed by hand.
+    pub source: Option<Source>,
+}
+
+/// A model file in memory.
+#[derive(Clone, Debug)]
+pub struct RigFile {
+    document: DocumentMut,
+    parameters: Parameters<f64>,
+    knowledge: Vec<(Quantity, Knowledge)>,
+    potentiometer: Option<Potentiometer>,
+    normalised: bool,
+}
+
+impl RigFile {
+    /// The model of a pendulum whose geometry is known; friction is a guess from its size until a fit.
+    pub fn new(pendulum: Pendulum<f64>) -> Self {
+        Self::written(&guess::parameters(pendulum), false)
+    }
+
+    /// The model of a pendulum of which only the motion is known: m·g·l = 1, so that every torque and moment of
+    /// inertia is per m·g·l.
+    pub fn normalised(gravity_m_s2: f64) -> Self {
+        Self::written(&guess::parameters(guess::normalised_pendulum(gravity_m_s2)), true)
+    }
+
+    /// The model that a rig reports, with where it came from.
+    ///
+    /// # Errors
+    /// Parameters that this program does not know.
+    pub fn of_rig(parameters: &Parameters<f32>, source: &Source) -> Result<Self, RigFileError> {
+        let reported = parameters.map(exactly);
+        reported.check().map_err(RigFileError::Model)?;
+        let mut file = Self::new(reported.pendulum);
+        file.take_over(parameters, source)?;
+        // A guess that happens to be right came from the rig all the same.
+        for quantity in Quantity::all(&reported).into_iter().filter(|quantity| quantity.owner() != "pendulum") {
+            let knowledge = Knowledge { std: None, source: Some(source.clone()) };
+            file.set(quantity, quantity.get(&reported).unwrap_or_default(), knowledge)?;
+        }
+        Ok(file)
+    }
+
+    /// A fresh file around parameters that passed their check.
+    fn written(parameters: &Parameters<f64>, normalised: bool) -> Self {
+        let text = write::template(parameters, normalised);
+        Self::parse(USUAL_NAME, &text).expect("the template is a valid file")
+    }
+
+    /// Reads the file at `path`.
+    pub fn load(path: &Path) -> Result<Self, RigFileError> {
+        let file = path.display().to_string();
+        let bytes = std::fs::read(path).map_err(|source| RigFileError::Unreadable { file: file.clone(), source })?;
+        let text = String::from_utf8(bytes).map_err(|_| RigFileError::NotText { file: file.clone() })?;
+        Self::parse(&file, &text)
+    }
+
+    /// Reads a text; `file` is what messages call it.
+    pub fn parse(file: &str, text: &str) -> Result<Self, RigFileError> {
+        read::parse(file, text)
+    }
+
+    /// Writes the file as a whole or not at all: a power cut leaves the old one.
+    pub fn save(&self, path: &Path) -> Result<(), RigFileError> {
+        let failed = |source| RigFileError::NotWritten { file: path.display().to_string(), source };
+        let beside = path.with_extension("toml.new");
+        std::fs::write(&beside, self.document.to_string()).map_err(failed)?;
+        std::fs::rename(&beside, path).map_err(failed)
+    }
+
+    /// The model. Always passes its check.
+    pub fn parameters(&self) -> &Parameters<f64> {
+        &self.parameters
+    }
+
+    /// Are torques and moments of inertia per m·g·l, because the geometry is unknown?
+    pub fn is_normalised(&self) -> bool {
+        self.normalised
+    }
+
+    /// The sensor's calibration, if the file has one.
+    pub fn potentiometer(&self) -> Option<&Potentiometer> {
+        self.potentiometer.as_ref()
+    }
+
+    /// How well a value is known, if anything but the number is.
+    pub fn knowledge(&self, quantity: Quantity) -> Option<&Knowledge> {
+        self.knowledge.iter().find(|(known, _)| *known == quantity).map(|(_, knowledge)| knowledge)
+    }
+
+    /// Sets a value, its standard deviation and where it came from. An effect that is absent is added, its other
+    /// numbers at their start values.
+    ///
+    /// # Errors
+    /// A value outside its range, or more effects than a model may have; the file then stays as it was.
+    pub fn set(&mut self, quantity: Quantity, value: f64, knowledge: Knowledge) -> Result<(), RigFileError> {
+        let value = write::rounded(value, knowledge.std);
+        let mut parameters = self.parameters.clone();
+        let added = quantity.add_effect(&mut parameters).map_err(RigFileError::Model)?;
+        quantity.set(&mut parameters, value);
+        parameters.check().map_err(RigFileError::Model)?;
+        self.parameters = parameters;
+        if added {
+            write::add_effect(&mut self.document, quantity, &self.parameters);
+        }
+        write::set_value(&mut self.document, quantity, value, &knowledge);
+        self.knowledge.retain(|(known, _)| *known != quantity);
+        self.knowledge.push((quantity, knowledge));
+        Ok(())
+    }
+
+    /// Takes an effect out.
+    pub fn remove_effect(&mut self, id: u16) {
+        self.parameters.remove(id);
+        self.knowledge.retain(|(known, _)| !known.is_of(id));
+        write::remove_effect(&mut self.document, id);
+    }
+
+    /// Takes over a whole model, as a rig reports it. Values that are the same to the rig's precision (f32) stay
+    /// untouched, with what is known of them.
+    ///
+    /// # Errors
+    /// As [`RigFile::set`].
+    pub fn take_over(&mut self, parameters: &Parameters<f32>, source: &Source) -> Result<(), RigFileError> {
+        let new = parameters.map(exactly);
+        new.check().map_err(RigFileError::Model)?;
+        let gone: Vec<u16> = self.parameters.effects.iter().map(|effect| effect.id).collect();
+        gone.into_iter().filter(|id| new.values(*id).is_none()).for_each(|id| self.remove_effect(id));
+        for quantity in Quantity::all(&new) {
+            let value = quantity.get(&new).unwrap_or_default();
+            let same = quantity.get(&self.parameters).is_some_and(|old| old as f32 == value as f32);
+            if !same {
+                self.set(quantity, value, Knowledge { std: None, source: Some(source.clone()) })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the sensor's calibration.
+    pub fn set_potentiometer(&mut self, potentiometer: Potentiometer) {
+        write::set_potentiometer(&mut self.document, &potentiometer);
+        self.potentiometer = Some(potentiometer);
+    }
+}
+
+impl std::fmt::Display for RigFile {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(out, "{}", self.document)
+    }
+}
+
+/// The decimal number a person would write for an f32: 0.00054, not 0.0005400000140070915.
+fn exactly(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}
+
+impl From<RigFileError> for Failure {
+    fn from(error: RigFileError) -> Self {
+        Self::failed(&error).next(error.next_step())
+    }
+}
+
+#[cfg(test)]
+mod tests;

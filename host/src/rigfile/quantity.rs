@@ -1,0 +1,183 @@
+//! The numbers of a model by name: m, l, I, g, and every effect's parameters by symbol.
+
+use shared::effect::Effect;
+use shared::parameters::{ParameterError, Parameters};
+
+/// A number of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// m, kg.
+    Mass,
+    /// l, m.
+    Length,
+    /// I, the moment of inertia about the centre of mass, kg·m².
+    Inertia,
+    /// g, m/s².
+    Gravity,
+    /// A number of an effect.
+    Effect {
+        /// The effect's id.
+        id: u16,
+        /// Position in its parameter list.
+        index: usize,
+    },
+}
+
+/// Symbol, key in the file, unit and meaning of the pendulum's own numbers.
+const PENDULUM: [(Quantity, &str, &str, &str, &str); 4] = [
+    (Quantity::Mass, "m", "mass", "kg", "mass"),
+    (Quantity::Length, "l", "length", "m", "from pivot to centre of mass"),
+    (Quantity::Inertia, "I", "inertia", "kg·m²", "moment of inertia about the centre of mass"),
+    (Quantity::Gravity, "g", "gravity", "m/s²", "gravitational acceleration"),
+];
+
+impl Quantity {
+    /// The pendulum's own numbers.
+    pub const PENDULUM: [Self; 4] = [Self::Mass, Self::Length, Self::Inertia, Self::Gravity];
+
+    /// Every number of a model: the pendulum's and those of its effects.
+    pub fn all(parameters: &Parameters<f64>) -> Vec<Self> {
+        let of_effects = parameters
+            .effects
+            .iter()
+            .flat_map(|effect| (0..effect.values.len()).map(|index| Self::Effect { id: effect.id, index }));
+        Self::PENDULUM.into_iter().chain(of_effects).collect()
+    }
+
+    /// By symbol (`Mw`), key (`inertia`), or effect and symbol (`viscous.Mw`).
+    pub fn by_name(name: &str) -> Option<Self> {
+        let own = PENDULUM.iter().find(|(_, symbol, key, ..)| *symbol == name || *key == name);
+        own.map(|(quantity, ..)| *quantity).or_else(|| Self::by_effect_name(name))
+    }
+
+    fn by_effect_name(name: &str) -> Option<Self> {
+        let (effect_name, symbol) = match name.split_once('.') {
+            Some((effect, symbol)) => (Some(effect), symbol),
+            None => (None, name),
+        };
+        let meant = |effect: &&Effect<f64>| effect_name.is_none_or(|wanted| wanted == effect.name);
+        Effect::<f64>::ALL.iter().filter(meant).find_map(|effect| {
+            let index = effect.parameters.iter().position(|parameter| parameter.symbol == symbol)?;
+            Some(Self::Effect { id: effect.id, index })
+        })
+    }
+
+    /// All symbols that [`Quantity::by_name`] knows, for messages.
+    pub fn symbols() -> String {
+        let own = PENDULUM.iter().map(|(_, symbol, ..)| *symbol);
+        let of_effects = Effect::<f64>::ALL.iter().flat_map(|effect| effect.parameters.iter().map(|p| p.symbol));
+        own.chain(of_effects).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The literature's symbol.
+    pub fn symbol(self) -> &'static str {
+        self.described().0
+    }
+
+    /// SI unit.
+    pub fn unit(self) -> &'static str {
+        self.described().2
+    }
+
+    /// In a few words.
+    pub fn meaning(self) -> &'static str {
+        self.described().3
+    }
+
+    /// The effect's name, or `pendulum`.
+    pub fn owner(self) -> &'static str {
+        match self {
+            Self::Effect { id, .. } => Effect::<f64>::by_id(id).map_or("?", |effect| effect.name),
+            _ => "pendulum",
+        }
+    }
+
+    /// The key in the model file.
+    pub(super) fn key(self) -> &'static str {
+        self.described().1
+    }
+
+    pub(super) fn is_of(self, wanted: u16) -> bool {
+        matches!(self, Self::Effect { id, .. } if id == wanted)
+    }
+
+    fn described(self) -> (&'static str, &'static str, &'static str, &'static str) {
+        if let Self::Effect { id, index } = self {
+            let parameter = Effect::<f64>::by_id(id).and_then(|effect| effect.parameters.get(index));
+            return parameter.map_or(("?", "?", "?", "?"), |p| (p.symbol, p.symbol, p.unit, p.meaning));
+        }
+        let found = PENDULUM.iter().find(|(quantity, ..)| *quantity == self);
+        found.map_or(("?", "?", "?", "?"), |(_, symbol, key, unit, meaning)| (*symbol, *key, *unit, *meaning))
+    }
+
+    /// Its value; `None` if its effect is absent.
+    pub fn get(self, parameters: &Parameters<f64>) -> Option<f64> {
+        let pendulum = &parameters.pendulum;
+        match self {
+            Self::Mass => Some(pendulum.mass_kg),
+            Self::Length => Some(pendulum.length_m),
+            Self::Inertia => Some(pendulum.inertia_kg_m2),
+            Self::Gravity => Some(pendulum.gravity_m_s2),
+            Self::Effect { id, index } => parameters.values(id)?.get(index).copied(),
+        }
+    }
+
+    /// Sets it; its effect must be present.
+    pub fn set(self, parameters: &mut Parameters<f64>, value: f64) {
+        let pendulum = &mut parameters.pendulum;
+        match self {
+            Self::Mass => pendulum.mass_kg = value,
+            Self::Length => pendulum.length_m = value,
+            Self::Inertia => pendulum.inertia_kg_m2 = value,
+            Self::Gravity => pendulum.gravity_m_s2 = value,
+            Self::Effect { id, index } => {
+                let effect = parameters.effects.iter_mut().find(|effect| effect.id == id);
+                if let Some(slot) = effect.and_then(|effect| effect.values.get_mut(index)) {
+                    *slot = value;
+                }
+            }
+        }
+    }
+
+    /// Adds its effect with start values if it is absent; tells whether it had to.
+    pub fn add_effect(self, parameters: &mut Parameters<f64>) -> Result<bool, ParameterError> {
+        let Self::Effect { id, .. } = self else { return Ok(false) };
+        if parameters.values(id).is_some() {
+            return Ok(false);
+        }
+        let effect = Effect::<f64>::by_id(id).ok_or(ParameterError::UnknownEffect { id })?;
+        let start: Vec<f64> = effect.parameters.iter().map(|parameter| parameter.start).collect();
+        parameters.set(id, &start).map(|()| true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_symbol_finds_its_number_and_the_number_its_symbol() {
+        for quantity in Quantity::PENDULUM {
+            assert_eq!(Quantity::by_name(quantity.symbol()), Some(quantity));
+            assert_eq!(Quantity::by_name(quantity.key()), Some(quantity));
+        }
+        for effect in Effect::<f64>::ALL {
+            for (index, parameter) in effect.parameters.iter().enumerate() {
+                let quantity = Quantity::Effect { id: effect.id, index };
+                assert_eq!(Quantity::by_name(&format!("{}.{}", effect.name, parameter.symbol)), Some(quantity));
+                assert_eq!((quantity.symbol(), quantity.unit()), (parameter.symbol, parameter.unit));
+            }
+        }
+        assert_eq!(Quantity::by_name("Mx"), None);
+    }
+
+    #[test]
+    fn setting_a_number_of_an_absent_effect_adds_it_first() {
+        let mut parameters = Parameters::paper();
+        let drag = Quantity::by_name("Cq").unwrap();
+        assert_eq!(drag.get(&parameters), None);
+        assert_eq!(drag.add_effect(&mut parameters), Ok(true));
+        drag.set(&mut parameters, 1e-4);
+        assert_eq!(drag.get(&parameters), Some(1e-4));
+    }
+}

@@ -1,0 +1,230 @@
+//! Text → model file, with line and key in every message.
+
+use super::{FORMAT_VERSION, Knowledge, Quantity, RigFile, RigFileError, Source};
+use shared::effect::Effect;
+use shared::motion::Pendulum;
+use shared::parameters::{ParameterError, Parameters};
+use shared::potentiometer::Potentiometer;
+use std::ops::Range;
+use toml_edit::{Document, Item, TableLike};
+
+type Result<T> = std::result::Result<T, RigFileError>;
+
+const TOP_KEYS: [&str; 5] = ["format", "pendulum", "sensor", "effect", "notes"];
+const PENDULUM_KEYS: [&str; 5] = ["mass", "length", "inertia", "gravity", "normalised"];
+const SENSOR_KEYS: [&str; 3] = ["zero_code", "radians_per_code", "full_scale"];
+const VALUE_KEYS: [&str; 4] = ["value", "std", "method", "recordings"];
+
+pub(super) fn parse(file: &str, text: &str) -> Result<RigFile> {
+    let reader = Reader { file, text };
+    let document = Document::parse(text.to_owned()).map_err(|error| reader.syntax(&error))?;
+    let top = document.as_table();
+    reader.check_format(top)?;
+    reader.check_keys("", top, &TOP_KEYS)?;
+
+    let mut knowledge = Vec::new();
+    let pendulum_table = reader.table(top, "", "pendulum")?;
+    let pendulum = reader.pendulum(pendulum_table, &mut knowledge)?;
+    let mut parameters = Parameters::frictionless(pendulum);
+    if let Some(item) = top.get("effect") {
+        reader.effects(item, &mut parameters, &mut knowledge)?;
+    }
+    reader.check_model(top, &parameters)?;
+    let normalised = reader.flag(pendulum_table, "pendulum", "normalised")?;
+    let potentiometer = top.get("sensor").map(|item| reader.potentiometer(item)).transpose()?;
+    Ok(RigFile { document: document.into_mut(), parameters, knowledge, potentiometer, normalised })
+}
+
+struct Reader<'a> {
+    file: &'a str,
+    text: &'a str,
+}
+
+impl Reader<'_> {
+    fn check_format(&self, top: &dyn TableLike) -> Result<()> {
+        let Some(item) = top.get("format") else {
+            return Err(self.missing("format", format!("`format = {FORMAT_VERSION}` as the first line")));
+        };
+        match item.as_integer() {
+            Some(version) if version > FORMAT_VERSION => {
+                Err(RigFileError::Newer { file: self.file.to_owned(), version })
+            }
+            Some(version) if version > 0 => Ok(()),
+            _ => Err(self.bad(item.span(), "format", format!("expected {FORMAT_VERSION}"))),
+        }
+    }
+
+    /// A key that means nothing is a typing error more often than not.
+    fn check_keys(&self, table: &str, keys: &dyn TableLike, known: &[&str]) -> Result<()> {
+        match keys.iter().find(|(key, _)| !known.contains(key)) {
+            None => Ok(()),
+            Some((key, item)) => {
+                let span = keys.key(key).and_then(toml_edit::Key::span).or(item.span());
+                Err(self.bad(span, &joined(table, key), format!("unknown; known are {}", known.join(", "))))
+            }
+        }
+    }
+
+    fn pendulum(&self, table: &dyn TableLike, knowledge: &mut Vec<(Quantity, Knowledge)>) -> Result<Pendulum<f64>> {
+        self.check_keys("pendulum", table, &PENDULUM_KEYS)?;
+        let mut number = |quantity: Quantity| self.value(table, "pendulum", quantity, knowledge);
+        Ok(Pendulum {
+            mass_kg: number(Quantity::Mass)?,
+            length_m: number(Quantity::Length)?,
+            inertia_kg_m2: number(Quantity::Inertia)?,
+            gravity_m_s2: number(Quantity::Gravity)?,
+        })
+    }
+
+    fn effects(
+        &self,
+        item: &Item,
+        parameters: &mut Parameters<f64>,
+        knowledge: &mut Vec<(Quantity, Knowledge)>,
+    ) -> Result<()> {
+        let effects = self.as_table(item, "effect")?;
+        for (name, item) in effects.iter() {
+            let Some(effect) = Effect::<f64>::by_name(name) else {
+                let span = effects.key(name).and_then(toml_edit::Key::span).or(item.span());
+                let known: Vec<&str> = Effect::<f64>::ALL.iter().map(|effect| effect.name).collect();
+                let problem = format!("there is no such effect; known are {}", known.join(", "));
+                return Err(self.bad(span, &joined("effect", name), problem));
+            };
+            let values = self.effect(effect, item, knowledge)?;
+            let too_many = |error: ParameterError| self.bad(item.span(), &joined("effect", name), error.to_string());
+            parameters.set(effect.id, &values).map_err(too_many)?;
+        }
+        Ok(())
+    }
+
+    fn effect(
+        &self,
+        effect: &Effect<f64>,
+        item: &Item,
+        knowledge: &mut Vec<(Quantity, Knowledge)>,
+    ) -> Result<Vec<f64>> {
+        let name = joined("effect", effect.name);
+        let table = self.as_table(item, &name)?;
+        let symbols: Vec<&str> = effect.parameters.iter().map(|parameter| parameter.symbol).collect();
+        self.check_keys(&name, table, &symbols)?;
+        let quantity = |index| Quantity::Effect { id: effect.id, index };
+        (0..symbols.len()).map(|index| self.value(table, &name, quantity(index), knowledge)).collect()
+    }
+
+    /// A number, or a table with the number and what is known of it.
+    fn value(
+        &self,
+        table: &dyn TableLike,
+        table_name: &str,
+        quantity: Quantity,
+        knowledge: &mut Vec<(Quantity, Knowledge)>,
+    ) -> Result<f64> {
+        let name = joined(table_name, quantity.key());
+        let expected = || format!("{} in {}", quantity.meaning(), quantity.unit());
+        let item = table.get(quantity.key()).ok_or_else(|| self.missing(&name, expected()))?;
+        let Some(detailed) = item.as_table_like() else { return self.number(item, &name) };
+        self.check_keys(&name, detailed, &VALUE_KEYS)?;
+        let value = detailed.get("value").ok_or_else(|| self.missing(&joined(&name, "value"), expected()))?;
+        let std = detailed.get("std").map(|item| self.number(item, &joined(&name, "std"))).transpose()?;
+        knowledge.push((quantity, Knowledge { std, source: self.source(detailed, &name)? }));
+        self.number(value, &joined(&name, "value"))
+    }
+
+    fn source(&self, table: &dyn TableLike, name: &str) -> Result<Option<Source>> {
+        let text = |item: &Item, key: &str| {
+            let problem = || self.bad(item.span(), &joined(name, key), "expected a text in quotes".into());
+            item.as_str().map(str::to_owned).ok_or_else(problem)
+        };
+        let Some(method) = table.get("method") else { return Ok(None) };
+        let method = text(method, "method")?;
+        let recordings = match table.get("recordings") {
+            None => Vec::new(),
+            Some(item) => {
+                let problem = || self.bad(item.span(), &joined(name, "recordings"), "expected a list of names".into());
+                let list = item.as_array().ok_or_else(problem)?;
+                list.iter().map(|name| name.as_str().map(str::to_owned).ok_or_else(problem)).collect::<Result<_>>()?
+            }
+        };
+        Ok(Some(Source { method, recordings }))
+    }
+
+    fn potentiometer(&self, item: &Item) -> Result<Potentiometer> {
+        let table = self.as_table(item, "sensor")?;
+        self.check_keys("sensor", table, &SENSOR_KEYS)?;
+        let number = |key: &str, expected: &str| {
+            let name = joined("sensor", key);
+            let item = table.get(key).ok_or_else(|| self.missing(&name, expected.to_owned()))?;
+            self.number(item, &name)
+        };
+        let potentiometer = Potentiometer {
+            zero_code: number("zero_code", "the code at which the pendulum hangs")? as f32,
+            radian_per_code: number("radians_per_code", "the angle of one code in rad")? as f32,
+            full_scale: number("full_scale", "the converter's largest code, such as 4095")? as u16,
+        };
+        let problem = "expected radians_per_code not zero, and zero_code between 0 and full_scale";
+        if potentiometer.is_valid() { Ok(potentiometer) } else { Err(self.bad(item.span(), "sensor", problem.into())) }
+    }
+
+    /// The model's own check, told with the line of the value it complains of.
+    fn check_model(&self, top: &dyn TableLike, parameters: &Parameters<f64>) -> Result<()> {
+        let Err(error) = parameters.check() else { return Ok(()) };
+        let quantity = match error {
+            ParameterError::Pendulum { index } => Quantity::PENDULUM[usize::from(index)],
+            ParameterError::OutOfRange { id, index } => Quantity::Effect { id, index: usize::from(index) },
+            _ => return Err(RigFileError::Model(error)),
+        };
+        let owner = quantity.owner();
+        let (table, name) = match quantity {
+            Quantity::Effect { .. } => (top.get("effect").and_then(|item| item.get(owner)), joined("effect", owner)),
+            _ => (top.get("pendulum"), owner.to_owned()),
+        };
+        let span = table.and_then(|item| item.get(quantity.key())).and_then(Item::span);
+        let value = quantity.get(parameters).unwrap_or(f64::NAN);
+        Err(self.bad(span, &joined(&name, quantity.key()), format!("{value} cannot be used: {error}")))
+    }
+
+    fn number(&self, item: &Item, name: &str) -> Result<f64> {
+        let value = item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64));
+        match value.filter(|value| value.is_finite()) {
+            Some(value) => Ok(value),
+            None => Err(self.bad(item.span(), name, format!("{} is not a finite number", item.to_string().trim()))),
+        }
+    }
+
+    fn flag(&self, table: &dyn TableLike, table_name: &str, key: &str) -> Result<bool> {
+        let Some(item) = table.get(key) else { return Ok(false) };
+        item.as_bool().ok_or_else(|| self.bad(item.span(), &joined(table_name, key), "expected true or false".into()))
+    }
+
+    fn table<'t>(&self, parent: &'t dyn TableLike, parent_name: &str, key: &str) -> Result<&'t dyn TableLike> {
+        let name = joined(parent_name, key);
+        let item = parent.get(key).ok_or_else(|| self.missing(&format!("[{name}]"), format!("a table [{name}]")))?;
+        self.as_table(item, &name)
+    }
+
+    fn as_table<'t>(&self, item: &'t Item, name: &str) -> Result<&'t dyn TableLike> {
+        item.as_table_like().ok_or_else(|| self.bad(item.span(), name, format!("expected a table [{name}]")))
+    }
+
+    fn bad(&self, span: Option<Range<usize>>, key: &str, problem: String) -> RigFileError {
+        RigFileError::Key { file: self.file.to_owned(), line: self.line(span), key: key.to_owned(), problem }
+    }
+
+    fn missing(&self, key: &str, expected: String) -> RigFileError {
+        RigFileError::Missing { file: self.file.to_owned(), key: key.to_owned(), expected }
+    }
+
+    fn syntax(&self, error: &toml_edit::TomlError) -> RigFileError {
+        let line = self.line(error.span());
+        RigFileError::Syntax { file: self.file.to_owned(), line, problem: error.message().to_owned() }
+    }
+
+    fn line(&self, span: Option<Range<usize>>) -> usize {
+        let start = span.map_or(0, |span| span.start.min(self.text.len()));
+        1 + self.text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count()
+    }
+}
+
+fn joined(table: &str, key: &str) -> String {
+    if table.is_empty() { key.to_owned() } else { format!("{table}.{key}") }
+}

@@ -1,0 +1,125 @@
+use super::*;
+use shared::parameters::base;
+
+fn paper() -> RigFile {
+    RigFile::new(Parameters::paper().pendulum)
+}
+
+fn reread(file: &RigFile) -> RigFile {
+    RigFile::parse("again.toml", &file.to_string()).unwrap()
+}
+
+fn complaint(text: &str) -> String {
+    RigFile::parse("rig.toml", text).unwrap_err().to_string()
+}
+
+const VISCOUS: Quantity = Quantity::Effect { id: base::VISCOUS, index: 0 };
+
+#[test]
+fn a_fresh_file_reads_back_the_same() {
+    for file in [paper(), RigFile::normalised(9.81)] {
+        let again = reread(&file);
+        assert_eq!(again.parameters(), file.parameters());
+        assert_eq!(again.is_normalised(), file.is_normalised());
+        assert_eq!(again.to_string(), file.to_string());
+    }
+}
+
+#[test]
+fn a_persons_comments_survive_an_update() {
+    let text = "# my rig\nformat = 1\n[pendulum] # the brass one\nmass = 0.1 # weighed\nlength = 0.2\n\
+                inertia = 0.001\ngravity = 9.81\n[effect.viscous]\n# greased in May\nMw = 1e-4 # guess\n";
+    let mut file = RigFile::parse("rig.toml", text).unwrap();
+    let source = Source { method: "least squares".into(), recordings: vec!["a.csv".into(), "b.csv".into()] };
+    let knowledge = Knowledge { std: Some(1.234e-6), source: Some(source) };
+    file.set(VISCOUS, 2.123_456_789e-4, knowledge.clone()).unwrap();
+    file.set(Quantity::Mass, 0.11, Knowledge::default()).unwrap();
+    let written = file.to_string();
+    for kept in ["# my rig", "# the brass one", "mass = 0.11 # weighed", "# greased in May", "# guess"] {
+        assert!(written.contains(kept), "{kept} is gone from\n{written}");
+    }
+    let again = reread(&file);
+    assert_eq!(VISCOUS.get(again.parameters()), Some(2.123_46e-4));
+    let known = again.knowledge(VISCOUS).unwrap();
+    assert_eq!((known.std, &known.source), (Some(1.23e-6), &knowledge.source));
+}
+
+#[test]
+fn an_added_effect_explains_itself_and_can_be_removed() {
+    let mut file = paper();
+    let before = file.parameters().clone();
+    let drag = Quantity::by_name("Cq").unwrap();
+    file.set(drag, 1e-4, Knowledge::default()).unwrap();
+    assert!(file.to_string().contains("[effect.quadratic-drag]"));
+    assert_eq!(drag.get(reread(&file).parameters()), Some(1e-4));
+    file.remove_effect(10);
+    assert_eq!(*reread(&file).parameters(), before);
+}
+
+#[test]
+fn every_effect_can_stand_in_a_file() {
+    for effect in shared::effect::Effect::<f64>::ALL {
+        let mut file = paper();
+        for (index, parameter) in effect.parameters.iter().enumerate() {
+            let quantity = Quantity::Effect { id: effect.id, index };
+            file.set(quantity, parameter.start, Knowledge::default()).unwrap();
+        }
+        assert_eq!(reread(&file).parameters(), file.parameters(), "{}", effect.name);
+    }
+}
+
+#[test]
+fn the_sensor_is_written_and_read() {
+    let mut file = paper();
+    let potentiometer = Potentiometer { zero_code: 2040.25, ..Potentiometer::nominal(4095) };
+    file.set_potentiometer(potentiometer);
+    file.set_potentiometer(potentiometer);
+    assert_eq!(reread(&file).potentiometer(), Some(&potentiometer));
+}
+
+#[test]
+fn what_a_rig_reports_leaves_equal_values_alone() {
+    let mut file = paper();
+    let knowledge = Knowledge { std: Some(1e-7), source: None };
+    file.set(VISCOUS, 5.4e-4, knowledge.clone()).unwrap();
+    let mut reported = file.parameters().map(|value| value as f32);
+    reported.set(base::COULOMB, &[3e-4]).unwrap();
+    reported.remove(base::STICTION);
+    file.take_over(&reported, &Source { method: "read from sim".into(), recordings: vec![] }).unwrap();
+    assert_eq!(file.knowledge(VISCOUS), Some(&knowledge));
+    assert_eq!(reread(&file).parameters().values(base::COULOMB), Some([3e-4].as_slice()));
+    assert_eq!(reread(&file).parameters().values(base::STICTION), None);
+}
+
+#[test]
+fn a_value_out_of_range_is_refused_and_nothing_changes() {
+    let mut file = paper();
+    let before = file.to_string();
+    assert!(file.set(VISCOUS, f64::NAN, Knowledge::default()).is_err());
+    assert!(file.set(Quantity::Mass, -1.0, Knowledge::default()).is_err());
+    assert_eq!(file.to_string(), before);
+}
+
+#[test]
+fn mistakes_are_told_with_line_and_key() {
+    let pendulum = "format = 1\n[pendulum]\nmass = 0.1\nlength = 0.2\ninertia = 1e-3\ngravity = 9.81\n";
+    let cases = [
+        ("".to_owned(), "format is missing"),
+        ("format = 9\n".to_owned(), "has format 9; this program knows up to 1"),
+        ("format = 1\n".to_owned(), "[pendulum] is missing"),
+        ("format = 1\nmass = = 2\n".to_owned(), "rig.toml, line 2"),
+        (pendulum.replace("mass = 0.1", "mass = -0.1"), "rig.toml, line 3: pendulum.mass: -0.1 cannot be used"),
+        (pendulum.replace("mass = 0.1", "mass = nan"), "rig.toml, line 3: pendulum.mass: nan is not a finite number"),
+        (pendulum.replace("mass = 0.1", "mas = 0.1"), "rig.toml, line 3: pendulum.mas: unknown; known are mass"),
+        (pendulum.replace("gravity = 9.81\n", ""), "pendulum.gravity is missing; expected gravitational acceleration"),
+        (format!("{pendulum}[effect.drag]\nCq = 1\n"), "rig.toml, line 7: effect.drag: there is no such effect"),
+        (format!("{pendulum}[effect.coulomb]\nMc = \"x\"\n"), "rig.toml, line 8: effect.coulomb.Mc"),
+        (format!("{pendulum}[effect.coulomb]\n"), "effect.coulomb.Mc is missing; expected torque while sliding in N·m"),
+        (format!("{pendulum}[effect.coulomb]\nMc = -1e-4\n"), "line 8: effect.coulomb.Mc: -0.0001 cannot be used"),
+        (format!("{pendulum}[sensor]\nzero_code = 1\n"), "sensor.radians_per_code is missing"),
+    ];
+    for (text, expected) in cases {
+        let complaint = complaint(&text);
+        assert!(complaint.contains(expected), "{complaint}\nexpected {expected}");
+    }
+}

@@ -1,0 +1,157 @@
+//! Model file → text: the first version with its comments, and updates that leave a person's own comments alone.
+
+use super::{FORMAT_VERSION, Knowledge, Quantity};
+use shared::effect::Effect;
+use shared::parameters::Parameters;
+use shared::potentiometer::Potentiometer;
+use std::fmt::Write;
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
+
+/// Digits of a value that are written beyond its standard deviation.
+const DIGITS_BEYOND_STD: i32 = 3;
+
+const HEAD: &str = "\
+# The model of one pendulum rig, for the program `host`. SI units and radians.
+# Edit it freely: comments and order are kept when a fit updates the values.
+# A value is a plain number, or { value = …, std = …, method = \"…\", recordings = [\"…\"] }:
+# the number, its standard deviation, how it was found and from what.
+";
+
+const NORMALISED: &str = "\
+# The geometry is unknown: mass and length are chosen so that m·g·l = 1. Every torque below is per m·g·l,
+# and the inertia is (m·l² + I)/(m·g·l) of the real pendulum in s². Multiply by the real m·g·l to get SI units.
+";
+
+/// A new file for parameters that passed their check.
+pub(super) fn template(parameters: &Parameters<f64>, normalised: bool) -> String {
+    let mut text = format!("{HEAD}format = {FORMAT_VERSION}\n\n[pendulum]\n");
+    if normalised {
+        text += NORMALISED;
+        text += "normalised = true\n";
+    }
+    for quantity in Quantity::PENDULUM {
+        let value = quantity.get(parameters).unwrap_or_default();
+        let (unit, meaning) = (quantity.unit(), quantity.meaning());
+        let _ = writeln!(text, "{} = {} # {unit}, {meaning}", quantity.key(), plain(value));
+    }
+    for present in &parameters.effects {
+        let Some(effect) = Effect::<f64>::by_id(present.id) else { continue };
+        let _ = write!(text, "\n[effect.{}]\n# {}\n", effect.name, effect.summary);
+        for (parameter, value) in effect.parameters.iter().zip(&present.values) {
+            let (symbol, unit, meaning) = (parameter.symbol, parameter.unit, parameter.meaning);
+            let value = plain(*value);
+            let _ = writeln!(text, "# {unit}, {meaning}\n{symbol} = {{ value = {value}, method = \"guess\" }}");
+        }
+    }
+    text
+}
+
+/// Sets one value in its table, which must be there.
+pub(super) fn set_value(document: &mut DocumentMut, quantity: Quantity, value: f64, knowledge: &Knowledge) {
+    let table = match quantity {
+        Quantity::Effect { .. } => &mut document["effect"][quantity.owner()],
+        _ => &mut document["pendulum"],
+    };
+    let Some(table) = table.as_table_like_mut() else { return };
+    let new = described(value, knowledge);
+    match table.get_mut(quantity.key()) {
+        // Only the value is replaced, so that the comment behind it stays.
+        Some(Item::Value(old)) => {
+            let decor = old.decor().clone();
+            *old = new;
+            *old.decor_mut() = decor;
+        }
+        Some(item) => *item = Item::Value(new),
+        None => {
+            table.insert(quantity.key(), Item::Value(new));
+        }
+    }
+}
+
+/// Adds the table of an effect, with a comment and its values.
+pub(super) fn add_effect(document: &mut DocumentMut, quantity: Quantity, parameters: &Parameters<f64>) {
+    let Quantity::Effect { id, .. } = quantity else { return };
+    let Some((effect, values)) = Effect::<f64>::by_id(id).zip(parameters.values(id)) else { return };
+    let mut table = Table::new();
+    table.decor_mut().set_prefix(format!("\n# {}\n", effect.summary));
+    for (parameter, value) in effect.parameters.iter().zip(values) {
+        table.insert(parameter.symbol, Item::Value(number(*value)));
+        let comment = format!("# {}, {}\n", parameter.unit, parameter.meaning);
+        if let Some(mut key) = table.key_mut(parameter.symbol) {
+            key.leaf_decor_mut().set_prefix(comment);
+        }
+    }
+    let implicit = || {
+        let mut effects = Table::new();
+        effects.set_implicit(true);
+        Item::Table(effects)
+    };
+    let effects = document.entry("effect").or_insert_with(implicit);
+    if let Some(effects) = effects.as_table_like_mut() {
+        effects.insert(effect.name, Item::Table(table));
+    }
+}
+
+/// Takes the table of an effect out.
+pub(super) fn remove_effect(document: &mut DocumentMut, id: u16) {
+    let name = Effect::<f64>::by_id(id).map(|effect| effect.name);
+    let effects = document.get_mut("effect").and_then(Item::as_table_like_mut);
+    if let Some((effects, name)) = effects.zip(name) {
+        effects.remove(name);
+    }
+}
+
+/// Sets the table of the sensor.
+pub(super) fn set_potentiometer(document: &mut DocumentMut, potentiometer: &Potentiometer) {
+    let fresh = || {
+        let mut table = Table::new();
+        table.decor_mut().set_prefix("\n# Calibration: angle = (code - zero_code) * radians_per_code\n");
+        Item::Table(table)
+    };
+    let sensor = document.entry("sensor").or_insert_with(fresh);
+    let entries = [
+        ("zero_code", number(super::exactly(potentiometer.zero_code))),
+        ("radians_per_code", number(super::exactly(potentiometer.radian_per_code))),
+        ("full_scale", Value::from(i64::from(potentiometer.full_scale))),
+    ];
+    for (key, value) in entries {
+        sensor[key] = Item::Value(value);
+    }
+}
+
+fn described(value: f64, knowledge: &Knowledge) -> Value {
+    if *knowledge == Knowledge::default() {
+        return number(value);
+    }
+    let mut table = InlineTable::new();
+    table.insert("value", number(value));
+    if let Some(std) = knowledge.std {
+        table.insert("std", number(format!("{std:.2e}").parse().unwrap_or(std)));
+    }
+    if let Some(source) = &knowledge.source {
+        table.insert("method", Value::from(source.method.as_str()));
+        if !source.recordings.is_empty() {
+            table.insert("recordings", Value::Array(source.recordings.iter().map(String::as_str).collect::<Array>()));
+        }
+    }
+    Value::InlineTable(table)
+}
+
+/// Digits far below the standard deviation say nothing.
+pub(super) fn rounded(value: f64, std: Option<f64>) -> f64 {
+    let Some(std) = std.filter(|std| *std > 0.0) else { return value };
+    let n_decimals = DIGITS_BEYOND_STD - std.log10().floor() as i32;
+    if !(0..=300).contains(&n_decimals) {
+        return value;
+    }
+    format!("{value:.precision$}", precision = n_decimals as usize).parse().unwrap_or(value)
+}
+
+fn number(value: f64) -> Value {
+    plain(value).parse().unwrap_or_else(|_| Value::from(value))
+}
+
+/// The shortest number that reads back the same; small ones with an exponent.
+fn plain(value: f64) -> String {
+    format!("{value:?}")
+}

@@ -1,0 +1,174 @@
+//! The simulated rig: the board's own program ([`shared::rig::Rig`]) on a simulated bench, so that every command works
+//! without hardware.
+//!
+//! Real frames as bytes both ways. It is deterministic and has no clock of its own: a command is carried out when its
+//! bytes come in, and time goes on by one sample whenever somebody waits for bytes.
+
+mod bench;
+mod noise;
+mod scenario;
+
+pub use noise::Noise;
+pub use scenario::Scenario;
+
+use crate::link::{LinkError, Port};
+use bench::Bench;
+use shared::rig::{Finished, MAX_STORED, Outcome, Request, Rig, Stored};
+use shared::wire::{self, Command, Deframer, Frame, MAX_FRAME, Refusal, StoreState};
+use std::collections::VecDeque;
+use std::io;
+use std::time::Duration;
+
+/// What the simulated rig says its name is.
+const NAME: &str = "simulated-rig";
+
+/// Every run of the program sees the same noise.
+const SEED: u64 = 1;
+
+/// Opens `sim` or `sim:SCENARIO`; `name` is what messages call it.
+///
+/// # Errors
+/// No such scenario.
+pub fn open(name: &str, scenario: &str) -> Result<Box<dyn Port>, LinkError> {
+    let wanted = if scenario.is_empty() { Scenario::PLAIN } else { scenario };
+    let found = Scenario::by_name(wanted).ok_or_else(|| LinkError::NoSuchScenario {
+        name: wanted.to_owned(),
+        known: Scenario::ALL.iter().map(|scenario| scenario.name.to_owned()).collect(),
+    })?;
+    Ok(Box::new(SimulatedPort { name: name.to_owned(), rig: SimulatedRig::new(found, SEED) }))
+}
+
+/// A rig, its pendulum, and the student who lets it go.
+pub struct SimulatedRig {
+    rig: Rig,
+    bench: Bench,
+    deframer: Deframer,
+    output: VecDeque<u8>,
+    flash: Option<Vec<u8>>,
+    elapsed_s: f64,
+}
+
+impl SimulatedRig {
+    /// A rig with empty flash; equal seeds give equal noise.
+    pub fn new(scenario: &Scenario, seed: u64) -> Self {
+        let rig = Rig::new(NAME, shared::potentiometer::FULL_SCALE_12_BIT, Err(StoreState::Empty));
+        let bench = Bench::new(scenario, seed);
+        Self { rig, bench, deframer: Deframer::new(), output: VecDeque::new(), flash: None, elapsed_s: 0.0 }
+    }
+
+    /// Takes bytes from the PC; answers are in the output at once.
+    pub fn receive(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            match self.deframer.push(*byte) {
+                None => {}
+                Some(Ok(frame)) => self.on_frame(frame),
+                Some(Err(_)) => self.rig.on_bad_frame(),
+            }
+        }
+    }
+
+    /// Takes one sample; frames that are complete are in the output.
+    pub fn sample(&mut self) {
+        let dt_s = 1.0 / f64::from(self.rig.settings().rate_hz);
+        let code = self.bench.sample(dt_s);
+        let output = &mut self.output;
+        self.rig.on_sample(code, |frame| put(output, &frame));
+        self.elapsed_s += dt_s;
+    }
+
+    /// Bytes for the PC.
+    pub fn output(&mut self) -> &mut VecDeque<u8> {
+        &mut self.output
+    }
+
+    /// Simulated seconds since power-up.
+    pub fn elapsed_s(&self) -> f64 {
+        self.elapsed_s
+    }
+
+    fn on_frame(&mut self, frame: Frame) {
+        // The student sets the pendulum up anew whenever a stream is asked for.
+        if let Frame::Command(_, Command::Start(_)) = frame {
+            self.bench.set_up_next_swing();
+        }
+        match self.rig.on_frame(frame) {
+            Outcome::Nothing => {}
+            Outcome::Send(frame) => put(&mut self.output, &frame),
+            Outcome::SendThenDo(frame, _) => {
+                put(&mut self.output, &frame);
+                self.restart();
+            }
+            Outcome::Do(number, request) => {
+                let finished = self.carry_out(request);
+                let answer = self.rig.finished(number, finished);
+                put(&mut self.output, &answer);
+            }
+        }
+    }
+
+    fn carry_out(&mut self, request: Request) -> Finished {
+        match request {
+            Request::Save(stored) => {
+                let mut buffer = [0; MAX_STORED];
+                match stored.encode(&mut buffer) {
+                    Some(bytes) => self.flash = Some(bytes.to_vec()),
+                    None => return Finished::Failed(Refusal::Flash),
+                }
+                Finished::Done
+            }
+            Request::Load => match self.stored() {
+                Ok(stored) => Finished::Loaded(stored),
+                Err(_) => Finished::Failed(Refusal::NothingStored),
+            },
+            Request::SetRate(_) | Request::Reset | Request::Bootloader => Finished::Done,
+        }
+    }
+
+    fn stored(&self) -> Result<Stored, StoreState> {
+        Stored::decode(self.flash.as_ref().ok_or(StoreState::Empty)?)
+    }
+
+    fn restart(&mut self) {
+        self.rig = Rig::new(NAME, shared::potentiometer::FULL_SCALE_12_BIT, self.stored());
+    }
+}
+
+fn put(output: &mut VecDeque<u8>, frame: &Frame) {
+    let mut buffer = [0; MAX_FRAME];
+    output.extend(wire::encode(frame, &mut buffer).expect("every frame fits the longest"));
+}
+
+/// The simulated rig as a port; its clock is the simulated one.
+struct SimulatedPort {
+    name: String,
+    rig: SimulatedRig,
+}
+
+impl Port for SimulatedPort {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        let until_s = self.rig.elapsed_s() + timeout.as_secs_f64();
+        while self.rig.output().is_empty() && self.rig.elapsed_s() < until_s {
+            self.rig.sample();
+        }
+        let output = self.rig.output();
+        let n_bytes = output.len().min(buffer.len());
+        output.drain(..n_bytes).zip(buffer).for_each(|(byte, slot)| *slot = byte);
+        Ok(n_bytes)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.rig.receive(bytes);
+        Ok(())
+    }
+
+    fn elapsed(&self) -> Duration {
+        Duration::from_secs_f64(self.rig.elapsed_s())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,54 @@
+//! Repeatable Gaussian noise: SplitMix64 (Steele, Lea, Flood, OOPSLA 2014) through the transform of Box and Muller
+//! (Ann. Math. Stat. 29 (1958) 610).
+
+/// A source of normal numbers; equal seeds give equal numbers.
+#[derive(Clone, Debug)]
+pub struct Noise {
+    state: u64,
+    spare: Option<f64>,
+}
+
+impl Noise {
+    /// Any seed will do, zero included.
+    pub fn new(seed: u64) -> Self {
+        Self { state: seed, spare: None }
+    }
+
+    /// The next number of mean 0 and standard deviation 1.
+    pub fn normal(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        let radius = (-2.0 * self.above_zero().ln()).sqrt();
+        let (sine, cosine) = (2.0 * std::f64::consts::PI * self.above_zero()).sin_cos();
+        self.spare = Some(radius * sine);
+        radius * cosine
+    }
+
+    /// Uniform, above 0 and up to 1.
+    fn above_zero(&mut self) -> f64 {
+        ((self.next() >> 11) + 1) as f64 / (1u64 << 53) as f64
+    }
+
+    fn next(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.state ^ (self.state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mean_spread_and_kurtosis_are_those_of_a_normal_distribution() {
+        let mut noise = Noise::new(3);
+        let n = 100_000;
+        let values: Vec<f64> = (0..n).map(|_| noise.normal()).collect();
+        let moment = |power: i32| values.iter().map(|value| value.powi(power)).sum::<f64>() / f64::from(n);
+        // Five standard errors: 1/√n, √(2/n) and √(96/n).
+        assert!(moment(1).abs() < 0.016 && (moment(2) - 1.0).abs() < 0.023 && (moment(4) - 3.0).abs() < 0.16);
+    }
+}

@@ -1,0 +1,141 @@
+//! A recording made ready for the fit: the free swing alone, its time counted from its first sample.
+
+use crate::noise;
+use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
+use crate::recording::{Fault, Recording};
+use crate::trajectory::Schedule;
+
+/// Why a recording has no swing to fit.
+#[derive(Debug, thiserror::Error)]
+pub enum SwingError {
+    /// No free motion was found.
+    #[error(transparent)]
+    Segment(#[from] SegmentError),
+    /// What is left can't be used.
+    #[error(transparent)]
+    Fault(#[from] Fault),
+}
+
+/// Seconds of rest that are kept behind a swing.
+const KEPT_REST_S: f64 = 0.5;
+
+/// A free swing.
+#[derive(Clone, Debug)]
+pub struct Swing {
+    /// What people call it: the file's name.
+    pub name: String,
+    /// Seconds since the first sample, rising strictly.
+    pub times_s: Vec<f64>,
+    /// Measured angle in rad, unfiltered.
+    pub angles_rad: Vec<f64>,
+    /// How to step through the times.
+    pub schedule: Schedule,
+    /// Total rms noise of the angle, rad.
+    pub noise_rad: f64,
+    /// Number of samples before the last swings, in which stiction decides.
+    n_lively: usize,
+}
+
+/// How much of the swings a fit looks at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Window {
+    /// The first so many seconds, without the last swings before rest.
+    First(f64),
+    /// All but the last swings before rest.
+    Lively,
+    /// Everything.
+    Whole,
+}
+
+impl Swing {
+    /// From times and angles of the free motion, noise in rad. At least three samples, times rising strictly.
+    pub fn new(name: &str, times_s: &[f64], angles_rad: &[f64], noise_rad: f64) -> Self {
+        let times_s: Vec<f64> = times_s.iter().map(|t| t - times_s[0]).collect();
+        let schedule = Schedule::new(&times_s);
+        let n_lively = n_lively(angles_rad);
+        Self { name: name.to_owned(), times_s, angles_rad: angles_rad.to_vec(), schedule, noise_rad, n_lively }
+    }
+
+    /// The free swing of a recording and what was cut off. Of the rest at the end only the beginning is kept: it tells
+    /// where the pendulum stopped, more of it tells nothing.
+    pub fn from_recording(
+        name: &str,
+        recording: &Recording,
+        options: &SegmentOptions,
+    ) -> Result<(Self, Segments), SwingError> {
+        let segments = segment(recording, options)?;
+        let noise = noise::estimate(recording);
+        let times_s = recording.times_s();
+        let rest_s = segments.rest.as_ref().map_or(f64::INFINITY, |rest| times_s[rest.start] + KEPT_REST_S);
+        let range = match options.to_s {
+            Some(_) => segments.free.clone(),
+            None => {
+                let end = segments.rest.as_ref().map_or(segments.free.end, |rest| rest.end);
+                segments.free.start..times_s[..end].partition_point(|t| *t <= rest_s)
+            }
+        };
+        let part = recording.part(range)?;
+        Ok((Self::new(name, part.times_s(), part.angles_rad(), noise.total_rms), segments))
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.times_s.len()
+    }
+
+    /// True without any sample.
+    pub fn is_empty(&self) -> bool {
+        self.times_s.is_empty()
+    }
+
+    /// Length in seconds.
+    pub fn duration_s(&self) -> f64 {
+        self.times_s.last().copied().unwrap_or(0.0)
+    }
+
+    /// Every k-th sample, so that about `rate_hz` remain; unchanged if there are no more than that.
+    pub fn thinned(&self, rate_hz: f64) -> Self {
+        let every = ((self.len() as f64 / self.duration_s() / rate_hz) as usize).max(1);
+        let pick = |values: &[f64]| values.iter().step_by(every).copied().collect::<Vec<f64>>();
+        Self::new(&self.name, &pick(&self.times_s), &pick(&self.angles_rad), self.noise_rad)
+    }
+
+    /// Number of samples in a window.
+    pub fn samples_within(&self, window: Window) -> usize {
+        match window {
+            Window::First(seconds) => self.times_s.partition_point(|t| *t <= seconds).min(self.n_lively),
+            Window::Lively => self.n_lively,
+            Window::Whole => self.len(),
+        }
+    }
+
+    /// Angle (rad) and velocity (rad/s) at the first sample, by a parabola through the first samples.
+    pub fn start_guess(&self) -> (f64, f64) {
+        let n_samples =
+            self.samples_within(Window::First(START_FIT_S)).clamp(MIN_START_SAMPLES.min(self.len()), self.len());
+        let rows = nalgebra::DMatrix::from_fn(n_samples, 3, |i, j| self.times_s[i].powi(j as i32));
+        let angles = nalgebra::DVector::from_column_slice(&self.angles_rad[..n_samples]);
+        match rows.svd(true, true).solve(&angles, 1e-12) {
+            Ok(fit) => (fit[0], fit[1]),
+            Err(_) => (self.angles_rad[0], 0.0),
+        }
+    }
+}
+
+/// Samples up to the last one at which the pendulum is still far from its middle.
+fn n_lively(angles_rad: &[f64]) -> usize {
+    let (low, high) = angles_rad.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+    let amplitude = low.abs().max(high.abs());
+    let threshold = LIVELY_RAD.max(LIVELY_SHARE * amplitude).min(0.5 * amplitude);
+    angles_rad.iter().rposition(|x| x.abs() > threshold).map_or(angles_rad.len(), |last| last + 1)
+}
+
+/// Below this angle, and below this share of the largest, stiction may decide.
+const LIVELY_RAD: f64 = 0.12;
+const LIVELY_SHARE: f64 = 0.1;
+
+/// A parabola follows the pendulum this long.
+const START_FIT_S: f64 = 0.06;
+
+/// Fewer would not tell noise from velocity.
+const MIN_START_SAMPLES: usize = 5;

@@ -1,0 +1,70 @@
+//! Runs the built program `host` as a person would.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+/// No command of a test takes longer.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// The program, built once per test run with the profile of the tests.
+pub fn path() -> &'static Path {
+    static PATH: OnceLock<PathBuf> = OnceLock::new();
+    PATH.get_or_init(|| {
+        let test = std::env::current_exe().expect("a test knows its own path");
+        let folder = test.ancestors().nth(2).expect("tests lie in target/PROFILE/deps");
+        let profile = folder.file_name().and_then(|name| name.to_str()).unwrap_or("debug");
+        let profile = if profile == "debug" { "dev" } else { profile };
+        let cargo = std::env::var_os("CARGO").unwrap_or("cargo".into());
+        let built = Command::new(cargo).args(["build", "--quiet", "--package", "host", "--profile", profile]).status();
+        assert!(built.is_ok_and(|status| status.success()), "the program does not build");
+        folder.join(format!("host{}", std::env::consts::EXE_SUFFIX))
+    })
+}
+
+/// What a run left.
+#[derive(Debug)]
+pub struct Run {
+    /// Exit code; −1 if it was killed.
+    pub code: i32,
+    /// Standard output.
+    pub stdout: String,
+    /// Standard error.
+    pub stderr: String,
+}
+
+/// Runs the program in a folder with arguments separated by spaces.
+pub fn host(folder: &Path, arguments: &str) -> Run {
+    let output = assert_cmd::Command::new(path())
+        .args(arguments.split_whitespace())
+        .current_dir(folder)
+        .timeout(PATIENCE)
+        .output()
+        .expect("the program starts");
+    Run {
+        code: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).expect("text"),
+        stderr: String::from_utf8(output.stderr).expect("text"),
+    }
+}
+
+impl Run {
+    /// A failure as it should be: this exit code, all these words on stderr, nothing on stdout, one screen at most.
+    #[track_caller]
+    pub fn failed(&self, code: i32, words: &[&str]) {
+        assert_eq!(self.code, code, "{self:#?}");
+        for word in words {
+            assert!(self.stderr.contains(word), "{word:?} is not in\n{}", self.stderr);
+        }
+        assert!(self.stdout.is_empty(), "{}", self.stdout);
+        assert!(self.stderr.lines().count() <= 24, "{}", self.stderr);
+    }
+
+    /// A success; gives what was on stdout.
+    #[track_caller]
+    pub fn succeeded(&self) -> &str {
+        assert_eq!(self.code, 0, "{self:#?}");
+        &self.stdout
+    }
+}

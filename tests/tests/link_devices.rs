@@ -1,0 +1,187 @@
+//! The program and a device on a pseudo terminal: the rig itself, strangers, pulled cables, Ctrl-C.
+#![cfg(target_os = "linux")]
+
+use shared::wire::{self, Frame, Hello, MAX_FRAME};
+use std::io::Read;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tests::device::Device;
+use tests::program::{Run, host, path};
+
+/// So much faster than real time runs the rig.
+const SPEED: f64 = 30.0;
+
+/// Wrong devices must be told within this time.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+#[track_caller]
+fn check_stranger(device: &Device, words: &[&str]) {
+    let began = Instant::now();
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), &format!("statistics --port {}", device.port)).failed(1, words);
+    assert!(began.elapsed() < PATIENCE, "it took {:?}", began.elapsed());
+}
+
+/// The program in the background, recording.
+struct Recording {
+    child: Child,
+    heard: String,
+}
+
+impl Recording {
+    fn start(folder: &Path, device: &Device) -> Self {
+        let child = Command::new(path())
+            .args(["record", "--port", &device.port, "-o", "swing.csv"])
+            .current_dir(folder)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        Self { child, heard: String::new() }
+    }
+
+    /// Waits until the program says this.
+    fn wait_for(&mut self, words: &str) {
+        let stderr = self.child.stderr.as_mut().unwrap();
+        let mut byte = [0];
+        let mut bytes = Vec::new();
+        while !String::from_utf8_lossy(&bytes).contains(words) {
+            assert!(stderr.read(&mut byte).unwrap() > 0, "it ended: {}", String::from_utf8_lossy(&bytes));
+            bytes.push(byte[0]);
+        }
+        self.heard += &String::from_utf8_lossy(&bytes);
+    }
+
+    fn interrupt(&self) {
+        let id = self.child.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    }
+
+    fn end(self) -> Run {
+        let output = self.child.wait_with_output().unwrap();
+        Run {
+            code: output.status.code().unwrap_or(-1),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: self.heard + &String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+}
+
+fn n_rows(folder: &Path) -> usize {
+    std::fs::read_to_string(folder.join("swing.csv")).unwrap().lines().count()
+}
+
+#[test]
+fn a_rig_on_a_serial_port_is_recorded_without_loss() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Device::rig("plain", SPEED);
+    let run = host(folder.path(), &format!("record --port {} -o swing.csv --limit 20", device.port));
+    assert!(run.succeeded().contains("none lost"), "{run:?}");
+    assert!(n_rows(folder.path()) > 20_000);
+}
+
+#[test]
+fn what_is_pushed_over_a_serial_port_is_pulled_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Device::rig("plain", SPEED);
+    host(folder.path(), "init --mass 0.2 --length 0.3 --inertia 0.004").succeeded();
+    host(folder.path(), &format!("push --port {}", device.port)).succeeded();
+    let pulled = host(folder.path(), &format!("pull --port {} -o pulled.toml", device.port));
+    assert!(pulled.succeeded().contains("0.004 kg·m²"), "{pulled:?}");
+}
+
+#[test]
+fn a_port_in_use_is_told_with_its_user() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Device::rig("plain", SPEED);
+    let mut first = Recording::start(folder.path(), &device);
+    first.wait_for("waiting until");
+    let second = host(folder.path(), &format!("statistics --port {}", device.port));
+    second.failed(1, &["is in use", "host (process", "close the other program"]);
+    first.interrupt();
+    first.end();
+}
+
+#[test]
+fn a_silent_device() {
+    check_stranger(&Device::new(|_| Vec::new()), &["not one byte", "reset button"]);
+}
+
+#[test]
+fn a_babbling_device() {
+    let device = Device::new(|_| b"temp=21.5 C\r\n".to_vec());
+    check_stranger(&device, &["not a pendulum rig", "temp=21.5", "another device"]);
+}
+
+#[test]
+fn a_device_that_sends_nothing_but_zeros() {
+    check_stranger(&Device::new(|_| vec![0; 64]), &["not a pendulum rig", "00 00"]);
+}
+
+#[test]
+fn a_device_that_sends_everything_back() {
+    check_stranger(&Device::new(<[u8]>::to_vec), &["sends back what it is sent"]);
+}
+
+#[test]
+fn a_rig_of_another_protocol() {
+    let device = Device::new(|received| {
+        let mut buffer = [0; MAX_FRAME];
+        let hello = Hello { protocol: 77, version: [7, 7, 0], ..Hello::new("feather-f405") };
+        let answer = wire::encode(&Frame::Hello(hello), &mut buffer).unwrap();
+        if received.is_empty() { Vec::new() } else { answer.to_vec() }
+    });
+    check_stranger(&device, &["feather-f405", "firmware 7.7.0", "protocol 77", "update this program"]);
+}
+
+#[test]
+fn a_cable_pulled_while_recording_keeps_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Device::rig("plain", SPEED);
+    let mut recording = Recording::start(folder.path(), &device);
+    recording.wait_for("released");
+    std::thread::sleep(Duration::from_millis(400));
+    device.unplug();
+    recording.end().failed(1, &["connection", "broke", "are kept in swing.csv", "check the cable"]);
+    assert!(n_rows(folder.path()) > 3000, "{} rows", n_rows(folder.path()));
+}
+
+#[test]
+fn a_rig_that_falls_silent_keeps_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rig = host::sim::SimulatedRig::new(host::sim::Scenario::by_name("plain").unwrap(), 1);
+    let device = Device::new(move |received| {
+        rig.receive(received);
+        let awake = rig.elapsed_s() < 12.0;
+        (0..if awake { 30 } else { 0 }).for_each(|_| rig.sample());
+        rig.output().drain(..).collect()
+    });
+    let run = host(folder.path(), &format!("record --port {} -o swing.csv", device.port));
+    run.failed(1, &["stopped sending samples", "are kept in swing.csv"]);
+    assert!(n_rows(folder.path()) > 3000);
+}
+
+#[test]
+fn ctrl_c_while_recording_keeps_a_usable_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Device::rig("plain", SPEED);
+    let mut recording = Recording::start(folder.path(), &device);
+    recording.wait_for("released");
+    std::thread::sleep(Duration::from_millis(500));
+    recording.interrupt();
+    let run = recording.end();
+    run.succeeded();
+    assert!(run.stderr.contains("stopped before") && run.stderr.contains("usable"), "{run:?}");
+    assert!(n_rows(folder.path()) > 3000);
+}
+
+#[test]
+fn ctrl_c_before_the_release_is_a_failure() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Device::rig("plain", 1.0);
+    let mut recording = Recording::start(folder.path(), &device);
+    recording.wait_for("still: lift it");
+    recording.interrupt();
+    recording.end().failed(1, &["stopped before", "next:"]);
+}
