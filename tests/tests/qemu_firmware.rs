@@ -4,6 +4,7 @@ use shared::parameters::{ParameterError, Parameters};
 use shared::wire::{Answer, Command, Frame, Hello, PROTOCOL, Refusal, ResetCause, StoreState, Stream};
 use std::time::Duration;
 use tests::image::{Board, firmware};
+use tests::innovation;
 use tests::link::Link;
 use tests::plant::Scenario;
 use tests::qemu::Qemu;
@@ -134,37 +135,14 @@ fn a_hard_fault_restarts_the_rig_and_is_remembered() {
     assert_eq!((later.cause, later.resets, later.last_fault), (ResetCause::Asked, 2, health.last_fault));
 }
 
-/// Root mean square of the innovation in the second half of a swing, rad.
-fn innovation_of_a_swing(parameters: &Parameters<f32>) -> f64 {
+fn innovation_rad(parameters: &Parameters<f32>) -> f64 {
     let image = firmware(Board::Qemu).unwrap();
     let scenario = Scenario { rest_s: 0.5, lift_s: 0.5, hold_s: 0.5, swing_s: 12.0, ..Scenario::default() };
     let qemu = Qemu::start(&image, scenario, LIMIT).unwrap();
     let mut link = Link::open(qemu.port()).unwrap();
     link.hello().unwrap();
     link.ask(Command::SetParameters(parameters.clone())).unwrap();
-    link.ask(Command::Start(Stream { raw: false, live_every: 4 })).unwrap();
-    let angles = |frames: &[Frame]| -> Vec<(f32, f32)> {
-        let points = frames.iter().flat_map(|frame| match frame {
-            Frame::Live(live) => live.points.to_vec(),
-            _ => Vec::new(),
-        });
-        points.map(|point| (point.filtered_rad, point.innovation_rad)).collect()
-    };
-    // The first time beyond zero on the other side tells that it was let go.
-    let released = |points: &[(f32, f32)]| {
-        let lifted = points.iter().position(|(angle_rad, _)| *angle_rad > 0.9)?;
-        points[lifted..].iter().position(|(angle_rad, _)| *angle_rad < -0.1).map(|i| lifted + i)
-    };
-    let n_points = 11_000 / 4;
-    link.collect(Duration::from_secs(60), |frames| {
-        frames.len().is_multiple_of(50) && released(&angles(frames)).is_some_and(|at| frames.len() * 8 > at + n_points)
-    })
-    .unwrap();
-    let points = angles(&link.frames);
-    let start = released(&points).unwrap();
-    let second_half = &points[start + n_points / 2..start + n_points];
-    let sum: f64 = second_half.iter().map(|(_, innovation_rad)| f64::from(*innovation_rad).powi(2)).sum();
-    (sum / second_half.len() as f64).sqrt()
+    innovation::of_the_next_swing(&mut link).unwrap()
 }
 
 #[test]
@@ -173,7 +151,7 @@ fn the_innovation_tells_right_parameters_from_wrong_ones() {
     let right = Parameters::paper().map(|value| value as f32);
     let mut wrong = right.clone();
     wrong.pendulum.inertia_kg_m2 *= 1.05;
-    let (with_right, with_wrong) = (innovation_of_a_swing(&right), innovation_of_a_swing(&wrong));
+    let (with_right, with_wrong) = (innovation_rad(&right), innovation_rad(&wrong));
     println!("innovation {with_right:.2e} rad with the right model, {with_wrong:.2e} with the wrong one");
     assert!(with_right <= 1.3 * noise_rad && with_wrong >= 3.0 * noise_rad);
 }
