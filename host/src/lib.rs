@@ -4,6 +4,7 @@ pub mod cli;
 pub mod diagnose;
 pub mod error;
 pub mod fit;
+pub mod improve;
 pub mod lanes;
 pub mod link;
 pub mod noise;

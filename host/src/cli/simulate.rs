@@ -4,7 +4,7 @@ use super::values::{Assignment, finite, not_negative, positive};
 use super::{output, rig};
 use crate::error::Failure;
 use crate::recording::{Calibration, Existing, Header, WriteError, Writer};
-use crate::sim::Noise;
+use crate::sim::{Noise, Scenario};
 use clap::Args;
 use serde::Serialize;
 use shared::model::Model;
@@ -25,6 +25,12 @@ const LONGEST_S: f64 = 36_000.0;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
+    /// A scenario instead of a model file, such as mystery-1
+    #[arg(value_name = "SCENARIO", conflicts_with = "rig")]
+    scenario: Option<String>,
+    /// Tell what is hidden in the scenario; nothing is simulated
+    #[arg(long, requires = "scenario", conflicts_with = "output")]
+    reveal: bool,
     /// The model file; ./rig.toml if there is one
     #[arg(long, value_name = "FILE")]
     rig: Option<PathBuf>,
@@ -51,7 +57,13 @@ pub(super) struct Options {
     #[arg(long)]
     exact: bool,
     /// The recording to write
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(
+        short,
+        long,
+        value_name = "FILE",
+        required_unless_present = "reveal",
+        default_value_if("reveal", "true", "")
+    )]
     output: PathBuf,
     /// Replace the file if it exists
     #[arg(long)]
@@ -64,7 +76,9 @@ pub(super) struct Options {
 const EXAMPLE: &str = "\
 Example:
   host simulate --rig rig.toml --start 1.5 --seconds 46 --noise 0.001 --seed 1 -o swing.csv
-  host simulate --rig rig.toml --with Cq=1e-4 -o with-air-drag.csv";
+  host simulate --rig rig.toml --with Cq=1e-4 -o with-air-drag.csv
+  host simulate mystery-1 --start -1.2 -o swing2.csv
+  host simulate mystery-1 --reveal";
 
 #[derive(Serialize)]
 struct Simulated {
@@ -77,10 +91,20 @@ struct Simulated {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let scenario = options.scenario.as_deref().map(scenario).transpose()?;
+    if let Some(scenario) = scenario.filter(|_| options.reveal) {
+        return reveal(options, scenario);
+    }
     check(options)?;
-    let file = rig::load(options.rig.as_deref())?;
-    let parameters = with(file.parameters(), &options.with)?;
-    let potentiometer = file.potentiometer().copied().unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT));
+    let (model, potentiometer) = match scenario {
+        Some(scenario) => (scenario.true_parameters(), None),
+        None => {
+            let file = rig::load(options.rig.as_deref())?;
+            (file.parameters().clone(), file.potentiometer().copied())
+        }
+    };
+    let parameters = with(&model, &options.with)?;
+    let potentiometer = potentiometer.unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT));
     let simulated = write(options, &parameters, (!options.exact).then_some(potentiometer)).map_err(not_written)?;
     if options.json {
         output::json("simulate", &simulated);
@@ -91,6 +115,34 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
             "wrote {} with {n_samples} samples; at the end the pendulum {end} at {final_angle_rad:.4} rad",
             options.output.display()
         ));
+    }
+    Ok(())
+}
+
+fn scenario(name: &str) -> Result<&'static Scenario, Failure> {
+    Scenario::by_name(name).ok_or_else(|| {
+        let names: Vec<&str> = Scenario::ALL.iter().map(|scenario| scenario.name).collect();
+        Failure::wrong_use(format!("there is no scenario called {name}"))
+            .next(format!("choose one of {}", names.join(", ")))
+    })
+}
+
+#[derive(Serialize)]
+struct Revealed {
+    scenario: &'static str,
+    hidden: Vec<&'static str>,
+    truth: Vec<(&'static str, f64)>,
+}
+
+fn reveal(options: &Options, scenario: &'static Scenario) -> Result<(), Failure> {
+    let hidden = scenario.hidden_effects();
+    let words =
+        if hidden.is_empty() { "nothing is hidden".to_owned() } else { format!("hidden: {}", hidden.join(", ")) };
+    if options.json {
+        output::json("simulate", &Revealed { scenario: scenario.name, hidden, truth: scenario.truth.to_vec() });
+    } else {
+        let numbers = scenario.truth.iter().map(|(name, value)| format!("\n  {name} = {value}"));
+        output::result(&format!("{}: {words}{}", scenario.name, numbers.collect::<String>()));
     }
     Ok(())
 }
