@@ -102,7 +102,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     };
     let parameters = with(&model, &options.with)?;
     let potentiometer = potentiometer.unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT));
-    let simulated = write(options, path, &parameters, (!options.exact).then_some(potentiometer)).map_err(not_written)?;
+    let simulated =
+        write(options, path, &parameters, (!options.exact).then_some(potentiometer)).map_err(not_written)?;
     if options.json {
         output::json("simulate", &simulated);
     } else {
