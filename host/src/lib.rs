@@ -7,6 +7,8 @@ pub mod fit;
 pub mod lanes;
 pub mod link;
 pub mod noise;
+pub mod paper;
+pub mod plot;
 pub mod record;
 pub mod recording;
 pub mod responses;
