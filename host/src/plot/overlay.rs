@@ -38,15 +38,18 @@ const FINE: i32 = 4;
 
 const WIDTH: i32 = 1000;
 const HEAD: i32 = 78;
-const ROW_HEIGHT: i32 = 430;
-/// Part of a row above the residuals.
-const ANGLE_HEIGHT: i32 = 275;
+const ROW_HEIGHT: i32 = 490;
+/// Part of a row that the angles have.
+const ANGLE_HEIGHT: i32 = 270;
 /// A row's own title.
-const ROW_HEAD: i32 = 26;
+const ROW_HEAD: i32 = 24;
 /// Room for axis labels, left.
-const LEFT: i32 = 74;
+const LEFT: i32 = 62;
+/// Between a row and the next.
+const GAP: i32 = 22;
 
-/// Labels on an upright axis, about.
+/// Labels on an axis, about.
+const X_LABELS: usize = 10;
 const Y_LABELS: usize = 5;
 
 /// Thinned series have at most two points in each of so many intervals.
@@ -96,7 +99,7 @@ impl Row {
     fn draw(&self, area: &Area, n_intervals: usize) -> Drawn {
         write(area, &self.title, 14, (16, 4))?;
         let (_, charts) = area.split_vertically(ROW_HEAD * FINE);
-        let (angles, residuals) = charts.split_vertically(ANGLE_HEIGHT * FINE);
+        let (angles, residuals) = charts.margin(0, GAP * FINE, 0, 0).split_vertically(ANGLE_HEIGHT * FINE);
         self.draw_angles(&angles, n_intervals)?;
         self.draw_residuals(&residuals, n_intervals)
     }
@@ -117,7 +120,7 @@ impl Row {
         let band_mrad = 2e3 * self.noise_rad;
         let reach = (largest(&left_mrad) * 1.08).max(1.3 * band_mrad);
         let times = self.times();
-        let mut chart = chart(area, times.clone(), reach, 44)?;
+        let mut chart = chart(area, times.clone(), reach, 40)?;
         let corners = [(times.start, -band_mrad), (times.end, band_mrad)];
         chart.draw_series([Rectangle::new(corners, BAND.filled())])?;
         axes(&mut chart, "left over (mrad)", "time (s)")?;
@@ -143,7 +146,8 @@ fn chart<'a, 'b>(
 ) -> Result<ChartContext<'a, SVGBackend<'b>, Axes>, DrawingAreaErrorKind<std::io::Error>> {
     let reach = if reach > 0.0 && reach.is_finite() { reach } else { 1.0 };
     ChartBuilder::on(area)
-        .margin_right(18 * FINE)
+        .margin_left(16 * FINE)
+        .margin_right(22 * FINE)
         .margin_top(6 * FINE)
         .set_label_area_size(LabelAreaPosition::Left, LEFT * FINE)
         .set_label_area_size(LabelAreaPosition::Bottom, bottom * FINE)
@@ -152,8 +156,10 @@ fn chart<'a, 'b>(
 
 fn axes(chart: &mut ChartContext<SVGBackend, Axes>, y: &str, x: &str) -> Drawn {
     let font = ("sans-serif", 12 * FINE).into_font().color(&INK);
-    let digits = digits_of(chart.as_coord_spec().y_spec());
-    let number = |value: &f64| format!("{:.digits$}", if *value == 0.0 { 0.0 } else { *value });
+    let y_digits = digits_of(chart.as_coord_spec().y_spec(), Y_LABELS);
+    let x_digits = digits_of(chart.as_coord_spec().x_spec(), X_LABELS);
+    let y_number = |value: &f64| labelled(*value, y_digits);
+    let x_number = |value: &f64| labelled(*value, x_digits);
     let no_number = |_: &f64| String::new();
     let mut mesh = chart.configure_mesh();
     mesh.bold_line_style(GRID.stroke_width(FINE as u32 / 2))
@@ -162,22 +168,25 @@ fn axes(chart: &mut ChartContext<SVGBackend, Axes>, y: &str, x: &str) -> Drawn {
         .set_all_tick_mark_size(4 * FINE)
         .label_style(font.clone())
         .axis_desc_style(font)
-        .x_labels(10)
+        .x_labels(X_LABELS)
         .y_labels(Y_LABELS)
-        .y_label_formatter(&number)
+        .y_label_formatter(&y_number)
+        .x_label_formatter(if x.is_empty() { &no_number } else { &x_number })
         .y_desc(y)
         .x_desc(x);
-    if x.is_empty() {
-        mesh.x_label_formatter(&no_number);
-    }
     mesh.draw()
 }
 
 /// Decimals that tell neighbouring labels apart.
-fn digits_of(axis: &impl Ranged<ValueType = f64>) -> usize {
-    let points = axis.key_points(Y_LABELS);
+fn digits_of(axis: &impl Ranged<ValueType = f64>, n_labels: usize) -> usize {
+    let points = axis.key_points(n_labels);
     let step = points.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-    if step.is_finite() && step > 0.0 { (-step.log10().floor()).clamp(0.0, 6.0) as usize } else { 1 }
+    if step.is_finite() && step > 0.0 { (-(step * (1.0 + 1e-9)).log10().floor()).clamp(0.0, 6.0) as usize } else { 1 }
+}
+
+/// A number of an axis; adding zero takes the sign from a zero.
+fn labelled(value: f64, digits: usize) -> String {
+    format!("{:.digits$}", value + 0.0)
 }
 
 fn write(area: &Area, text: &str, size: i32, (x, y): (i32, i32)) -> Drawn {

@@ -17,8 +17,8 @@ pub(super) fn of_fit(path: &Path, fit: &Fit, swings: &[Swing]) -> Result<(), Fai
     let rows: Vec<Row> =
         swings.iter().zip(&fit.starts).map(|(swing, start)| row(swing, start, &fit.parameters)).collect();
     let title = match swings {
-        [swing] => format!("{}: measured against model", swing.name),
-        _ => format!("{} swings: measured against model", swings.len()),
+        [_] => "Measured against model".to_owned(),
+        _ => format!("Measured against model: {} swings", swings.len()),
     };
     save(path, &Overlay { title, subtitle: numbers(fit), rows })
 }
@@ -59,7 +59,8 @@ fn row(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Row {
     simulate(&model, state, &swing.schedule, swing.len(), |_, reading: f64| model_rad.push(reading + start.offset_rad));
     let squares: f64 = swing.angles_rad.iter().zip(&model_rad).map(|(m, s)| (m - s).powi(2)).sum();
     let rmse_mrad = 1e3 * (squares / swing.len() as f64).sqrt();
-    let title = format!("{}: error {rmse_mrad:.3} mrad rms, noise {:.3} mrad rms", swing.name, 1e3 * swing.noise_rad);
+    let name = Path::new(&swing.name).file_name().map_or(swing.name.as_str().into(), |name| name.to_string_lossy());
+    let title = format!("{name}: error {rmse_mrad:.3} mrad rms, noise {:.3} mrad rms", 1e3 * swing.noise_rad);
     Row {
         title,
         times_s: swing.times_s.clone(),
@@ -72,9 +73,9 @@ fn row(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Row {
 /// The parameters in one line.
 fn numbers(fit: &Fit) -> String {
     let number = |found: &crate::fit::identify::Identified| {
-        format!("{} {} {}", found.symbol, crate::cli::number::significant(found.value, 4), found.unit)
+        format!("{} = {} {}", found.symbol, crate::cli::number::significant(found.value, 4), found.unit)
     };
-    fit.identified.iter().map(number).collect::<Vec<_>>().join("   ")
+    fit.identified.iter().map(number).collect::<Vec<_>>().join(", ")
 }
 
 fn save(path: &Path, overlay: &Overlay) -> Result<(), Failure> {

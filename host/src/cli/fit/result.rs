@@ -106,7 +106,7 @@ fn opening(options: &Options, outcome: &Outcome) -> String {
         [swing] => format!("{}, {:.1} s of swing", swing.name, swing.duration_s()),
         _ => format!("{} swings, {:.1} s together", swings.len(), swings.iter().map(Swing::duration_s).sum::<f64>()),
     };
-    let method = options.method.words();
+    let method = options.method.words().replace(", ", ", then ");
     let how = format!("{what}, by {method}: {} simulated swings in {:.1} s", fit.n_simulations, fit.seconds);
     output::heading(&wrapped(&how, 0))
 }
@@ -129,7 +129,7 @@ fn lowered(stages: &[After], fit: &Fit) -> String {
     let row = |after: &After| {
         let Responses { mse_angle, mse_velocity, positive_peaks, negative_peaks, zero_crossings } = after.responses;
         let counts = [positive_peaks, negative_peaks, zero_crossings].map(count);
-        let squares = [mse_angle, mse_velocity].map(|value| significant(value, 3));
+        let squares = [mse_angle, mse_velocity].map(|value| significant(value, 4));
         std::iter::once(after.stage.to_owned()).chain(squares).chain(counts).collect()
     };
     let header = ["after", "mseA (rad²)", "mseV (rad²/s²)", "ePM", "eNM", "eZC"];
@@ -206,8 +206,10 @@ fn strong_correlations(fit: &Fit) -> Vec<String> {
     let strong = pairs.filter(|(j, i)| fit.correlations[*j][*i].abs() > STRONG_CORRELATION);
     let sentence = |(j, i): (usize, usize)| {
         let (correlation, [a, b]) = (fit.correlations[j][i], [found[j].symbol, found[i].symbol]);
-        let together = if correlation < 0.0 { "sum" } else { "difference" };
-        format!("{a} and {b} are hard to tell apart (correlation {correlation:.2}): their {together} is known better.")
+        let alike = if correlation < 0.0 { "more of one and less of the other" } else { "more of both" };
+        format!(
+            "{a} and {b} are hard to tell apart (correlation {correlation:.2}): {alike} gives nearly the same swing."
+        )
     };
     strong.map(sentence).collect()
 }
@@ -226,22 +228,26 @@ fn ending(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> Strin
         let state = if outcome.check.is_some() { "has the new model, in its flash too" } else { "was left as it is" };
         lines.push(format!("rig        {port} {state}"));
     }
-    lines.push(format!("next       {}", next(options, recordings, outcome)));
+    let (why, command) = next(options, recordings, outcome);
+    lines.push(format!("next       {command}\n           {why}"));
     lines.join("\n")
 }
 
-fn next(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> String {
+/// The next command to try, and what it is good for.
+fn next(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> (&'static str, String) {
     let names = recordings.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" ");
+    let is_pushed = outcome.check.is_some();
     match (&options.port, &options.output) {
-        (None, None) => format!("host fit {names} -o rig.toml      keeps the model"),
-        (None, Some(path)) => format!("host push --rig {} --port PORT      gives it to the rig", path.display()),
-        (Some(port), None) if outcome.check.is_some() => {
-            format!("host pull --port {port} -o rig.toml      keeps the model")
+        (Some(port), None) if is_pushed => {
+            ("keeps the model in a file", format!("host pull --port {port} -o rig.toml"))
         }
-        (Some(_), None) => format!("host fit {names} -o rig.toml      keeps the model"),
-        (Some(port), Some(path)) if outcome.check.is_none() => {
-            format!("host push --rig {} --port {port}      gives it to the rig", path.display())
+        (_, None) => ("keeps the model in a file", format!("host fit {names} -o rig.toml")),
+        (port, Some(path)) if !is_pushed => {
+            let port = port.as_deref().unwrap_or("PORT");
+            ("gives the model to the rig", format!("host push --rig {} --port {port}", path.display()))
         }
-        _ => format!("host fit {names} --plot fit.svg      draws it"),
+        (_, Some(path)) => {
+            ("draws measured against model", format!("host fit {names} --rig {} --plot fit.svg", path.display()))
+        }
     }
 }
