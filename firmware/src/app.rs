@@ -13,7 +13,7 @@ use embassy_futures::yield_now;
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
 use shared::rig::{Finished, Outcome, Request, Rig};
-use shared::wire::{Answer, Command, Deframer, Frame, Health, Refusal};
+use shared::wire::{Answer, Command, Deframer, Frame, Health, Refusal, Stream};
 
 /// A restart waits at most this long for its answer to leave …
 const FAREWELL_MS: u32 = 200;
@@ -26,6 +26,7 @@ struct Shared<Y> {
     rig: RefCell<Rig>,
     system: RefCell<Y>,
     queue: FrameQueue,
+    most_points_per_s: f32,
     /// A rate that the sampler has not been told yet.
     new_rate_hz: Cell<Option<f32>>,
     /// The flash is being written, or was since the last samples: what is missing now was announced.
@@ -36,11 +37,16 @@ struct Shared<Y> {
 /// Runs the rig on a board, for ever.
 pub async fn run<S: Sampler, R: Read, W: Write, F: NorFlash, Y: System>(board: Board<S, R, W, F, Y>) -> ! {
     let mut store = Store::new(board.flash, board.store);
-    let rig = start(board.name, &mut store, board.system).await;
+    let rig = start(board.name, board.most_points_per_s, &mut store, board.system).await;
     join3(rig.sample(board.sampler), rig.send(board.sender), rig.listen(board.receiver, store)).await.0
 }
 
-async fn start<F: NorFlash, Y: System>(name: &str, store: &mut Store<F>, mut system: Y) -> Shared<Y> {
+async fn start<F: NorFlash, Y: System>(
+    name: &str,
+    most_points_per_s: f32,
+    store: &mut Store<F>,
+    mut system: Y,
+) -> Shared<Y> {
     let mut rig = Rig::new(name, FULL_SCALE, store.load().await);
     let store_state = rig.health().store;
     *rig.health() = Health { store: store_state, ..system.since_power_up() };
@@ -49,6 +55,7 @@ async fn start<F: NorFlash, Y: System>(name: &str, store: &mut Store<F>, mut sys
         rig: RefCell::new(rig),
         system: RefCell::new(system),
         queue: FrameQueue::new(),
+        most_points_per_s,
         saving: Cell::new(false),
         saved: Cell::new(false),
     }
@@ -117,9 +124,8 @@ impl<Y: System> Shared<Y> {
             Frame::Command(_, Command::Statistics) => {
                 self.system.borrow_mut().measure(self.rig.borrow_mut().health());
             }
-            Frame::Command(number, Command::Bootloader) if !Y::HAS_BOOTLOADER => {
-                return self.answer(&Frame::Answer(number, Answer::Refused(Refusal::NotHere)));
-            }
+            Frame::Command(number, Command::Bootloader) if !Y::HAS_BOOTLOADER => return self.refuse(number),
+            Frame::Command(number, Command::Start(stream)) if self.is_too_much(stream) => return self.refuse(number),
             _ => {}
         }
         let outcome = self.rig.borrow_mut().on_frame(frame);
@@ -138,6 +144,16 @@ impl<Y: System> Shared<Y> {
                 self.answer(&frame);
             }
         }
+    }
+
+    /// More live points than the link can carry would only be dropped.
+    fn is_too_much(&self, stream: Stream) -> bool {
+        let rate_hz = self.rig.borrow().settings().rate_hz;
+        stream.live_every > 0 && rate_hz > self.most_points_per_s * f32::from(stream.live_every)
+    }
+
+    fn refuse(&self, number: u16) {
+        self.answer(&Frame::Answer(number, Answer::Refused(Refusal::NotHere)));
     }
 
     fn answer(&self, frame: &Frame) {

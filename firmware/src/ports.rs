@@ -52,6 +52,8 @@ pub trait System {
 pub struct Board<S: Sampler, R: Read, W: Write, F: NorFlash, Y: System> {
     /// The name in the greeting.
     pub name: &'static str,
+    /// Live points that the link carries in a second beside raw codes at the highest rate; more are refused.
+    pub most_points_per_s: f32,
     /// Samples.
     pub sampler: S,
     /// Bytes from the PC.

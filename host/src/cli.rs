@@ -12,6 +12,7 @@ mod improve;
 mod init;
 mod interrupt;
 mod now;
+mod number;
 mod output;
 mod port;
 mod pull;
@@ -20,6 +21,7 @@ mod record;
 mod rig;
 mod simulate;
 mod statistics;
+mod table;
 mod values;
 
 use crate::error::Failure;
@@ -30,6 +32,9 @@ use std::process::ExitCode;
 #[derive(Debug, Parser)]
 #[command(name = "host", version, after_help = EXAMPLE, max_term_width = 100, arg_required_else_help = true)]
 pub struct Arguments {
+    /// No progress on stderr; warnings and errors stay
+    #[arg(short, long, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -70,6 +75,9 @@ pub fn understand() -> Arguments {
 /// # Errors
 /// Whatever keeps the command from a result.
 pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
+    if arguments.quiet {
+        output::be_quiet();
+    }
     match arguments.command {
         Command::Init(options) => init::run(&options),
         Command::Record(options) => record::run(&options),

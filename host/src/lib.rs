@@ -8,6 +8,8 @@ pub mod improve;
 pub mod lanes;
 pub mod link;
 pub mod noise;
+pub mod paper;
+pub mod plot;
 pub mod record;
 pub mod recording;
 pub mod responses;

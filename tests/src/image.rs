@@ -46,10 +46,12 @@ pub fn target_program(name: &str) -> Result<PathBuf, String> {
     build(&["-p", "target-tests", "--features", "target", "--bin", name], name, name)
 }
 
-/// Images that differ only in their features would overwrite each other, so each is kept under its own name.
+/// Images that differ only in their features overwrite each other, so each is kept under its own name, and only one
+/// test builds at a time.
 fn build(arguments: &[&str], keep_as: &str, program: &str) -> Result<PathBuf, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or("cargo".into());
     let target_dir = workspace().join("target");
+    let _alone = alone(&target_dir).map_err(|error| format!("could not lock {}: {error}", target_dir.display()))?;
     let output = Command::new(cargo)
         .current_dir(workspace())
         .args(["build", "--profile", PROFILE, "--target", TARGET, "--target-dir"])
@@ -65,4 +67,12 @@ fn build(arguments: &[&str], keep_as: &str, program: &str) -> Result<PathBuf, St
     let kept = target_dir.join(TARGET).join(format!("{keep_as}.elf"));
     std::fs::copy(&built, &kept).map_err(|error| format!("could not copy {}: {error}", built.display()))?;
     Ok(kept)
+}
+
+/// Locked until it is dropped.
+fn alone(target_dir: &Path) -> std::io::Result<std::fs::File> {
+    std::fs::create_dir_all(target_dir)?;
+    let lock = std::fs::File::create(target_dir.join("images.lock"))?;
+    lock.lock()?;
+    Ok(lock)
 }

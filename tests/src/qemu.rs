@@ -9,7 +9,7 @@ use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -34,7 +34,11 @@ pub struct Qemu {
     port: String,
     directory: PathBuf,
     plant: Option<JoinHandle<()>>,
+    _turn: MutexGuard<'static, ()>,
 }
+
+/// One machine at a time in a test program: QEMU wants a core, its pendulum another.
+static TURN: Mutex<()> = Mutex::new(());
 
 struct Shared {
     process: Mutex<Child>,
@@ -47,6 +51,7 @@ struct Shared {
 impl Qemu {
     /// Starts `image` (from [`crate::image::firmware`]) with a pendulum in `scenario`; killed after `limit`.
     pub fn start(image: &Path, scenario: Scenario, limit: Duration) -> Result<Self, String> {
+        let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let directory = own_directory()?;
         let socket = directory.join("plant");
         let chardev = format!("socket,id=plant,path={},server=on,wait=on", socket.display());
@@ -76,7 +81,7 @@ impl Qemu {
         });
         let feeder = Arc::clone(&shared);
         let plant = std::thread::spawn(move || feeder.feed(Plant::new(scenario), line, limit));
-        Ok(Self { shared, port, directory, plant: Some(plant) })
+        Ok(Self { shared, port, directory, plant: Some(plant), _turn: turn })
     }
 
     /// The terminal that is the board's serial port, for `--port`.

@@ -10,8 +10,8 @@ use firmware::ports::{BATCH, Batch, Board, FULL_SCALE, Sampler, System};
 use firmware::ring::{RingReader, Trouble};
 use shared::units::Code;
 use shared::wire::{
-    Answer, Command, Deframer, Frame, Health, Live, MAX_FRAME, POINTS_PER_FRAME, Point, SAMPLES_PER_FRAME, Samples,
-    Stream, encode,
+    Answer, Command, Deframer, Frame, Health, Live, MAX_FRAME, POINTS_PER_FRAME, Point, Refusal, SAMPLES_PER_FRAME,
+    Samples, Stream, encode,
 };
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -243,6 +243,28 @@ impl System for MemoryChip<'_> {
 }
 
 impl Bench {
+    /// Runs the application on this board while a script plays.
+    fn run(&self, script: impl Future<Output = ()>) {
+        let mut flash = CutFlash::new(1);
+        let board = Board {
+            name: "memory",
+            most_points_per_s: 100.0,
+            sampler: MemorySampler(self),
+            receiver: MemoryLink(self),
+            sender: MemoryLink(self),
+            flash: &mut flash,
+            store: 0..SIZE as u32,
+            system: MemoryChip(self),
+        };
+        block_on(select(firmware::app::run(board), script));
+    }
+
+    /// What came out of the link.
+    fn frames(&self) -> Vec<Frame> {
+        let mut deframer = Deframer::new();
+        self.from_rig.borrow().iter().filter_map(|byte| deframer.push(*byte)).map(Result::unwrap).collect()
+    }
+
     fn send(&self, command: Command) {
         let mut buffer = [0; MAX_FRAME];
         let bytes = encode(&Frame::Command(1, command), &mut buffer).unwrap();
@@ -261,16 +283,6 @@ impl Bench {
 #[test]
 fn a_link_that_takes_nothing_for_a_while_costs_frames_but_no_samples() {
     let bench = Bench::default();
-    let mut flash = CutFlash::new(1);
-    let board = Board {
-        name: "memory",
-        sampler: MemorySampler(&bench),
-        receiver: MemoryLink(&bench),
-        sender: MemoryLink(&bench),
-        flash: &mut flash,
-        store: 0..SIZE as u32,
-        system: MemoryChip(&bench),
-    };
     let script = async {
         bench.link_takes.set(true);
         bench.send(Command::Start(Stream { raw: true, live_every: 0 }));
@@ -283,11 +295,9 @@ fn a_link_that_takes_nothing_for_a_while_costs_frames_but_no_samples() {
         bench.send(Command::Statistics);
         bench.pass(300).await;
     };
-    block_on(select(firmware::app::run(board), script));
+    bench.run(script);
 
-    let mut deframer = Deframer::new();
-    let frames: Vec<Frame> =
-        bench.from_rig.borrow().iter().filter_map(|byte| deframer.push(*byte)).map(Result::unwrap).collect();
+    let frames = bench.frames();
     let n_dropped = frames.iter().find_map(|frame| match frame {
         Frame::Answer(_, Answer::Statistics(statistics)) => Some(statistics.dropped_frames),
         _ => None,
@@ -302,4 +312,19 @@ fn a_link_that_takes_nothing_for_a_while_costs_frames_but_no_samples() {
     // One gap for the pause, and one if a frame stood between queue and link when it began.
     assert!(n_missing > 1000 && (1..=2).contains(&n_gaps), "{n_missing} in {n_gaps} gaps");
     assert_eq!(bench.n_fed.get(), bench.n_batches.get());
+}
+
+#[test]
+fn more_live_points_than_the_link_carries_are_refused() {
+    let bench = Bench::default();
+    bench.link_takes.set(true);
+    bench.run(async {
+        // At 1 kHz this board carries every tenth.
+        bench.send(Command::Start(Stream { raw: true, live_every: 9 }));
+        bench.pass(20).await;
+        bench.send(Command::Start(Stream { raw: true, live_every: 10 }));
+        bench.pass(20).await;
+    });
+    let answers: Vec<Frame> = bench.frames().into_iter().filter(|frame| matches!(frame, Frame::Answer(..))).collect();
+    assert_eq!(answers, [Frame::Answer(1, Answer::Refused(Refusal::NotHere)), Frame::Answer(1, Answer::Done)]);
 }

@@ -8,7 +8,7 @@ use tests::image::{Board, firmware};
 use tests::innovation;
 use tests::link::Link;
 use tests::plant::Scenario;
-use tests::program::host;
+use tests::program::path;
 use tests::qemu::Qemu;
 
 const LIMIT: Duration = Duration::from_secs(300);
@@ -34,9 +34,15 @@ fn host_fit_makes_the_rig_follow_its_pendulum_and_a_restart_keeps_that() {
     };
 
     let started = Instant::now();
-    let run = host(folder.path(), &format!("fit --port {} -o rig.toml", qemu.port()));
-    println!("{}{}{:.0?}", run.stderr, run.stdout, started.elapsed());
-    assert_eq!(run.code, 0);
+    let run = assert_cmd::Command::new(path())
+        .args(["fit", "--port", qemu.port(), "-o", "rig.toml"])
+        .current_dir(folder.path())
+        .timeout(LIMIT)
+        .output()
+        .unwrap();
+    let said = [run.stderr, run.stdout].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    println!("{said}{:.0?}", started.elapsed());
+    assert!(run.status.success(), "{said}");
 
     let mut link = Link::open(qemu.port()).unwrap();
     link.hello().unwrap();

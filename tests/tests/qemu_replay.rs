@@ -64,7 +64,7 @@ fn frames_on_the_pc(recording: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn the_chain_is_short_enough_and_its_table_is_up_to_date() {
+fn the_chain_is_short_enough() {
     let image = target_program("counts").unwrap();
     let said = run(&image, &std::env::temp_dir(), Some(COUNT_ICOUNT), LIMIT).unwrap();
     let counts: BTreeMap<&str, u32> = said
@@ -74,7 +74,9 @@ fn the_chain_is_short_enough_and_its_table_is_up_to_date() {
         .collect();
     let of = |name: &str| *counts.get(name).unwrap_or_else(|| panic!("no count of {name} in\n{said}"));
     println!("{said}");
-    write_table(&of);
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        write_table(&of);
+    }
     assert!(of("rk4-step-smooth") <= MOST_PER_STEP);
     for (name, _) in STAGES.iter().filter(|(name, _)| name.starts_with("sample")) {
         assert!(of(name) <= MOST_PER_SAMPLE, "{name}");
@@ -94,14 +96,16 @@ const STAGES: [(&str, &str); 10] = [
     ("sample-raw-and-live", "whole chain, raw codes and every live point streamed"),
 ];
 
-/// Counts depend a little on the compiler's mood, so the table is rewritten rather than compared.
+/// Counts depend a little on the compiler's mood: the table is written when asked (UPDATE_DOCS=1), not compared.
 fn write_table(of: &impl Fn(&str) -> u32) {
     let mut text = String::from(
         "# Instructions per stage\n\n\
-         Written by `cargo test -p tests --test qemu_replay`, which fails above the limits. Counted on QEMU's\n\
+         Written by `UPDATE_DOCS=1 cargo test -p tests --test qemu_replay`, which fails above the limits. Counted on QEMU's\n\
          Cortex-M4F with `-icount shift=0`, the image built with the profile `firmware` (opt-level z). They are\n\
          instructions, not cycles: a real chip adds flash wait states and long divisions, two cycles per instruction is\n\
          a safe guess. At 168 MHz and 1 kHz there are 168,000 cycles for each sample.\n\n\
+         The whole chain is averaged over a second of swing. Twice in a swing sliding ends and begins again within a\n\
+         step; that one sample takes the longer step of the table.\n\n\
          | stage | instructions | limit |\n|---|---:|---:|\n",
     );
     for (name, meaning) in STAGES {

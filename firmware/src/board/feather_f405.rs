@@ -33,6 +33,9 @@ const WIPER: Input = Input { channel: 4 };
 const USB_VENDOR: u16 = 0x1209;
 const USB_PRODUCT: u16 = 0x0001;
 
+/// USB carries every point at every rate.
+const MOST_POINTS_PER_S: f32 = 10_000.0;
+
 /// The largest packet of full-speed USB.
 const PACKET: usize = 64;
 
@@ -57,6 +60,7 @@ pub fn start(spawner: Spawner) -> Board<Converter, Receiver, Sender, Bank1Region
     spawner.spawn(run_usb(device).expect("there is one USB device"));
     Board {
         name: "feather-f405",
+        most_points_per_s: MOST_POINTS_PER_S,
         sampler: Converter::new(WIPER, p.PA4, p.ADC1, p.DMA2_CH0, p.TIM3, p.TIM2),
         receiver,
         sender,

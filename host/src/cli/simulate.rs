@@ -10,7 +10,7 @@ use serde::Serialize;
 use shared::model::Model;
 use shared::parameters::Parameters;
 use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The pendulum is held still at the start angle for so long, s.
 const HELD_S: f64 = 0.5;
@@ -57,14 +57,8 @@ pub(super) struct Options {
     #[arg(long)]
     exact: bool,
     /// The recording to write
-    #[arg(
-        short,
-        long,
-        value_name = "FILE",
-        required_unless_present = "reveal",
-        default_value_if("reveal", "true", "")
-    )]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "reveal")]
+    output: Option<PathBuf>,
     /// Replace the file if it exists
     #[arg(long)]
     force: bool,
@@ -95,7 +89,10 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if let Some(scenario) = scenario.filter(|_| options.reveal) {
         return reveal(options, scenario);
     }
-    check(options)?;
+    let Some(path) = &options.output else {
+        return Err(Failure::wrong_use("no file was named for the swing").next("name one with -o"));
+    };
+    check(options, path)?;
     let (model, potentiometer) = match scenario {
         Some(scenario) => (scenario.true_parameters(), None),
         None => {
@@ -105,7 +102,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     };
     let parameters = with(&model, &options.with)?;
     let potentiometer = potentiometer.unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT));
-    let simulated = write(options, &parameters, (!options.exact).then_some(potentiometer)).map_err(not_written)?;
+    let simulated =
+        write(options, path, &parameters, (!options.exact).then_some(potentiometer)).map_err(not_written)?;
     if options.json {
         output::json("simulate", &simulated);
     } else {
@@ -113,7 +111,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         let end = if simulated.rests { "rests" } else { "still swings" };
         output::result(&format!(
             "wrote {} with {n_samples} samples; at the end the pendulum {end} at {final_angle_rad:.4} rad",
-            options.output.display()
+            path.display()
         ));
     }
     Ok(())
@@ -147,12 +145,12 @@ fn reveal(options: &Options, scenario: &'static Scenario) -> Result<(), Failure>
     Ok(())
 }
 
-fn check(options: &Options) -> Result<(), Failure> {
+fn check(options: &Options, path: &Path) -> Result<(), Failure> {
     if options.rate > HIGHEST_RATE_HZ || options.seconds > LONGEST_S {
         let what = format!("{} s at {} Hz is too much", options.seconds, options.rate);
         return Err(Failure::wrong_use(what).next(format!("stay within {LONGEST_S} s and {HIGHEST_RATE_HZ} Hz")));
     }
-    rig::refuse_existing(&options.output, options.force)
+    rig::refuse_existing(path, options.force)
 }
 
 fn with(parameters: &Parameters<f64>, assignments: &[Assignment]) -> Result<Parameters<f64>, Failure> {
@@ -168,11 +166,12 @@ fn with(parameters: &Parameters<f64>, assignments: &[Assignment]) -> Result<Para
 
 fn write(
     options: &Options,
+    path: &Path,
     parameters: &Parameters<f64>,
     converter: Option<Potentiometer>,
 ) -> Result<Simulated, WriteError> {
     let existing = if options.force { Existing::Overwrite } else { Existing::Keep };
-    let mut writer = Writer::create(&options.output, &header(options, converter), existing)?;
+    let mut writer = Writer::create(path, &header(options, converter), existing)?;
     let model = Model::new(parameters);
     let mut state = model.release(options.start, 0.0);
     let mut sensor = model.sensor_at_rest(&state);
@@ -189,7 +188,7 @@ fn write(
     }
     writer.finish()?;
     Ok(Simulated {
-        file: options.output.clone(),
+        file: path.to_owned(),
         n_samples,
         rate_hz: options.rate,
         release_rad: options.start,

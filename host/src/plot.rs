@@ -1,0 +1,3 @@
+//! Drawings as SVG, without a browser.
+
+pub mod overlay;
