@@ -3,8 +3,9 @@
 use super::Options;
 use super::stages::After;
 use crate::cli::number::{count, significant, with_spread};
-use crate::cli::output;
 use crate::cli::table::{table, wrapped};
+use crate::cli::{evidence, output};
+use crate::diagnose::Diagnosis;
 use crate::fit::identify::{Fit, Identified, Verdict};
 use crate::fit::quality::Responses;
 use crate::fit::sequential::Stage;
@@ -34,6 +35,7 @@ pub(super) struct Outcome<'a> {
     pub(super) swings: &'a [Swing],
     pub(super) stages: Vec<After>,
     pub(super) check: Option<&'a Check>,
+    pub(super) discovery: Option<&'a Diagnosis>,
 }
 
 #[derive(Serialize)]
@@ -54,6 +56,7 @@ struct Object<'a> {
     simulations: usize,
     seconds: f64,
     check: Option<&'a Check>,
+    discovery: Option<&'a Diagnosis>,
 }
 
 /// Prints it on stdout.
@@ -61,6 +64,9 @@ pub(super) fn show(options: &Options, recordings: &[PathBuf], outcome: &Outcome)
     if options.json {
         output::json("fit", &object(options, recordings, outcome));
     } else {
+        if let Some(found) = outcome.discovery {
+            output::result(&format!("{}\n", evidence::in_words(found)));
+        }
         output::result(&in_words(options, recordings, outcome));
     }
 }
@@ -84,6 +90,7 @@ fn object<'a>(options: &Options, recordings: &'a [PathBuf], outcome: &'a Outcome
         simulations: fit.n_simulations,
         seconds: fit.seconds,
         check: outcome.check,
+        discovery: outcome.discovery,
     }
 }
 
