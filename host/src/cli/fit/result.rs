@@ -16,6 +16,9 @@ use std::path::{Path, PathBuf};
 /// Correlations beyond this are worth a sentence.
 const STRONG_CORRELATION: f64 = 0.9;
 
+/// The strongest few are enough to read; `--json` has all.
+const MOST_CORRELATIONS: usize = 3;
+
 /// Up to so many noises the error is all noise, or nearly.
 const ALL_NOISE: f64 = 1.03;
 const NEARLY_NOISE: f64 = 1.1;
@@ -210,7 +213,10 @@ fn correlated(fit: &Fit) -> Vec<&Identified> {
 fn strong_correlations(fit: &Fit) -> Vec<String> {
     let found = correlated(fit);
     let pairs = (0..found.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
-    let strong = pairs.filter(|(j, i)| fit.correlations[*j][*i].abs() > STRONG_CORRELATION);
+    let size = |(j, i): &(usize, usize)| fit.correlations[*j][*i].abs();
+    let mut strong: Vec<(usize, usize)> = pairs.filter(|pair| size(pair) > STRONG_CORRELATION).collect();
+    strong.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    strong.truncate(MOST_CORRELATIONS);
     let sentence = |(j, i): (usize, usize)| {
         let (correlation, [a, b]) = (fit.correlations[j][i], [found[j].symbol, found[i].symbol]);
         let alike = if correlation < 0.0 { "more of one and less of the other" } else { "more of both" };
@@ -218,7 +224,7 @@ fn strong_correlations(fit: &Fit) -> Vec<String> {
             "{a} and {b} are hard to tell apart (correlation {correlation:.2}): {alike} gives nearly the same swing."
         )
     };
-    strong.map(sentence).collect()
+    strong.into_iter().map(sentence).collect()
 }
 
 /// What was saved where, and what to do next.
