@@ -1,6 +1,7 @@
 //! `host fit --paper`: the paper's tables beside ours, without any recording.
 
 use serde_json::Value;
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 use tests::program::{Run, host};
 
@@ -8,9 +9,10 @@ fn paper(arguments: &str) -> Run {
     host(tempfile::tempdir().unwrap().path(), &format!("fit --paper {arguments}"))
 }
 
-/// Stdout must be exactly one object.
-fn object() -> Value {
-    serde_json::from_str(paper("--json").succeeded()).unwrap()
+/// Stdout must be exactly one object; calculated once for all tests.
+fn object() -> &'static Value {
+    static OBJECT: OnceLock<Value> = OnceLock::new();
+    OBJECT.get_or_init(|| serde_json::from_str(paper("--json").succeeded()).unwrap())
 }
 
 #[track_caller]

@@ -10,6 +10,7 @@ use super::columns::Reading;
 use super::record::{Patience, in_words, take};
 use super::values::Range;
 use super::{now, output, port, rig};
+use crate::diagnose::{Diagnosis, diagnose};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit};
 use crate::link::Session;
@@ -54,6 +55,9 @@ pub(super) struct Options {
     /// Draw measured against model
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
+    /// If physics is missing, find out which effect, add it, and go on with the enlarged model
+    #[arg(long)]
+    discover: bool,
     /// Leave the rig as it is
     #[arg(long)]
     no_push: bool,
@@ -72,6 +76,7 @@ pub(super) struct Options {
 const EXAMPLE: &str = "\
 Example:
   host fit --port sim                                  record, fit, push, check; without hardware
+  host fit --port sim:mystery-1 --discover             the same on a rig with something hidden
   host fit swing.csv --rig rig.toml -o rig.toml
   host fit a.csv b.csv --hold-out c.csv --range Mw=1e-4..1e-3 --json";
 
@@ -119,7 +124,12 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let swings = swings(options, &recordings)?;
     let held_out = swings_quietly(options, &options.hold_out)?;
 
-    let fit = identify(options, &swings, &held_out, model.parameters())?;
+    let plain = identify(options, &swings, &held_out, model.parameters())?;
+    let discovery = options.discover.then(|| discover(&swings, &held_out, &plain)).flatten();
+    let fit = match &discovery {
+        Some(found) => refit(&swings, &held_out, found)?,
+        None => plain,
+    };
     take_over(&mut model, &fit, options.method, &recordings)?;
     if let Some(path) = &options.output {
         model.save(path)?;
@@ -136,6 +146,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         swings: &swings,
         stages: stages::stages(&fit, options.method.into(), &swings),
         check: check.as_ref(),
+        discovery: discovery.as_ref(),
     };
     result::show(options, &recordings, &outcome);
     Ok(())
@@ -187,6 +198,29 @@ fn identify(options: &Options, swings: &[Swing], held_out: &[Swing], rig: &Param
     let longest_s = swings.iter().map(Swing::duration_s).fold(0.0, f64::max);
     let screen = Screen::new(method, longest_s);
     identify::fit(swings, held_out, rig, &settings, &|progress| screen.show(progress)).map_err(Failure::failed)
+}
+
+/// What is missing, if the base model leaves more than the noise and something can be named.
+fn discover(swings: &[Swing], held_out: &[Swing], fit: &Fit) -> Option<Diagnosis> {
+    if fit.rmse_rad < NOTHING_MISSING * fit.noise_rad {
+        return None;
+    }
+    output::say("physics is missing: trying every effect …");
+    let found = diagnose(swings, held_out, &fit.parameters);
+    let named = found.parameters.effects.len() > found.base_parameters.effects.len();
+    if !named {
+        output::warn("no effect of the list explains what is left");
+    }
+    named.then_some(found)
+}
+
+/// Errors below so many noises are not worth a search.
+const NOTHING_MISSING: f64 = 1.03;
+
+/// All numbers of the enlarged model with their uncertainties.
+fn refit(swings: &[Swing], held_out: &[Swing], found: &Diagnosis) -> Result<Fit, Failure> {
+    let settings = identify::Options { method: identify::Method::LeastSquares, ranges: Vec::new() };
+    identify::fit(swings, held_out, &found.parameters, &settings, &|_| {}).map_err(Failure::failed)
 }
 
 /// Puts what was found into the model file.

@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn numbers_stand_under_each_other() {
         let rows = vec![vec!["Mw".into(), "1.5".into()], vec!["I".into(), "-12.5".into()]];
-        assert_eq!(table(["what", "value"], rows, 1), " what  value\n─────────────\n Mw      1.5\n I     -12.5");
+        assert_eq!(table(["what", "value"], rows, 1), " what  value\n────────────\n Mw      1.5\n I     -12.5");
     }
 
     #[test]

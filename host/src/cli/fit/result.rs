@@ -3,8 +3,9 @@
 use super::Options;
 use super::stages::After;
 use crate::cli::number::{count, significant, with_spread};
-use crate::cli::output;
 use crate::cli::table::{table, wrapped};
+use crate::cli::{evidence, output};
+use crate::diagnose::Diagnosis;
 use crate::fit::identify::{Fit, Identified, Verdict};
 use crate::fit::quality::Responses;
 use crate::fit::sequential::Stage;
@@ -14,6 +15,9 @@ use std::path::{Path, PathBuf};
 
 /// Correlations beyond this are worth a sentence.
 const STRONG_CORRELATION: f64 = 0.9;
+
+/// The strongest few are enough to read; `--json` has all.
+const MOST_CORRELATIONS: usize = 3;
 
 /// Up to so many noises the error is all noise, or nearly.
 const ALL_NOISE: f64 = 1.03;
@@ -34,6 +38,7 @@ pub(super) struct Outcome<'a> {
     pub(super) swings: &'a [Swing],
     pub(super) stages: Vec<After>,
     pub(super) check: Option<&'a Check>,
+    pub(super) discovery: Option<&'a Diagnosis>,
 }
 
 #[derive(Serialize)]
@@ -54,6 +59,7 @@ struct Object<'a> {
     simulations: usize,
     seconds: f64,
     check: Option<&'a Check>,
+    discovery: Option<&'a Diagnosis>,
 }
 
 /// Prints it on stdout.
@@ -61,6 +67,9 @@ pub(super) fn show(options: &Options, recordings: &[PathBuf], outcome: &Outcome)
     if options.json {
         output::json("fit", &object(options, recordings, outcome));
     } else {
+        if let Some(found) = outcome.discovery {
+            output::result(&format!("{}\n", evidence::in_words(found)));
+        }
         output::result(&in_words(options, recordings, outcome));
     }
 }
@@ -84,6 +93,7 @@ fn object<'a>(options: &Options, recordings: &'a [PathBuf], outcome: &'a Outcome
         simulations: fit.n_simulations,
         seconds: fit.seconds,
         check: outcome.check,
+        discovery: outcome.discovery,
     }
 }
 
@@ -203,7 +213,10 @@ fn correlated(fit: &Fit) -> Vec<&Identified> {
 fn strong_correlations(fit: &Fit) -> Vec<String> {
     let found = correlated(fit);
     let pairs = (0..found.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
-    let strong = pairs.filter(|(j, i)| fit.correlations[*j][*i].abs() > STRONG_CORRELATION);
+    let size = |(j, i): &(usize, usize)| fit.correlations[*j][*i].abs();
+    let mut strong: Vec<(usize, usize)> = pairs.filter(|pair| size(pair) > STRONG_CORRELATION).collect();
+    strong.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    strong.truncate(MOST_CORRELATIONS);
     let sentence = |(j, i): (usize, usize)| {
         let (correlation, [a, b]) = (fit.correlations[j][i], [found[j].symbol, found[i].symbol]);
         let alike = if correlation < 0.0 { "more of one and less of the other" } else { "more of both" };
@@ -211,7 +224,7 @@ fn strong_correlations(fit: &Fit) -> Vec<String> {
             "{a} and {b} are hard to tell apart (correlation {correlation:.2}): {alike} gives nearly the same swing."
         )
     };
-    strong.map(sentence).collect()
+    strong.into_iter().map(sentence).collect()
 }
 
 /// What was saved where, and what to do next.
