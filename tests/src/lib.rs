@@ -2,4 +2,5 @@
 
 #[cfg(target_os = "linux")]
 pub mod device;
+pub mod hidden;
 pub mod program;
