@@ -129,13 +129,15 @@ impl Hidden {
             "quadratic-drag" => (6e-5, [0.0; 2], 1e-3),
             "power-law-drag" => (3e-5, [random.pick(&[1.6, 2.5, 3.0]), 0.0], 1e-3),
             "stribeck" => (4e-4, [random.log_between(0.15, 1.0), 0.0], 5e-3),
-            "load-dependent-coulomb" => (2e-3, [0.0; 2], 6e-3),
+            "load-dependent-coulomb" => (8e-4, [0.0; 2], 3e-3),
             "asymmetric-coulomb" => (sign * 2e-4, [0.0; 2], 0.7 * coulomb_nm),
             "angle-dependent-friction" => (2e-4, [random.pick(&[1.0, 2.0, 3.0, 4.0]), phase], 0.8 * coulomb_nm),
             "eddy-brake" => (5e-4, [side, random.log_between(0.08, 0.3)], 2e-2),
-            "drifting-friction" => {
-                (sign * 0.3, [random.log_between(4.0, 30.0), random.pick(&[0.0, 1.0])], if sign < 0.0 { 0.7 } else { 3.0 })
-            }
+            "drifting-friction" => (
+                sign * 0.3,
+                [random.log_between(4.0, 30.0), random.pick(&[0.0, 1.0])],
+                if sign < 0.0 { 0.7 } else { 3.0 },
+            ),
             "torsional-spring" => (4e-3, [random.between(-0.1, 0.1), 0.0], 0.1),
             "detent" => (2e-4, [random.pick(&[4.0, 5.0, 6.0, 8.0, 12.0]), phase], 2e-3),
             "pivot-compliance" => (1e-3, [0.0; 2], 5e-3),
@@ -235,16 +237,14 @@ impl Rig {
         (self.noise_rad.powi(2) + LSB_RAD * LSB_RAD / 12.0).sqrt()
     }
 
-    /// Its swings, as the product cuts them out of the recordings.
+    /// Its swings, as the product cuts them out of the recordings; those that stop too soon for it are left out.
     pub fn swings(&self) -> Vec<Swing> {
         (0..self.releases_rad.len())
-            .map(|release_idx| {
+            .filter_map(|release_idx| {
                 let name = format!("release {}", release_idx + 1);
-                let recording = self.recording(release_idx);
-                Swing::from_recording(&name, &recording, &Default::default())
-                    .unwrap_or_else(|error| panic!("{name}: {error}"))
-                    .0
+                Swing::from_recording(&name, &self.recording(release_idx), &Default::default()).ok()
             })
+            .map(|(swing, _)| swing)
             .collect()
     }
 

@@ -15,7 +15,7 @@ const HALVINGS: usize = 48;
 
 /// The support's own mass and damping, as shares of the bob's mass and of critical damping.
 const SUPPORT_MASS: f64 = 0.2;
-const SUPPORT_DAMPING: f64 = 0.2;
+const SUPPORT_DAMPING: f64 = 0.05;
 
 /// θ, ω, deflection of the bristle, position and speed of the support.
 type Phase = [f64; 5];
@@ -164,6 +164,10 @@ impl<'a> Plant<'a> {
         } else {
             self.regime = Regime::Sliding { direction };
             self.phase[1] = 0.0;
+            // A moving support may push the other way at this instant.
+            if direction * self.slope(&self.phase, self.time_s)[1] <= 0.0 {
+                self.stop();
+            }
         }
     }
 
