@@ -6,6 +6,7 @@
 //! claimed, what can't be told apart ([`replacement`]), what is only a shifted zero of the sensor ([`zero`]), and what
 //! stays unexplained.
 
+pub mod physical;
 pub mod replacement;
 pub mod score;
 pub mod search;

@@ -169,7 +169,7 @@ fn many_rigs() {
             ("detent", "drifting-friction"),
         ];
         for (k, (a, b)) in pairs.iter().enumerate() {
-            if (k as u64 + round) % 2 != 0 {
+            if !(k as u64 + round).is_multiple_of(2) {
                 continue;
             }
             let label = format!("two-{a}+{b}-{round}");

@@ -3,6 +3,7 @@
 //! A search that adds one effect at a time may begin with a wrong one that imitates the sum of two; and an effect that
 //! cannot be told from another stays unnoticed as long as its partner is missing.
 
+use super::physical::brakes_everywhere;
 use super::score::{Promise, promises};
 use super::search::fit_promise;
 use super::trial::{Trial, finish};
@@ -30,6 +31,7 @@ pub fn replacements(
         candidates.iter().copied().filter(|effect| !claimed.has(effect.name)).collect();
     let mut others: Vec<Trial> =
         claimed.effects.iter().flat_map(|effect| replaced(problem, claimed, &without(effect.id), &fresh)).collect();
+    others.retain(|other| brakes_everywhere(problem, other));
     others.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     others
 }

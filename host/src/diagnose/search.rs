@@ -1,5 +1,6 @@
 //! The search through models: one effect at a time, the most promising few kept at each level.
 
+use super::physical::brakes_everywhere;
 use super::score::{Promise, promises};
 use super::trial::{Trial, better, finish, finish_with_band, fit_from};
 use crate::fit::descent::{Patience, descend};
@@ -82,7 +83,7 @@ pub fn search(problem: &Problem, base: &Settled, candidates: &[&'static Effect<f
         let before = found.best(n_added).cost;
         let share_left = excess(problem, level[0].cost) / excess(problem, before);
         let lowers = level[0].cost < before;
-        beam = level.iter().take(BEAM).take_while(|trial| trial.cost < BEAM_REACH * level[0].cost).cloned().collect();
+        beam = kept(&level);
         if !lowers {
             break;
         }
@@ -92,6 +93,15 @@ pub fn search(problem: &Problem, base: &Settled, candidates: &[&'static Effect<f
         }
     }
     found
+}
+
+/// The models to go on with: the best few, and the best of those with the fewest numbers.
+fn kept(level: &[Trial]) -> Vec<Trial> {
+    let near = || level.iter().filter(|trial| trial.cost < BEAM_REACH * level[0].cost);
+    let mut beam: Vec<Trial> = near().take(BEAM).cloned().collect();
+    let simplest = near().min_by_key(|trial| trial.n_added());
+    beam.extend(simplest.filter(|simple| beam.iter().all(|other| other.n_added() > simple.n_added())).cloned());
+    beam
 }
 
 /// The base without a velocity band: a band that only imitates the missing effect would hide it.
@@ -118,6 +128,7 @@ pub fn excess(problem: &Problem, cost: f64) -> f64 {
 /// All models with one more effect than those of the beam that are worth fitting, the lowest cost first.
 fn next_level(problem: &Problem, beam: &[Trial], candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
     let mut level: Vec<Trial> = beam.iter().flat_map(|trial| extensions(problem, trial, candidates)).collect();
+    level.retain(|trial| brakes_everywhere(problem, trial));
     sort(&mut level);
     drop_doubles(&mut level);
     let Some(lowest) = level.first().map(|best| best.cost) else { return level };

@@ -24,7 +24,7 @@ const MOST_LEFT: f64 = 0.6;
 const MOST_LEFT_UNEXPLAINED: f64 = 0.4;
 
 /// Where the noise is not reached, a simpler model is taken that leaves no more than so many times the excess.
-const SIMPLER_MAY_LEAVE: f64 = 2.0;
+const SIMPLER_MAY_LEAVE: f64 = 3.0;
 
 /// Sums of squares closer than this, in noise variances, are no reason to prefer one effect over another.
 const INDISTINGUISHABLE: f64 = 25.0;
