@@ -91,7 +91,8 @@ pub fn finish_with_band(of: &Problem, trial: &Trial) -> Trial {
 
 fn finish_with(of: &Problem, trial: &Trial, settle: impl Fn(&Problem, &Descent) -> Settled) -> Trial {
     let problem = with_stiction(&trial.problem(of), trial.stiction);
-    let descent = descend(&problem, &trial.point, Window::Whole, Patience::FINE, Steps::new(&problem));
+    // The search for Ms ends with a descent to the last digit.
+    let descent = descend(&problem, &trial.point, Window::Whole, Patience::ROUGH, Steps::new(&problem));
     let settled = settle(&problem, &descent);
     let effects = || trial.effects.clone();
     better(Trial::of(&problem, effects(), trial.stiction, descent), Trial::settled(&problem, effects(), settled))
