@@ -1,6 +1,7 @@
 //! The pendulum rig on the PC.
 
 pub mod cli;
+pub mod compare;
 pub mod diagnose;
 pub mod error;
 pub mod fit;
