@@ -1,8 +1,9 @@
 //! Pictures without a model beside the modelled ones: energy lost per path, period, and the difference between both
 //! sides, against amplitude.
 
-use super::binned::{Mean, Sample, binned, mean};
-use super::halves::{HalfSwing, Halves, Period, read_off};
+use super::binned::{Mean, Sample, binned};
+use super::halves::{Halves, Period, read_off};
+use nalgebra::{Matrix2, Vector2};
 use serde::Serialize;
 
 /// A difference this many standard errors from zero is a finding …
@@ -46,31 +47,26 @@ pub struct Pair {
 }
 
 /// Compares loss and period of all recordings.
-pub fn energy(pairs: &[Pair]) -> Energy {
-    let curve = |rising: bool| {
-        let of_side = pairs.iter().flat_map(|pair| &pair.modelled.halves).filter(|half| half.is_rising == rising);
-        sorted(of_side.map(|half| (half.amplitude_rad, half.loss_nm)).collect())
+pub fn energy(pairs: &[Pair], gravity_nm: f64) -> Energy {
+    let modelled = pairs.iter().flat_map(|pair| pair.modelled.losses());
+    let curve = sorted(modelled.map(|loss| (loss.amplitude_rad, loss.loss_nm)).collect());
+    let measured: Vec<Sample> = pairs
+        .iter()
+        .flat_map(|pair| pair.measured.losses())
+        .map(|loss| Sample { x: loss.amplitude_rad, value: loss.loss_nm, spread: loss.spread_nm })
+        .collect();
+    let missing = |sample: &Sample| {
+        let value = sample.value - read_off(&curve, sample.x)?;
+        Some(Sample { value, ..*sample })
     };
-    let curves = [curve(false), curve(true)];
-    let all: Vec<&HalfSwing> = pairs.iter().flat_map(|pair| &pair.measured.halves).collect();
-    let missing = |half: &HalfSwing| {
-        let modelled = read_off(&curves[usize::from(half.is_rising)], half.amplitude_rad)?;
-        Some(Sample { x: half.amplitude_rad, value: half.loss_nm - modelled, spread: half.loss_spread_nm })
-    };
-    let differences = |rising: bool| -> Vec<Sample> {
-        all.iter().filter(|half| half.is_rising == rising).filter_map(|half| missing(half)).collect()
-    };
-    let [falling, rising] = [differences(false), differences(true)];
-    let side = |half: &&HalfSwing| Sample { x: half.amplitude_rad, value: half.loss_nm, spread: half.loss_spread_nm };
-    let loss_measured = binned(&all.iter().map(side).collect::<Vec<_>>());
-    let modelled: Vec<f64> = curves.iter().flatten().map(|point| point.1).collect();
+    let loss_measured = binned(&measured);
     Energy {
-        side_difference: side_difference(&rising, &falling),
-        loss_missing: binned(&[falling, rising].concat()),
+        side_difference: side_difference(pairs, gravity_nm),
+        loss_missing: binned(&measured.iter().filter_map(missing).collect::<Vec<_>>()),
         period_off: binned(&pairs.iter().flat_map(|pair| periods_off(pair, pairs)).collect::<Vec<_>>()),
         bump_rad: bump(&loss_measured),
         loss_measured,
-        usual_loss_nm: modelled.iter().sum::<f64>() / modelled.len().max(1) as f64,
+        usual_loss_nm: curve.iter().map(|point| point.1).sum::<f64>() / curve.len().max(1) as f64,
     }
 }
 
@@ -99,13 +95,36 @@ fn sorted(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points
 }
 
-fn side_difference(rising: &[Sample], falling: &[Sample]) -> Option<Mean> {
-    if rising.len() < 3 || falling.len() < 3 {
-        return None;
+/// Rising minus falling loss beyond the model's. An error of the sensor's zero also makes sides differ, by
+/// m·g·l·sin A/A at the amplitude A; both are fitted together, so that only what is no such error is told.
+fn side_difference(pairs: &[Pair], gravity_nm: f64) -> Option<Mean> {
+    let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
+    let mut rows = Vec::new();
+    for pair in pairs {
+        let curves = [false, true].map(|rising| side_curve(&pair.modelled, rising));
+        for half in &pair.measured.halves {
+            let Some(modelled) = read_off(&curves[usize::from(half.is_rising)], half.amplitude_rad) else { continue };
+            let sign = if half.is_rising { 0.5 } else { -0.5 };
+            let a = half.amplitude_rad;
+            rows.push((sign, Vector2::new(1.0, gravity_nm * a.sin() / a), half.loss_nm - modelled, half.loss_spread_nm));
+        }
     }
-    let (up, down) = (mean(rising), mean(falling));
-    let spread = up.spread.hypot(down.spread);
-    Some(Mean { x: up.x, value: up.value - down.value, spread, n: up.n + down.n })
+    let common = rows.iter().map(|row| row.2).sum::<f64>() / rows.len().max(1) as f64;
+    for (sign, columns, value, spread) in &rows {
+        let columns = columns * *sign / spread.max(1e-300);
+        normal += columns * columns.transpose();
+        right += columns * (value - common) / spread.max(1e-300);
+    }
+    let inverse = normal.try_inverse().filter(|_| rows.len() >= 6)?;
+    let fit = inverse * right;
+    let error = |row: &(f64, Vector2<f64>, f64, f64)| ((row.2 - common - row.0 * row.1.dot(&fit)) / row.3.max(1e-300)).powi(2);
+    let scatter = (rows.iter().map(error).sum::<f64>() / (rows.len() - 2) as f64).max(1.0);
+    Some(Mean { x: 0.0, value: fit[0], spread: (inverse[(0, 0)] * scatter).sqrt(), n: rows.len() })
+}
+
+fn side_curve(halves: &Halves, rising: bool) -> Vec<(f64, f64)> {
+    let of_side = halves.halves.iter().filter(|half| half.is_rising == rising);
+    sorted(of_side.map(|half| (half.amplitude_rad, half.loss_nm)).collect())
 }
 
 fn periods_off(pair: &Pair, pairs: &[Pair]) -> Vec<Sample> {

@@ -27,6 +27,17 @@ pub struct HalfSwing {
     pub loss_spread_nm: f64,
 }
 
+/// Two half swings there and back: an error of the sensor's zero nearly cancels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Loss {
+    /// Mean amplitude, rad.
+    pub amplitude_rad: f64,
+    /// Energy lost per path, N·m.
+    pub loss_nm: f64,
+    /// Its standard error, N·m.
+    pub spread_nm: f64,
+}
+
 /// One period, from a crossing of the hanging position to the next but one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Period {
@@ -45,6 +56,25 @@ pub struct Halves {
     pub halves: Vec<HalfSwing>,
     /// Periods in order of time.
     pub periods: Vec<Period>,
+}
+
+impl Halves {
+    /// Losses of successive pairs of half swings.
+    pub fn losses(&self) -> Vec<Loss> {
+        let meet = |pair: &&[HalfSwing]| pair.len() == 2 && pair[0].to_s == pair[1].from_s;
+        self.halves.chunks(2).filter(meet).map(Loss::of).collect()
+    }
+}
+
+impl Loss {
+    fn of(pair: &[HalfSwing]) -> Self {
+        let path_rad = 2.0 * (pair[0].amplitude_rad + pair[1].amplitude_rad);
+        Self {
+            amplitude_rad: 0.25 * path_rad,
+            loss_nm: (pair[0].lost_j + pair[1].lost_j) / path_rad,
+            spread_nm: 0.5 * pair[0].loss_spread_nm.max(pair[1].loss_spread_nm),
+        }
+    }
 }
 
 /// Reads half swings and periods off a motion around its hanging position (angles without the sensor's zero).

@@ -1,7 +1,7 @@
 //! Slopes of smooth series at uneven times.
 
 /// Central differences, one-sided at the ends; unit of the values per second. At least two values.
-pub fn slopes(times_s: &[f64], values: &[f64]) -> Vec<f64> {
+pub(super) fn slopes(times_s: &[f64], values: &[f64]) -> Vec<f64> {
     let last = values.len() - 1;
     let slope = |i: usize| {
         let (from, to) = (i.saturating_sub(1), (i + 1).min(last));

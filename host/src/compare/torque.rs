@@ -25,6 +25,9 @@ const LEVEL_SHARE: f64 = 0.02;
 /// A bin with fewer visits (stretches that pass it) is left blank.
 const MIN_VISITS: usize = 2;
 
+/// Fewer visits give no standard error that a claim could rest on.
+const VISITS_TO_CLAIM: usize = 5;
+
 /// A torque this many standard errors from zero is a finding …
 const SIGNIFICANT: f64 = 4.5;
 
@@ -106,7 +109,7 @@ impl TorqueMap {
 impl Bin {
     /// Far beyond its standard error?
     pub fn is_significant(&self) -> bool {
-        self.torque_nm.abs() > SIGNIFICANT * self.spread_nm
+        self.n_visits >= VISITS_TO_CLAIM && self.torque_nm.abs() > SIGNIFICANT * self.spread_nm
     }
 }
 
@@ -125,7 +128,6 @@ struct Normal {
 /// Finds the torque map from the windows of all stretches; `None` without data.
 pub fn torque_map(grid: Grid, stretches: &[Windows], coulomb_nm: f64) -> Option<TorqueMap> {
     let normal = Normal::new(stretches)?;
-    let size = normal.bins.len();
     let shape = smoothness(&normal.bins);
     let unit = (normal.square / normal.matrix.trace().max(1e-300)).sqrt();
     // What a map cannot explain counts as noise too: first found, then used.
@@ -134,8 +136,7 @@ pub fn torque_map(grid: Grid, stretches: &[Windows], coulomb_nm: f64) -> Option<
     for _ in 0..3 {
         let fits = SPREADS.iter().filter_map(|spread| Posterior::new(&normal, &shape, spread * unit, inflation));
         let chosen = fits.max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
-        let left = chosen.square_left(&normal) / (normal.n_windows.saturating_sub(size / 2)).max(1) as f64;
-        inflation = left.max(1.0);
+        inflation = chosen.variance_left(&normal).max(1.0);
         best = Some(chosen);
     }
     let best = best?;
@@ -152,9 +153,9 @@ pub fn torque_map(grid: Grid, stretches: &[Windows], coulomb_nm: f64) -> Option<
         }
     };
     let bins: Vec<Bin> = normal.bins.iter().enumerate().map(bin).filter(|bin| bin.n_visits >= MIN_VISITS).collect();
-    let excess = normal.square - normal.n_windows as f64;
-    let gained = normal.square - best.square_left(&normal);
-    let explained = if excess > 0.0 { (gained / excess).clamp(0.0, 1.0) } else { 0.0 };
+    let excess = normal.square / normal.n_windows as f64 - 1.0;
+    let unexplained = best.variance_left(&normal) - 1.0;
+    let explained = if excess > 0.0 { (1.0 - unexplained / excess).clamp(0.0, 1.0) } else { 0.0 };
     let evident = best.evidence > EVIDENT && explained > EXPLAINED;
     let is_significant = evident && bins.iter().any(Bin::is_significant);
     Some(TorqueMap { grid, bins, coulomb_nm, evidence: best.evidence, explained, is_significant })
@@ -238,6 +239,12 @@ impl Posterior {
         let torques = factor.solve(&right);
         let evidence = 0.5 * (right.dot(&torques) - log_determinant(&factor) + log_determinant(&Cholesky::new(prior)?));
         Some(Self { covariance: factor.inverse(), torques, inflation, evidence })
+    }
+
+    /// Variance of the whitened windows that remains, a unit for pure noise; what the map itself used up is counted.
+    fn variance_left(&self, normal: &Normal) -> f64 {
+        let used = (&normal.matrix * &self.covariance).trace() / self.inflation;
+        self.square_left(normal) / (normal.n_windows as f64 - used).max(1.0)
     }
 
     /// Sum of squares of the whitened windows that remains.
