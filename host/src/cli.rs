@@ -4,6 +4,7 @@
 //! Exit codes: 0 a result was produced, whatever it says; 2 wrong use; 1 failed.
 
 mod columns;
+mod compare;
 mod fit;
 mod init;
 mod interrupt;
@@ -36,6 +37,7 @@ Example:
   host init --mass 0.147 --length 0.156 --inertia 0.00284 -o rig.toml
   host record --port /dev/ttyACM0 -o swing.csv           let the pendulum go when asked
   host fit swing.csv --rig rig.toml -o rig.toml
+  host compare swing.csv --rig rig.toml --report report.html
   host push --rig rig.toml --port /dev/ttyACM0
 
 Ports are serial devices, sim (the simulated rig), or sim:NAME (one of its scenarios).
@@ -46,6 +48,7 @@ enum Command {
     Init(init::Options),
     Record(record::Options),
     Fit(fit::Options),
+    Compare(compare::Options),
     Push(push::Options),
     Pull(pull::Options),
     Statistics(statistics::Options),
@@ -66,6 +69,7 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
         Command::Init(options) => init::run(&options),
         Command::Record(options) => record::run(&options),
         Command::Fit(options) => fit::run(&options),
+        Command::Compare(options) => compare::run(&options),
         Command::Push(options) => push::run(&options),
         Command::Pull(options) => pull::run(&options),
         Command::Statistics(options) => statistics::run(&options),

@@ -28,17 +28,24 @@ pub struct Axis {
     pub label: String,
     /// Equal factors instead of equal steps.
     pub is_logarithmic: bool,
+    /// Whole numbers only.
+    pub is_count: bool,
 }
 
 impl Axis {
     /// Equal steps.
     pub fn linear(label: &str) -> Self {
-        Self { label: label.to_owned(), is_logarithmic: false }
+        Self { label: label.to_owned(), is_logarithmic: false, is_count: false }
+    }
+
+    /// Things in their order.
+    pub fn counted(label: &str) -> Self {
+        Self { is_count: true, ..Self::linear(label) }
     }
 
     /// Equal factors.
     pub fn logarithmic(label: &str) -> Self {
-        Self { label: label.to_owned(), is_logarithmic: true }
+        Self { is_logarithmic: true, ..Self::linear(label) }
     }
 }
 

@@ -9,8 +9,7 @@ use host::compare::{Comparison, Options, compare, text};
 
 fn judged(name: &str, from_s: Option<f64>) -> Comparison {
     let measurement = measurement(name, from_s);
-    let comparison =
-        compare(&normalised(&measurement), &[measurement], &[], &Options { fit_first: true }).unwrap();
+    let comparison = compare(&normalised(&measurement), &[measurement], &[], &Options { fit_first: true }).unwrap();
     println!("=== {name}\n{}\nplaces {:?}\n", text::text(&comparison), comparison.places);
     println!("missing {:#?}\nmeasured {:?}", comparison.energy.loss_missing, comparison.energy.loss_measured);
     if let Some(map) = &comparison.torque {

@@ -49,8 +49,11 @@ fn check_map(id: u16, values: &[f64], name: &str) {
     let without = rig();
     let mut with = rig();
     with.set(id, values).unwrap();
-    let releases: Vec<Measurement> =
-        [1.4, -1.2, 1.0, -0.7].iter().zip(1..).map(|(angle, seed)| simulated(&with, &Release::of(*angle, seed))).collect();
+    let releases: Vec<Measurement> = [1.4, -1.2, 1.0, -0.7]
+        .iter()
+        .zip(1..)
+        .map(|(angle, seed)| simulated(&with, &Release { rate_hz: 500.0, ..Release::of(*angle, seed) }))
+        .collect();
     let comparison = compared(&without, &releases);
     println!("{}", text::text(&comparison));
     keep_pictures(name, &comparison);

@@ -1,6 +1,7 @@
 //! How recordings of others are to be read; shared by every command that reads some.
 
 use super::values::{finite, positive};
+use crate::compare::measurement::Measurement;
 use crate::error::Failure;
 use crate::recording::segment::{SegmentOptions, segment};
 use crate::recording::{self, AngleUnit, Columns, ReadOptions, Recording};
@@ -67,6 +68,15 @@ impl Reading {
         let segments = segment(&recording, &options).map_err(|error| Failure::failed(format!("{name}: {error}")))?;
         let notes = recording.notes().iter().chain(&segments.notes).map(|note| format!("{name}: {note}")).collect();
         Ok((free_swing(&name, &recording, &segments), notes))
+    }
+
+    /// Reads a recording and finds its free swing, with what is known around it.
+    pub(super) fn measurement(&self, path: &Path) -> Result<Measurement, Failure> {
+        let recording = self.read(path)?;
+        let name = path.display().to_string();
+        let options = SegmentOptions { from_s: self.from, to_s: self.to };
+        let failed = |error| Failure::failed(format!("{name}: {error}"));
+        Measurement::from_recording(&name, &recording, &options).map_err(failed)
     }
 }
 

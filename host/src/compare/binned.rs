@@ -48,7 +48,8 @@ pub fn binned(samples: &[Sample]) -> Vec<Mean> {
     sorted.chunks(size).filter(|bin| bin.len() >= FEWEST.min(size)).map(mean).collect()
 }
 
-/// The weighted mean of samples. Its error is the larger of what the spreads say and what the scatter says.
+/// The weighted mean of samples in order of x. Its error is the larger of what the spreads say and what the scatter of
+/// neighbours says, which a trend within the bin does not widen.
 pub fn mean(samples: &[Sample]) -> Mean {
     let n = samples.len();
     let weights: Vec<f64> = samples.iter().map(|sample| sample.spread.max(1e-300).powi(-2)).collect();
@@ -57,7 +58,8 @@ pub fn mean(samples: &[Sample]) -> Mean {
         samples.iter().zip(&weights).map(|(sample, weight)| weight * of(sample)).sum::<f64>() / total
     };
     let value = average(&|sample| sample.value);
-    let scatter = average(&|sample| (sample.value - value).powi(2)) / (n as f64 - 1.0).max(1.0);
+    let neighbours: f64 = samples.windows(2).map(|pair| (pair[1].value - pair[0].value).powi(2)).sum();
+    let scatter = 0.5 * neighbours / (n as f64 * (n as f64 - 1.0).max(1.0));
     let x = samples.iter().map(|sample| sample.x).sum::<f64>() / n as f64;
     Mean { x, value, spread: scatter.max(total.recip()).sqrt(), n }
 }

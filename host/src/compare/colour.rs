@@ -28,8 +28,7 @@ impl SlowExcess {
 /// Looks for a slow remainder in residuals whose white noise is known, by means over `block` samples.
 pub fn slow_excess(residuals: &[f64], noise_rad: f64, block: usize) -> SlowExcess {
     let block = block.max(2);
-    let means: Vec<f64> =
-        residuals.chunks_exact(block).map(|chunk| chunk.iter().sum::<f64>() / block as f64).collect();
+    let means: Vec<f64> = residuals.chunks_exact(block).map(|chunk| chunk.iter().sum::<f64>() / block as f64).collect();
     if means.len() < 8 || noise_rad <= 0.0 {
         return SlowExcess::default();
     }
@@ -100,9 +99,8 @@ pub fn spectrum(residuals: &[f64], step_s: f64, noise_rad: f64) -> Spectrum {
     if length < 16 {
         return Spectrum::default();
     }
-    let window: Vec<f64> = (0..length)
-        .map(|i| 0.5 - 0.5 * (std::f64::consts::TAU * (i as f64 + 0.5) / length as f64).cos())
-        .collect();
+    let window: Vec<f64> =
+        (0..length).map(|i| 0.5 - 0.5 * (std::f64::consts::TAU * (i as f64 + 0.5) / length as f64).cos()).collect();
     let power: f64 = window.iter().map(|w| w * w).sum();
     let (low_hz, high_hz) = (2.0 / (length as f64 * step_s), 0.45 / step_s);
     let frequency = |k: usize| low_hz * (high_hz / low_hz).powf(k as f64 / (N_FREQUENCIES - 1) as f64);
@@ -121,9 +119,8 @@ pub fn spectrum(residuals: &[f64], step_s: f64, noise_rad: f64) -> Spectrum {
 fn goertzel(values: &[f64], window: &[f64], cycles_per_sample: f64) -> f64 {
     let angle = std::f64::consts::TAU * cycles_per_sample;
     let factor = 2.0 * angle.cos();
-    let (last, before) = values.iter().zip(window).fold((0.0, 0.0), |(s1, s2), (value, weight)| {
-        (value * weight + factor * s1 - s2, s1)
-    });
+    let (last, before) =
+        values.iter().zip(window).fold((0.0, 0.0), |(s1, s2), (value, weight)| (value * weight + factor * s1 - s2, s1));
     last * last + before * before - factor * last * before
 }
 

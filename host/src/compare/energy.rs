@@ -85,7 +85,9 @@ impl Energy {
 
     /// The sides' difference, if it is significant.
     pub fn sides_differ(&self) -> Option<&Mean> {
-        let matters = |mean: &&Mean| mean.value.abs() > LOSS_SHARE * self.usual_loss_nm.abs();
+        // A friction that differs by more than its own size would push.
+        let usual = self.usual_loss_nm.abs();
+        let matters = |mean: &&Mean| (LOSS_SHARE * usual..usual).contains(&mean.value.abs());
         self.side_difference.as_ref().filter(matters).filter(|mean| mean.z().abs() > SIGNIFICANT)
     }
 }
@@ -106,7 +108,12 @@ fn side_difference(pairs: &[Pair], gravity_nm: f64) -> Option<Mean> {
             let Some(modelled) = read_off(&curves[usize::from(half.is_rising)], half.amplitude_rad) else { continue };
             let sign = if half.is_rising { 0.5 } else { -0.5 };
             let a = half.amplitude_rad;
-            rows.push((sign, Vector2::new(1.0, gravity_nm * a.sin() / a), half.loss_nm - modelled, half.loss_spread_nm));
+            rows.push((
+                sign,
+                Vector2::new(1.0, gravity_nm * a.sin() / a),
+                half.loss_nm - modelled,
+                half.loss_spread_nm,
+            ));
         }
     }
     let common = rows.iter().map(|row| row.2).sum::<f64>() / rows.len().max(1) as f64;
@@ -117,7 +124,8 @@ fn side_difference(pairs: &[Pair], gravity_nm: f64) -> Option<Mean> {
     }
     let inverse = normal.try_inverse().filter(|_| rows.len() >= 6)?;
     let fit = inverse * right;
-    let error = |row: &(f64, Vector2<f64>, f64, f64)| ((row.2 - common - row.0 * row.1.dot(&fit)) / row.3.max(1e-300)).powi(2);
+    let error =
+        |row: &(f64, Vector2<f64>, f64, f64)| ((row.2 - common - row.0 * row.1.dot(&fit)) / row.3.max(1e-300)).powi(2);
     let scatter = (rows.iter().map(error).sum::<f64>() / (rows.len() - 2) as f64).max(1.0);
     Some(Mean { x: 0.0, value: fit[0], spread: (inverse[(0, 0)] * scatter).sqrt(), n: rows.len() })
 }
@@ -147,7 +155,8 @@ fn bump(losses: &[Mean]) -> Option<f64> {
     };
     let is_top = |k: &usize| {
         let (below, above) = (&losses[..*k], &losses[k + 1..]);
-        let highest_near = losses[k.saturating_sub(1)..(k + 2).min(losses.len())].iter().all(|m| m.value <= losses[*k].value);
+        let highest_near =
+            losses[k.saturating_sub(1)..(k + 2).min(losses.len())].iter().all(|m| m.value <= losses[*k].value);
         highest_near && below.iter().any(|m| beyond(&losses[*k], m)) && above.iter().any(|m| beyond(&losses[*k], m))
     };
     (0..losses.len()).find(is_top).map(|k| losses[k].x)

@@ -111,11 +111,8 @@ fn half_swing(first: &TurningPoint, second: &TurningPoint, gravity_nm: f64) -> O
 }
 
 fn period(turns: &[TurningPoint], from_s: f64, to_s: f64) -> Option<Period> {
-    let within: Vec<f64> = turns
-        .iter()
-        .filter(|turn| (from_s..=to_s).contains(&turn.time_s))
-        .map(|turn| turn.angle_rad.abs())
-        .collect();
+    let within: Vec<f64> =
+        turns.iter().filter(|turn| (from_s..=to_s).contains(&turn.time_s)).map(|turn| turn.angle_rad.abs()).collect();
     let amplitude_rad = within.iter().sum::<f64>() / within.len() as f64;
     (within.len() == 2).then_some(Period { time_s: 0.5 * (from_s + to_s), amplitude_rad, period_s: to_s - from_s })
 }
@@ -135,7 +132,8 @@ mod tests {
     #[test]
     fn coulomb_friction_loses_its_torque_per_path() {
         // Between turns at 1 and −0.9 rad.
-        let turn = |angle_rad: f64, time_s| TurningPoint { time_s, angle_rad, spread_rad: 1e-4, is_maximum: angle_rad > 0.0 };
+        let turn =
+            |angle_rad: f64, time_s| TurningPoint { time_s, angle_rad, spread_rad: 1e-4, is_maximum: angle_rad > 0.0 };
         let half = half_swing(&turn(1.0, 0.0), &turn(-0.9, 0.4), 0.2).unwrap();
         let friction_nm = 0.2 * (0.9_f64.cos() - 1.0_f64.cos()) / 1.9;
         assert!((half.loss_nm - friction_nm).abs() < 1e-12 && !half.is_rising);

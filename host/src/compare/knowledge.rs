@@ -117,7 +117,8 @@ pub fn knowledge(swings: &[Swing], rig: &Parameters<f64>, followed: &[Followed])
     let first = Point { values: given.clone(), starts };
     let end = descend(&problem, &first, Window::Whole, Patience::FINE, Steps::new(&problem));
     // A value at its bound is known to be there and takes no part.
-    let inside = |j: &usize| end.point.values[*j] > problem.unknowns[*j].low && end.point.values[*j] < problem.unknowns[*j].high;
+    let inside =
+        |j: &usize| end.point.values[*j] > problem.unknowns[*j].low && end.point.values[*j] < problem.unknowns[*j].high;
     let free: Vec<usize> = (0..given.len()).filter(inside).collect();
     let (part, point) = restricted(&problem, &end.point, &free);
     let mut steps = Steps::new(&part);
@@ -144,7 +145,8 @@ pub fn knowledge(swings: &[Swing], rig: &Parameters<f64>, followed: &[Followed])
             alone,
         }
     };
-    let correlation = |i: usize, j: usize| match (free.iter().position(|k| *k == i), free.iter().position(|k| *k == j)) {
+    let correlation = |i: usize, j: usize| match (free.iter().position(|k| *k == i), free.iter().position(|k| *k == j))
+    {
         (Some(i), Some(j)) => together.as_ref().and_then(|covariance| covariance.correlation(i, j)).unwrap_or(0.0),
         _ => 0.0,
     };
@@ -188,8 +190,9 @@ fn alone(swing: &SwingLinear, values: &[f64]) -> Alone {
         gradient,
     };
     let covariance = covariance(&linear);
-    let estimate = |j: usize| {
-        Estimate { value: values[j] + step[j], std: covariance.as_ref().and_then(|covariance| covariance.std(j)) }
+    let estimate = |j: usize| Estimate {
+        value: values[j] + step[j],
+        std: covariance.as_ref().and_then(|covariance| covariance.std(j)),
     };
     Alone { estimates: (0..n_columns - PER_SWING).map(estimate).collect() }
 }

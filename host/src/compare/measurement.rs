@@ -81,8 +81,7 @@ impl Measurement {
         let quantisation_rms = lsb.unwrap_or(0.0) / 12f64.sqrt();
         let total_rms = swing.noise_rad;
         let white_rms = (total_rms.powi(2) - quantisation_rms.powi(2)).max(0.0).sqrt();
-        let noise =
-            SensorNoise { total_rms, white_rms, quantisation_rms, lsb, still_rms: None, is_coloured: false };
+        let noise = SensorNoise { total_rms, white_rms, quantisation_rms, lsb, still_rms: None, is_coloured: false };
         Self { swing, noise, from_s: 0.0, has_lead_in: false, has_rest: false, notes: Vec::new() }
     }
 }

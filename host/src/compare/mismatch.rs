@@ -51,11 +51,28 @@ struct Reading {
 
 const READINGS: &[Reading] = &[
     Reading { scale: PI / 180.0, shift_rad: 0.0, clock: 1.0, words: "the angles seem to be in degrees (--degrees)" },
-    Reading { scale: 180.0 / PI, shift_rad: 0.0, clock: 1.0, words: "the angles seem to have been converted from degrees twice: they are 57.3 times too small" },
-    Reading { scale: TAU, shift_rad: 0.0, clock: 1.0, words: "the angles seem to be in turns: a factor 2π is missing" },
+    Reading {
+        scale: 180.0 / PI,
+        shift_rad: 0.0,
+        clock: 1.0,
+        words: "the angles seem to have been converted from degrees twice: they are 57.3 times too small",
+    },
+    Reading {
+        scale: TAU, shift_rad: 0.0, clock: 1.0, words: "the angles seem to be in turns: a factor 2π is missing"
+    },
     Reading { scale: 1.0 / TAU, shift_rad: 0.0, clock: 1.0, words: "the angles seem to be 2π times too large" },
-    Reading { scale: 1.0, shift_rad: -PI, clock: 1.0, words: "the zero seems to be at the top: 0 must be the hanging pendulum (subtract π)" },
-    Reading { scale: 1.0, shift_rad: PI, clock: 1.0, words: "the zero seems to be at the top: 0 must be the hanging pendulum (add π)" },
+    Reading {
+        scale: 1.0,
+        shift_rad: -PI,
+        clock: 1.0,
+        words: "the zero seems to be at the top: 0 must be the hanging pendulum (subtract π)",
+    },
+    Reading {
+        scale: 1.0,
+        shift_rad: PI,
+        clock: 1.0,
+        words: "the zero seems to be at the top: 0 must be the hanging pendulum (add π)",
+    },
     Reading { scale: 1.0, shift_rad: 0.0, clock: 1e-3, words: "the times seem to be in milliseconds" },
     Reading { scale: 1.0, shift_rad: 0.0, clock: 1e3, words: "the times seem to be 1000 times too short" },
 ];
@@ -79,15 +96,18 @@ pub fn reason(swing: &Swing, parameters: &Parameters<f64>, measured: &Halves) ->
             "it swings like another pendulum: the moment of inertia about the pivot would have to be {ratio:.2} times \
              the model's; check mass, length and inertia (host init)"
         ),
-        None => "no other unit, zero or inertia helps: another pendulum, a driven one, or one that was touched".to_owned(),
+        None => {
+            "no other unit, zero or inertia helps: another pendulum, a driven one, or one that was touched".to_owned()
+        }
     }
 }
 
 /// A word about a sensor's zero that is far off.
 pub fn zero_words(offset_rad: f64) -> Option<String> {
     let degrees = offset_rad.to_degrees();
-    (offset_rad.abs() > ZERO_OFF_RAD)
-        .then(|| format!("the sensor's zero is off: the pendulum hangs at {offset_rad:.3} rad ({degrees:.1}°); calibrate it"))
+    (offset_rad.abs() > ZERO_OFF_RAD).then(|| {
+        format!("the sensor's zero is off: the pendulum hangs at {offset_rad:.3} rad ({degrees:.1}°); calibrate it")
+    })
 }
 
 /// Share of a motion's variance that residuals leave explained.

@@ -122,9 +122,8 @@ pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>) -> Judged 
     };
     let (measured, modelled) = (around_zero(&swing.angles_rad), around_zero(&followed.angles_rad));
     let half_swing_s = cuts.as_ref().map(|cuts| cuts.half_swing_s);
-    let swings = cuts.as_ref().map_or(Vec::new(), |cuts| {
-        rows(swing, offset_rad, &followed.residuals_rad, cuts, &measured)
-    });
+    let swings =
+        cuts.as_ref().map_or(Vec::new(), |cuts| rows(swing, offset_rad, &followed.residuals_rad, cuts, &measured));
     let lively = &followed.residuals_rad[..swing.samples_within(Window::Lively)];
     let block = (SLOW_BLOCK * half_swing_s.unwrap_or(1.0) / step_s) as usize;
     let smooth = zero_phase::filter(&followed.residuals_rad, VELOCITY_CUTOFF_HZ, step_s.recip());
@@ -168,11 +167,7 @@ impl Judged {
 
     /// The free run again.
     pub fn followed(&self) -> Followed {
-        Followed {
-            start: self.start,
-            angles_rad: self.modelled_rad.clone(),
-            residuals_rad: self.residuals_rad.clone(),
-        }
+        Followed { start: self.start, angles_rad: self.modelled_rad.clone(), residuals_rad: self.residuals_rad.clone() }
     }
 }
 

@@ -53,7 +53,7 @@ pub fn cuts(swing: &Swing, offset_rad: f64) -> Option<Cuts> {
     let (times_s, angles_rad) = (&swing.times_s, &swing.angles_rad);
     let half_swing_s = turning::half_swing_s(times_s, angles_rad, swing.noise_rad)?;
     let crossings = turning::crossings(times_s, angles_rad, offset_rad, swing.noise_rad);
-    let index = |time_s: f64| times_s.partition_point(|t| *t < time_s);
+    let index = |time_s: f64| times_s.partition_point(|t| *t < time_s).min(swing.len() - 1);
     let mut at = vec![0];
     at.extend(crossings.iter().skip(1).step_by(2).map(|crossing| index(crossing.time_s)));
     at.dedup_by(|next, before| *next < *before + MIN_SAMPLES);
@@ -61,7 +61,13 @@ pub fn cuts(swing: &Swing, offset_rad: f64) -> Option<Cuts> {
 }
 
 /// Starts the model anew for every stretch, which reaches `overlap_s` beyond its cuts.
-pub fn restarts(swing: &Swing, parameters: &Parameters<f64>, offset_rad: f64, cuts: &Cuts, overlap_s: f64) -> Vec<Restart> {
+pub fn restarts(
+    swing: &Swing,
+    parameters: &Parameters<f64>,
+    offset_rad: f64,
+    cuts: &Cuts,
+    overlap_s: f64,
+) -> Vec<Restart> {
     let one = |pair: (usize, &[usize])| {
         let (k, ends) = pair;
         let next_end = cuts.at.get(k + 2).copied();

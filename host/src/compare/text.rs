@@ -1,9 +1,9 @@
 //! A comparison as text for the terminal.
 
+use super::Comparison;
 use super::knowledge::{Identifiability, Known};
 use super::recording::Judged;
 use super::verdict::in_mrad;
-use super::Comparison;
 
 /// The verdict first, then recordings, parameters and limits.
 pub fn text(comparison: &Comparison) -> String {
@@ -44,7 +44,8 @@ fn recording(judged: &Judged, suffix: &str) -> String {
 }
 
 fn parameter(known: &Known) -> String {
-    let range = known.chosen.interval().map_or("no uncertainty".to_owned(), |(low, high)| format!("{low:.4e} … {high:.4e}"));
+    let range =
+        known.chosen.interval().map_or("no uncertainty".to_owned(), |(low, high)| format!("{low:.4e} … {high:.4e}"));
     let advice = known.advice.as_ref().map_or(String::new(), |advice| format!(": {advice}"));
     format!(
         "{:<4} {:>20.5e}    {:>11.5e}  {range:<26} {:<15} {}{advice}",

@@ -2,8 +2,9 @@
 //! much?
 //!
 //! The windows of [`super::weak`] average over several bins each; which torque by bin explains them best is a linear
-//! least-squares problem with the windows' known noise. A smooth torque is preferred: differences of neighbouring bins
-//! on the same side of ω = 0 have a prior spread, chosen by the evidence (D. J. C. MacKay, Neural Comput. 4 (1992) 415).
+//! least-squares problem with the windows' known noise. A smooth torque is preferred: second differences of bins in a
+//! row, along the angle and along the velocity on one side of ω = 0, have prior spreads that are chosen by the evidence
+//! (D. J. C. MacKay, Neural Comput. 4 (1992) 415).
 //! Standard errors are the larger of the posterior's and the scatter between swings.
 
 use super::weak::Windows;
@@ -16,11 +17,14 @@ const HALF_BINS: usize = 6;
 /// Bins along one axis.
 pub const N_BINS: usize = 2 * HALF_BINS;
 
-/// Prior spreads of neighbours' differences that are tried, as shares of the largest window-by-window signal.
-const SPREADS: [f64; 7] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
+/// Prior spreads of second differences that are tried, as shares of the torque's own prior spread.
+const SPREADS: [f64; 6] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
 
-/// The torque itself is held to zero this much more weakly than to its neighbours.
-const LEVEL_SHARE: f64 = 0.02;
+/// The torque itself has a prior spread of this many times the size of what the windows show.
+const LEVEL: f64 = 5.0;
+
+/// Rounds in which the spreads along both axes and the remaining variance are found.
+const ROUNDS: usize = 3;
 
 /// A bin with fewer visits (stretches that pass it) is left blank.
 const MIN_VISITS: usize = 2;
@@ -97,7 +101,10 @@ pub struct TorqueMap {
 impl TorqueMap {
     /// The bin farthest from zero in standard errors, if it is significant.
     pub fn strongest(&self) -> Option<&Bin> {
-        self.bins.iter().filter(|bin| bin.is_significant()).max_by(|a, b| a.torque_nm.abs().total_cmp(&b.torque_nm.abs()))
+        self.bins
+            .iter()
+            .filter(|bin| bin.is_significant())
+            .max_by(|a, b| a.torque_nm.abs().total_cmp(&b.torque_nm.abs()))
     }
 
     /// Largest torque of all bins, N·m.
@@ -128,18 +135,17 @@ struct Normal {
 /// Finds the torque map from the windows of all stretches; `None` without data.
 pub fn torque_map(grid: Grid, stretches: &[Windows], coulomb_nm: f64) -> Option<TorqueMap> {
     let normal = Normal::new(stretches)?;
-    let shape = smoothness(&normal.bins);
-    let unit = (normal.square / normal.matrix.trace().max(1e-300)).sqrt();
+    let prior = Prior::new(&normal);
     // What a map cannot explain counts as noise too: first found, then used.
+    let mut spreads = [SPREADS[2]; 2];
     let mut inflation = 1.0;
-    let mut best = None;
-    for _ in 0..3 {
-        let fits = SPREADS.iter().filter_map(|spread| Posterior::new(&normal, &shape, spread * unit, inflation));
-        let chosen = fits.max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
-        inflation = chosen.variance_left(&normal).max(1.0);
-        best = Some(chosen);
+    for _ in 0..ROUNDS {
+        for axis in 0..2 {
+            spreads[axis] = prior.best_spread(&normal, spreads, axis, inflation);
+        }
+        inflation = Posterior::new(&normal, &prior.precision(spreads), inflation)?.variance_left(&normal).max(1.0);
     }
-    let best = best?;
+    let best = Posterior::new(&normal, &prior.precision(spreads), inflation)?;
     let scatter = best.scatter(&normal, stretches);
     let bin = |(k, bin): (usize, &usize)| {
         let (angle_rad, velocity_rad_s) = grid.centre(*bin);
@@ -201,29 +207,72 @@ impl Normal {
     }
 }
 
-/// Precision of a smooth torque: neighbours along the angle and along the velocity are alike, except across ω = 0.
-fn smoothness(bins: &[usize]) -> DMatrix<f64> {
-    let size = bins.len();
-    let mut matrix = DMatrix::identity(size, size) * LEVEL_SHARE;
-    let mut join = |i: usize, j: usize| {
-        matrix[(i, i)] += 1.0;
-        matrix[(j, j)] += 1.0;
-        matrix[(i, j)] -= 1.0;
-        matrix[(j, i)] -= 1.0;
-    };
+/// How smooth a torque is expected to be.
+struct Prior {
+    /// Second differences along the angle and along the velocity, squared.
+    rough: [DMatrix<f64>; 2],
+    /// Prior spread of the torque itself, N·m.
+    level_nm: f64,
+}
+
+impl Prior {
+    fn new(normal: &Normal) -> Self {
+        let rough = [0, 1].map(|axis| roughness(&normal.bins, axis));
+        // The torque that, everywhere alike, would show as much as is seen.
+        let level_nm = LEVEL * (normal.square / normal.matrix.trace().max(1e-300)).sqrt();
+        Self { rough, level_nm }
+    }
+
+    fn precision(&self, spreads: [f64; 2]) -> DMatrix<f64> {
+        let size = self.rough[0].nrows();
+        let smooth = &self.rough[0] / spreads[0].powi(2) + &self.rough[1] / spreads[1].powi(2);
+        (DMatrix::identity(size, size) + smooth) / self.level_nm.powi(2)
+    }
+
+    /// The spread along one axis that is most likely while the other stays.
+    fn best_spread(&self, normal: &Normal, spreads: [f64; 2], axis: usize, inflation: f64) -> f64 {
+        let with = |spread: f64| {
+            let mut tried = spreads;
+            tried[axis] = spread;
+            (spread, evidence(normal, &self.precision(tried), inflation).unwrap_or(f64::NEG_INFINITY))
+        };
+        let best = SPREADS.into_iter().map(with).max_by(|a, b| a.1.total_cmp(&b.1));
+        best.map_or(spreads[axis], |(spread, _)| spread)
+    }
+}
+
+/// Sum of the squared second differences along an axis (0 angle, 1 velocity), as a matrix. Across ω = 0 friction jumps.
+fn roughness(bins: &[usize], axis: usize) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(bins.len(), bins.len());
+    let stride = [1, N_BINS][axis];
+    let place = |bin: usize| bin / stride % N_BINS;
     for (i, bin) in bins.iter().enumerate() {
-        let beside = (bin % N_BINS + 1 < N_BINS).then_some(bin + 1);
-        let above = (bin / N_BINS + 1 != HALF_BINS).then_some(bin + N_BINS);
-        for neighbour in [beside, above].into_iter().flatten() {
-            if let Ok(j) = bins.binary_search(&neighbour) {
-                join(i, j);
+        let at = place(*bin);
+        let jumps = axis == 1 && (HALF_BINS - 2..HALF_BINS).contains(&at);
+        if jumps || at + 2 >= N_BINS {
+            continue;
+        }
+        let others = (bins.binary_search(&(bin + stride)), bins.binary_search(&(bin + 2 * stride)));
+        let (Ok(j), Ok(k)) = others else { continue };
+        let weights = [(i, 1.0), (j, -2.0), (k, 1.0)];
+        for (a, wa) in weights {
+            for (b, wb) in weights {
+                matrix[(a, b)] += wa * wb;
             }
         }
     }
     matrix
 }
 
-/// The torques for one choice of the prior's spread.
+/// Logarithm of how much more likely the windows are with a torque of this prior than with none.
+fn evidence(normal: &Normal, prior: &DMatrix<f64>, inflation: f64) -> Option<f64> {
+    let factor = Cholesky::new(&normal.matrix / inflation + prior)?;
+    let right = &normal.right / inflation;
+    let gain = right.dot(&factor.solve(&right));
+    Some(0.5 * (gain - log_determinant(&factor) + log_determinant(&Cholesky::new(prior.clone())?)))
+}
+
+/// The torques for one choice of the prior.
 struct Posterior {
     torques: DVector<f64>,
     covariance: DMatrix<f64>,
@@ -232,13 +281,10 @@ struct Posterior {
 }
 
 impl Posterior {
-    fn new(normal: &Normal, shape: &DMatrix<f64>, spread: f64, inflation: f64) -> Option<Self> {
-        let prior = shape / spread.powi(2);
-        let factor = Cholesky::new(&normal.matrix / inflation + &prior)?;
-        let right = &normal.right / inflation;
-        let torques = factor.solve(&right);
-        let evidence = 0.5 * (right.dot(&torques) - log_determinant(&factor) + log_determinant(&Cholesky::new(prior)?));
-        Some(Self { covariance: factor.inverse(), torques, inflation, evidence })
+    fn new(normal: &Normal, prior: &DMatrix<f64>, inflation: f64) -> Option<Self> {
+        let covariance = Cholesky::new(&normal.matrix / inflation + prior)?.inverse();
+        let torques = &covariance * &normal.right / inflation;
+        Some(Self { torques, covariance, inflation, evidence: evidence(normal, prior, inflation)? })
     }
 
     /// Variance of the whitened windows that remains, a unit for pure noise; what the map itself used up is counted.
@@ -261,7 +307,8 @@ impl Posterior {
             let here = DVector::from_iterator(places.len(), places.iter().map(|place| self.torques[*place]));
             let score = windows.shares.transpose() * (&windows.torques - &windows.shares * here) / self.inflation;
             for (k, variance) in variances.iter_mut().enumerate() {
-                let shift: f64 = places.iter().zip(score.iter()).map(|(place, s)| self.covariance[(k, *place)] * s).sum();
+                let shift: f64 =
+                    places.iter().zip(score.iter()).map(|(place, s)| self.covariance[(k, *place)] * s).sum();
                 *variance += shift * shift;
             }
         }

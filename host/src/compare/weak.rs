@@ -64,13 +64,13 @@ pub fn windows(
     let (first_s, last_s) = (*times_s.first()?, *times_s.last()?);
     let n_windows = ((last_s - first_s - 2.0 * width_s) / (STRIDE * width_s)).floor() as i64 + 1;
     let centre_s = |k: i64| first_s + width_s * (1.0 + STRIDE * k as f64);
-    let windows: Vec<Window> = (0..n_windows)
-        .filter_map(|k| window(times_s, restart, pendulum, viscous, centre_s(k), width_s))
-        .collect();
+    let windows: Vec<Window> =
+        (0..n_windows).filter_map(|k| window(times_s, restart, pendulum, viscous, centre_s(k), width_s)).collect();
     if windows.is_empty() {
         return None;
     }
-    let at: Vec<usize> = restart.angles_rad.iter().zip(&restart.velocities_rad_s).map(|(a, v)| bin_of(*a, *v)).collect();
+    let at: Vec<usize> =
+        restart.angles_rad.iter().zip(&restart.velocities_rad_s).map(|(a, v)| bin_of(*a, *v)).collect();
     let mut bins = at.clone();
     bins.sort_unstable();
     bins.dedup();
@@ -123,7 +123,8 @@ fn window(
     centre_s: f64,
     width_s: f64,
 ) -> Option<Window> {
-    let range = times_s.partition_point(|t| *t <= centre_s - width_s)..times_s.partition_point(|t| *t < centre_s + width_s);
+    let range =
+        times_s.partition_point(|t| *t <= centre_s - width_s)..times_s.partition_point(|t| *t < centre_s + width_s);
     if range.len() < 5 {
         return None;
     }
@@ -180,7 +181,8 @@ fn curvature_weights(x: &[f64], steps: &[f64], area: f64) -> Option<Vec<f64>> {
 mod tests {
     use super::*;
 
-    const PENDULUM: Pendulum<f64> = Pendulum { mass_kg: 0.15, length_m: 0.16, inertia_kg_m2: 2.7e-3, gravity_m_s2: 9.81 };
+    const PENDULUM: Pendulum<f64> =
+        Pendulum { mass_kg: 0.15, length_m: 0.16, inertia_kg_m2: 2.7e-3, gravity_m_s2: 9.81 };
 
     #[test]
     fn the_torque_that_made_a_deviation_comes_back() {

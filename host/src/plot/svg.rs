@@ -2,8 +2,8 @@
 
 use super::{Axis, Content, Curve, Heat, Picture, Style, colour, diverging};
 use plotters::coord::Shift;
-use plotters::coord::ranged1d::ValueFormatter;
 use plotters::prelude::*;
+use std::ops::Range;
 
 /// Size in pixels.
 const SIZE: (u32, u32) = (860, 480);
@@ -34,7 +34,7 @@ fn draw(area: &DrawingArea<SVGBackend, Shift>, picture: &Picture) -> Result<(), 
 }
 
 /// The range of all values with some room, in the axis' own measure.
-fn range<'a>(axis: &Axis, values: impl Iterator<Item = &'a f64>) -> std::ops::Range<f64> {
+fn range<'a>(axis: &Axis, values: impl Iterator<Item = &'a f64>) -> Range<f64> {
     let measured = values.map(|value| measure(axis, *value)).filter(|value| value.is_finite());
     let (low, high) = measured.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
     if low > high {
@@ -49,7 +49,11 @@ fn measure(axis: &Axis, value: f64) -> f64 {
     if axis.is_logarithmic { value.max(1e-300).log10() } else { value }
 }
 
-fn draw_curves<'a>(area: &DrawingArea<SVGBackend<'a>, Shift>, picture: &Picture, curves: &[Curve]) -> Result<(), Failed> {
+fn draw_curves<'a>(
+    area: &DrawingArea<SVGBackend<'a>, Shift>,
+    picture: &Picture,
+    curves: &[Curve],
+) -> Result<(), Failed> {
     let x_range = range(&picture.x, curves.iter().flat_map(|curve| &curve.x));
     // Error bars may leave the picture where they are much longer than everything else.
     let y_range = range(&picture.y, curves.iter().flat_map(|curve| &curve.y));
@@ -99,7 +103,7 @@ fn draw_curves<'a>(area: &DrawingArea<SVGBackend<'a>, Shift>, picture: &Picture,
     if curves.iter().any(|curve| !curve.name.is_empty()) {
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(emptiest_corner(picture, curves, &x_range, &y_range))
             .background_style(WHITE.mix(0.85))
             .border_style(RGBColor(200, 200, 200))
             .label_font((FONT, 13))
@@ -120,16 +124,44 @@ fn legend_mark<'a>(x: i32, y: i32, paint: RGBColor, dot: bool) -> DynElement<'st
 /// A number beside an axis, with as many digits as its range needs.
 fn label(axis: &Axis, value: f64, size: f64) -> String {
     if axis.is_logarithmic {
-        let value = 10f64.powf(value);
-        return if (0.01..1000.0).contains(&value) { short(value) } else { format!("{value:.0e}") };
+        return logarithmic_label(10f64.powf(value));
+    }
+    if axis.is_count {
+        return if value.fract().abs() < 1e-6 { format!("{value:.0}") } else { String::new() };
     }
     let digits = (1.3 - size.max(1e-12).log10()).ceil().clamp(0.0, 9.0) as usize;
     let value = if value.abs() < 1e-9 * size { 0.0 } else { value };
     if size < 1e-4 { format!("{value:.1e}") } else { format!("{value:.digits$}") }
 }
 
-fn short(value: f64) -> String {
-    plotters::coord::types::RangedCoordf64::format(&((value * 1000.0).round() / 1000.0))
+/// Two digits are enough beside a logarithmic axis.
+fn logarithmic_label(value: f64) -> String {
+    let digits = (1 - value.log10().floor() as i32).max(0) as usize;
+    if !(0.01..10_000.0).contains(&value) {
+        return format!("{value:.0e}");
+    }
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// The corner with the fewest points under the legend.
+fn emptiest_corner(picture: &Picture, curves: &[Curve], x: &Range<f64>, y: &Range<f64>) -> SeriesLabelPosition {
+    let share = |value: f64, range: &Range<f64>| (value - range.start) / (range.end - range.start);
+    let mut counts = [0; 4];
+    for (px, py) in curves.iter().flat_map(|curve| curve.x.iter().zip(&curve.y)) {
+        let (right, up) = (share(measure(&picture.x, *px), x), share(measure(&picture.y, *py), y));
+        let under =
+            [right > 0.7 && up > 0.7, right < 0.3 && up > 0.7, right < 0.3 && up < 0.3, right > 0.7 && up < 0.3];
+        counts.iter_mut().zip(under).for_each(|(count, under)| *count += i32::from(under));
+    }
+    let corners = [
+        SeriesLabelPosition::UpperRight,
+        SeriesLabelPosition::UpperLeft,
+        SeriesLabelPosition::LowerLeft,
+        SeriesLabelPosition::LowerRight,
+    ];
+    let best = (0..4).min_by_key(|corner| counts[*corner]).unwrap_or(0);
+    corners.into_iter().nth(best).unwrap_or(SeriesLabelPosition::UpperRight)
 }
 
 fn draw_heat(area: &DrawingArea<SVGBackend, Shift>, picture: &Picture, heat: &Heat) -> Result<(), Failed> {
@@ -145,7 +177,9 @@ fn draw_heat(area: &DrawingArea<SVGBackend, Shift>, picture: &Picture, heat: &He
         .y_label_area_size(74)
         .build_cartesian_2d(x0..x1, y0..y1)?;
     let name = |value: &f64, size: f64| match &heat.names {
-        Some(names) => names.get(value.round() as usize).filter(|_| value.fract().abs() < 1e-6).cloned().unwrap_or_default(),
+        Some(names) => {
+            names.get(value.round() as usize).filter(|_| value.fract().abs() < 1e-6).cloned().unwrap_or_default()
+        }
         None => label(&picture.x, *value, size),
     };
     let (x_size, y_size) = (x1 - x0, y1 - y0);

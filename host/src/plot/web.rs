@@ -2,7 +2,9 @@
 
 use super::decimate::decimated;
 use super::{Axis, Content, Curve, Heat, Picture, Style, colour, diverging};
-use plotly::common::{ColorBar, ColorScale, ColorScaleElement, DashType, ErrorData, ErrorType, Font, Line, Marker, Mode, Title};
+use plotly::common::{
+    ColorBar, ColorScale, ColorScaleElement, DashType, ErrorData, ErrorType, Font, Line, Marker, Mode, Title,
+};
 use plotly::layout::{Axis as WebAxis, AxisType, Margin};
 use plotly::{HeatMap, Layout, Plot, Scatter, Trace};
 
@@ -46,7 +48,8 @@ pub fn html(picture: &Picture) -> String {
 
 fn axis(axis: &Axis) -> WebAxis {
     let kind = if axis.is_logarithmic { AxisType::Log } else { AxisType::Linear };
-    WebAxis::new()
+    let whole = if axis.is_count { WebAxis::new().dtick(1.0) } else { WebAxis::new() };
+    whole
         .title(Title::with_text(&axis.label))
         .type_(kind)
         .show_grid(true)

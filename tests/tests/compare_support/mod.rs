@@ -5,10 +5,10 @@
 use host::compare::Comparison;
 use host::compare::measurement::Measurement;
 use host::compare::pictures::pictures;
-use host::recording::segment::SegmentOptions;
-use host::recording::{ReadOptions, Recording, read, turning};
 use host::noise;
 use host::plot::svg::svg;
+use host::recording::segment::SegmentOptions;
+use host::recording::{ReadOptions, Recording, read, turning};
 use host::report::report;
 use host::sim::Noise;
 use host::swing::Swing;

@@ -157,9 +157,10 @@ fn spectrum(comparison: &Comparison) -> Picture {
     Picture {
         key: "spectrum".to_owned(),
         title: "At which frequencies is the residual?".to_owned(),
-        explanation: "White noise is flat at the broken line. A hill at the frequency of the swing or its multiples is \
+        explanation:
+            "White noise is flat at the broken line. A hill at the frequency of the swing or its multiples is \
                       missing physics or wrong numbers; a rise towards high frequencies comes from the sensor."
-            .to_owned(),
+                .to_owned(),
         x: Axis::logarithmic("frequency in Hz"),
         y: Axis::logarithmic("power density in rad²/Hz"),
         content: Content::Curves(curves),

@@ -35,7 +35,7 @@ fn by_recording(knowledge: &Knowledge) -> Picture {
                       bars. Bars that miss zero contradict the others: the model is wrong in a way that depends on the \
                       swing, or, if the values climb from recording to recording, the bearing changes (warmth, wear)."
             .to_owned(),
-        x: Axis::linear("recording, in the order given"),
+        x: Axis::counted("recording, in the order given"),
         y: Axis::linear("difference from the common value in %"),
         content: Content::Curves(curves),
     }

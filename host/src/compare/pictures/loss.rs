@@ -55,10 +55,11 @@ fn loss_means(comparison: &Comparison) -> Picture {
     Picture {
         key: "loss-missing".to_owned(),
         title: "Energy lost per path: measured minus modelled".to_owned(),
-        explanation: "The difference between dots and line of the picture above, averaged over similar amplitudes, with \
+        explanation:
+            "The difference between dots and line of the picture above, averaged over similar amplitudes, with \
                       95 % bars. Bars that do not reach zero show friction that the model lacks (above) or has too \
                       much of (below)."
-            .to_owned(),
+                .to_owned(),
         x: Axis::linear("amplitude in rad"),
         y: Axis::linear("missing loss in mN·m"),
         content: Content::Curves(vec![
@@ -97,10 +98,11 @@ fn sides(comparison: &Comparison) -> Picture {
     Picture {
         key: "sides".to_owned(),
         title: "Half swings to either side".to_owned(),
-        explanation: "Energy lost per path, counter-clockwise and clockwise half swings apart. Both should lie on each \
+        explanation:
+            "Energy lost per path, counter-clockwise and clockwise half swings apart. Both should lie on each \
                       other. A constant distance is friction that differs between the directions, or a zero that is \
                       off by as much; a distance that changes with amplitude is something else."
-            .to_owned(),
+                .to_owned(),
         x: Axis::linear("amplitude in rad"),
         y: Axis::linear("energy lost per path in mN·m"),
         content: Content::Curves(vec![

@@ -39,25 +39,27 @@ fn significance(map: &TorqueMap) -> Picture {
     Picture {
         key: "torque-certainty".to_owned(),
         title: "How certain the missing torque is".to_owned(),
-        explanation: "The same map in units of its standard error, which grows where the pendulum rarely comes. Within \
+        explanation:
+            "The same map in units of its standard error, which grows where the pendulum rarely comes. Within \
                       ± 3 it may well be chance; point at a field to see its value, its error and how many swings \
                       passed it."
-            .to_owned(),
+                .to_owned(),
         x: Axis::linear("angle in rad"),
         y: Axis::linear("velocity in rad/s"),
         content: Content::Heat(heat(map, "torque / error", 10.0, |bin| bin.torque_nm / bin.spread_nm)),
     }
 }
 
-/// Colours follow the bins that are known best: a few uncertain ones must not bleach the rest.
+/// Colours go as far as nine of ten well-visited fields: a few uncertain ones must not bleach the rest.
 fn limit(map: &TorqueMap) -> f64 {
-    let known = |bin: &&Bin| bin.is_significant();
-    let of = |bins: Vec<&Bin>| bins.iter().fold(0.0_f64, |limit, bin| limit.max(bin.torque_nm.abs()));
-    match of(map.bins.iter().filter(known).collect()) {
-        0.0 => map.largest_nm().max(1e-12),
-        limit => limit,
-    }
+    let mut sizes: Vec<f64> =
+        map.bins.iter().filter(|bin| bin.n_visits >= WELL_VISITED).map(|bin| bin.torque_nm.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(9 * sizes.len() / 10).copied().unwrap_or(map.largest_nm()).max(1e-12)
 }
+
+/// Swings through a field from which on its colour counts.
+const WELL_VISITED: usize = 5;
 
 fn heat(map: &TorqueMap, label: &str, limit: f64, value: impl Fn(&Bin) -> f64) -> Heat {
     let mut values = vec![vec![None; N_BINS]; N_BINS];

@@ -39,9 +39,10 @@ fn motion(judged: &Judged, suffix: &str, number: usize) -> Picture {
     Picture {
         key: format!("motion-{number}"),
         title: format!("Measured and modelled: {}{suffix}", short_name(&judged.name)),
-        explanation: "The measured angle and the model, which was only told how this swing began. Where both lines lie \
+        explanation:
+            "The measured angle and the model, which was only told how this swing began. Where both lines lie \
                       on each other the model is right; zoom in to see where they part."
-            .to_owned(),
+                .to_owned(),
         x: Axis::linear("time since the start of the free swing in s"),
         y: Axis::linear("angle in rad"),
         content: Content::Curves(vec![
@@ -106,9 +107,10 @@ fn velocity(all: &[(&Judged, String)]) -> Picture {
     Picture {
         key: "residual-velocity-time".to_owned(),
         title: "Velocity: measured minus modelled".to_owned(),
-        explanation: "The same for the velocity, both smoothed alike below 10 Hz. Friction acts on the velocity first, \
+        explanation:
+            "The same for the velocity, both smoothed alike below 10 Hz. Friction acts on the velocity first, \
                       so a wrong torque shows here sooner than in the angle."
-            .to_owned(),
+                .to_owned(),
         x: Axis::linear("time since the start of the free swing in s"),
         y: Axis::linear("velocity residual in rad/s"),
         content: Content::Curves(all.iter().enumerate().map(curve).collect()),
@@ -137,7 +139,7 @@ fn ahead(comparison: &Comparison) -> Picture {
                       run is bad, small errors added up; if one swing ahead is bad too, the physics is wrong; one \
                       step ahead is nearly always good and proves nothing."
             .to_owned(),
-        x: Axis::linear("recording, in the order given"),
+        x: Axis::counted("recording, in the order given"),
         y: Axis::logarithmic("error / noise"),
         content: Content::Curves(curves),
     }
