@@ -153,11 +153,11 @@ fn fitted(swings: &[Swing], rig: &Parameters<f64>) -> Result<Parameters<f64>, Fi
 
 fn mismatches(swings: &[Swing], recordings: &[Judged], parameters: &Parameters<f64>) -> Vec<Mismatch> {
     let of = |(swing, judged): (&Swing, &Judged)| {
-        let fits = judged.explained > mismatch::HOPELESS;
+        let fits = judged.explained > mismatch::HOPELESS && !mismatch::is_upside_down(judged.start.offset_rad);
         (!fits).then(|| Mismatch {
             recording: judged.name.clone(),
             explained: judged.explained,
-            reason: mismatch::reason(swing, parameters, &judged.measured),
+            reason: mismatch::reason(swing, parameters, judged),
         })
     };
     swings.iter().zip(recordings).filter_map(of).collect()

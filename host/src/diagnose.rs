@@ -10,4 +10,4 @@ pub mod search;
 pub mod trial;
 pub mod verdict;
 
-pub use verdict::{Diagnosis, diagnose};
+pub use verdict::{Candidate, Diagnosis, Step, Value, diagnose};

@@ -1,6 +1,8 @@
 //! Pictures, before it is decided how they are drawn: [`svg`] draws them for paper, [`web`] for the browser.
+//! [`overlay`] is the drawing of a fit, with its own layout.
 
 pub mod decimate;
+pub mod overlay;
 pub mod svg;
 pub mod web;
 

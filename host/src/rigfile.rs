@@ -104,8 +104,16 @@ impl RigFile {
     }
 
     /// Writes the file as a whole or not at all: a power cut leaves the old one.
+    ///
+    /// # Errors
+    /// The system refuses.
     pub fn save(&self, path: &Path) -> Result<(), RigFileError> {
         let failed = |source| RigFileError::NotWritten { file: path.display().to_string(), source };
+        let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        if path.exists() && !path.is_file() {
+            // A device or a pipe takes the text as it comes; a rename would put a file in its place.
+            return std::fs::write(path, self.document.to_string()).map_err(failed);
+        }
         let beside = path.with_extension("toml.new");
         std::fs::write(&beside, self.document.to_string()).map_err(failed)?;
         std::fs::rename(&beside, path).map_err(failed)

@@ -133,7 +133,7 @@ impl<R> core::fmt::Debug for Effect<R> {
 
 impl<R: Real> Effect<R> {
     /// Every effect there is. Those on the sensor stand in the order in which they act, from the shaft to the wire.
-    pub const ALL: &'static [Effect<R>] = &[
+    pub const ALL: &'static [Effect<R>] = &without_prose_on_the_board([
         viscous::effect(),
         coulomb::effect(),
         stiction::effect(),
@@ -154,7 +154,7 @@ impl<R: Real> Effect<R> {
         sensor_gain::effect(),
         angle_offset::effect(),
         sensor_lag::effect(),
-    ];
+    ]);
 
     /// Index in [`Effect::ALL`] of the effect with this id.
     pub fn index_of(id: u16) -> Option<usize> {
@@ -175,6 +175,16 @@ impl<R: Real> Effect<R> {
     pub const fn is_base(&self) -> bool {
         matches!(self.action, Action::Base)
     }
+}
+
+/// Nobody reads there; every effect's texts would take 300 bytes of its flash.
+const fn without_prose_on_the_board<R: Real, const N: usize>(mut all: [Effect<R>; N]) -> [Effect<R>; N] {
+    let mut i = 0;
+    while cfg!(target_os = "none") && i < N {
+        (all[i].summary, all[i].formula, all[i].source, all[i].experiment) = ("", "", "", "");
+        i += 1;
+    }
+    all
 }
 
 /// Ids are unique, not reserved, and no effect has too many parameters: checked when the crate is compiled.

@@ -22,7 +22,9 @@ impl<R: Real> Butterworth<R> {
     pub fn new(cutoff_hz: f64, rate_hz: f64) -> Option<Self> {
         let sensible = cutoff_hz > 0.0 && cutoff_hz < 0.499 * rate_hz && rate_hz.is_finite();
         sensible.then(|| {
-            let gain = libm::tan(core::f64::consts::PI * cutoff_hz / rate_hz);
+            // The tangent from our own sine: libm's would be 7 KB of the board's flash for this one call.
+            let half_step_rad = core::f64::consts::PI * cutoff_hz / rate_hz;
+            let gain = half_step_rad.sin() / half_step_rad.cos();
             let damping = BUTTERWORTH_DAMPING + gain;
             Self { gain: R::of(gain), damping: R::of(damping), scale: R::of(1.0 / (1.0 + gain * damping)) }
         })

@@ -173,7 +173,7 @@ impl<R: Copy + Into<f64>> Parameters<R> {
 
 fn check_effect<R: Copy + Into<f64>>(effect: &EffectValues<R>) -> Result<(), ParameterError> {
     let id = effect.id;
-    let known = Effect::<f64>::by_id(id).ok_or(ParameterError::UnknownEffect { id })?;
+    let known = Effect::<f32>::by_id(id).ok_or(ParameterError::UnknownEffect { id })?;
     if known.parameters.len() != effect.values.len() {
         let (expected, got) = (known.parameters.len() as u8, effect.values.len() as u8);
         return Err(ParameterError::WrongCount { id, expected, got });

@@ -1,5 +1,14 @@
 //! Helpers of the integration tests.
 
+pub mod chance;
 #[cfg(target_os = "linux")]
 pub mod device;
+pub mod image;
+pub mod innovation;
+pub mod link;
+pub mod measured;
+pub mod paper_data;
+pub mod plant;
 pub mod program;
+#[cfg(unix)]
+pub mod qemu;

@@ -113,3 +113,41 @@ fn colours_stay_off_without_a_terminal() {
     let run = host(folder().path(), "fit missing.csv");
     assert!(!run.stderr.contains('\u{1b}'), "{}", run.stderr);
 }
+
+#[test]
+fn every_help_fits_a_screen_and_has_an_example() {
+    let folder = folder();
+    let overview = host(folder.path(), "--help").succeeded().to_owned();
+    let commands = overview.lines().filter_map(|line| line.strip_prefix("  ")?.split_whitespace().next());
+    let known = ["init", "record", "fit", "push", "pull", "statistics", "simulate"];
+    let listed: Vec<&str> = commands.filter(|word| known.contains(word)).collect();
+    assert_eq!(listed, known, "{overview}");
+    for command in known {
+        let help = host(folder.path(), &format!("{command} --help")).succeeded().to_owned();
+        assert!(help.lines().count() <= 60, "{command}: {} lines", help.lines().count());
+        assert!(help.contains("Example:"), "{command}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_or_a_link_named_as_the_file_stays_one() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = folder();
+    let (pipe, link) = (folder.path().join("pipe"), folder.path().join("link.toml"));
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let reader = std::thread::spawn({
+        let pipe = pipe.clone();
+        move || std::fs::read_to_string(pipe).unwrap()
+    });
+    host(folder.path(), "init --unknown-geometry --force -o pipe").succeeded();
+    // Looked at before the reader is waited for: it would wait for ever if the pipe were gone.
+    assert!(pipe.metadata().unwrap().file_type().is_fifo());
+    assert!(reader.join().unwrap().contains("normalised = true"));
+
+    std::fs::write(folder.path().join("real.toml"), "").unwrap();
+    std::os::unix::fs::symlink("real.toml", &link).unwrap();
+    host(folder.path(), "init --unknown-geometry --force -o link.toml").succeeded();
+    assert!(link.is_symlink());
+    assert!(std::fs::read_to_string(folder.path().join("real.toml")).unwrap().contains("normalised = true"));
+}

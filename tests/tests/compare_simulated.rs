@@ -52,7 +52,7 @@ fn check_map(id: u16, values: &[f64], name: &str) {
     let releases: Vec<Measurement> = [1.4, -1.2, 1.0, -0.7]
         .iter()
         .zip(1..)
-        .map(|(angle, seed)| simulated(&with, &Release { rate_hz: 500.0, ..Release::of(*angle, seed) }))
+        .map(|(angle, seed)| simulated(&with, &Release { seconds: 50.0, rate_hz: 1000.0, ..Release::of(*angle, seed) }))
         .collect();
     let comparison = compared(&without, &releases);
     println!("{}", text::text(&comparison));
@@ -66,6 +66,11 @@ fn check_map(id: u16, values: &[f64], name: &str) {
 #[test]
 fn the_map_finds_a_drag_that_the_model_lacks() {
     check_map(10, &[1e-4], "drag");
+}
+
+#[test]
+fn the_map_finds_a_spring_that_the_model_lacks() {
+    check_map(14, &[4e-3, 0.0], "spring");
 }
 
 #[test]

@@ -1,17 +1,14 @@
 //! How recordings of others are to be read; shared by every command that reads some.
 
+use super::output;
 use super::values::{finite, positive};
 use crate::compare::measurement::Measurement;
 use crate::error::Failure;
-use crate::recording::segment::{SegmentOptions, segment};
+use crate::recording::segment::SegmentOptions;
 use crate::recording::{self, AngleUnit, Columns, ReadOptions, Recording};
 use crate::swing::Swing;
-use crate::{noise, recording::segment::Segments};
 use clap::Args;
-use std::path::Path;
-
-/// Of the rest so much is kept, s.
-const REST_S: f64 = 2.0;
+use std::path::{Path, PathBuf};
 
 /// Options for reading recordings.
 #[derive(Clone, Debug, Args)]
@@ -60,14 +57,25 @@ impl Reading {
         recording::read(path, &options).map_err(Failure::failed)
     }
 
+    /// Reads the swings of several recordings and says what was noticed.
+    pub(super) fn swings(&self, paths: &[PathBuf]) -> Result<Vec<Swing>, Failure> {
+        let read = |path: &PathBuf| {
+            let (swing, notes) = self.swing(path)?;
+            notes.iter().for_each(|note| output::warn(note));
+            Ok(swing)
+        };
+        paths.iter().map(read).collect()
+    }
+
     /// Reads a recording and finds its free swing; gives what was noticed on the way too.
     pub(super) fn swing(&self, path: &Path) -> Result<(Swing, Vec<String>), Failure> {
         let recording = self.read(path)?;
         let name = path.display().to_string();
         let options = SegmentOptions { from_s: self.from, to_s: self.to };
-        let segments = segment(&recording, &options).map_err(|error| Failure::failed(format!("{name}: {error}")))?;
+        let (swing, segments) = Swing::from_recording(&name, &recording, &options)
+            .map_err(|error| Failure::failed(format!("{name}: {error}")))?;
         let notes = recording.notes().iter().chain(&segments.notes).map(|note| format!("{name}: {note}")).collect();
-        Ok((free_swing(&name, &recording, &segments), notes))
+        Ok((swing, notes))
     }
 
     /// Reads a recording and finds its free swing, with what is known around it.
@@ -78,15 +86,4 @@ impl Reading {
         let failed = |error| Failure::failed(format!("{name}: {error}"));
         Measurement::from_recording(&name, &recording, &options).map_err(failed)
     }
-}
-
-/// The free swing of a recording with the beginning of the rest: where it rests tells about stiction.
-fn free_swing(name: &str, recording: &Recording, segments: &Segments) -> Swing {
-    let end = segments.rest.as_ref().map_or(segments.free.end, |rest| {
-        let rested_s = recording.times_s()[rest.start] + REST_S;
-        recording.index_at(rested_s).min(rest.end)
-    });
-    let free = segments.free.start..end;
-    let noise_rad = noise::estimate(recording).total_rms;
-    Swing::new(name, &recording.times_s()[free.clone()], &recording.angles_rad()[free], noise_rad)
 }

@@ -1,21 +1,28 @@
 //! `host fit`: from swings to parameters, and back to the rig.
 
+mod drawing;
+mod paper;
+mod progress;
+mod result;
+mod stages;
+
 use super::columns::Reading;
 use super::record::{Patience, in_words, take};
 use super::values::Range;
 use super::{now, output, port, rig};
+use crate::diagnose::{Diagnosis, diagnose};
 use crate::error::Failure;
-use crate::fit::identify::{self, Fit, Identified, Progress};
-use crate::fit::quality::Responses;
+use crate::fit::identify::{self, Fit};
 use crate::link::Session;
 use crate::recording::Existing;
 use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
 use crate::swing::Swing;
 use clap::{Args, ValueEnum};
-use serde::Serialize;
+use progress::Screen;
+use result::{Check, Outcome};
 use shared::observer::Observer;
 use shared::parameters::Parameters;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Find friction and inertia from swings: recorded ones, or one that is recorded from the rig now.
 #[derive(Debug, Args)]
@@ -48,11 +55,14 @@ pub(super) struct Options {
     /// Draw measured against model
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
+    /// If physics is missing, find out which effect, add it, and go on with the enlarged model
+    #[arg(long)]
+    discover: bool,
     /// Leave the rig as it is
     #[arg(long)]
     no_push: bool,
     /// Replay the paper's three designs and compare its tables with ours; needs no recording
-    #[arg(long, conflicts_with_all = ["port", "recordings", "range", "method", "rig", "hold_out"])]
+    #[arg(long, conflicts_with_all = ["port", "recordings", "range", "method", "rig", "hold_out", "output"])]
     paper: bool,
     /// Print one JSON object instead of text
     #[arg(long)]
@@ -66,6 +76,7 @@ pub(super) struct Options {
 const EXAMPLE: &str = "\
 Example:
   host fit --port sim                                  record, fit, push, check; without hardware
+  host fit --port sim:mystery-1 --discover             the same on a rig with something hidden
   host fit swing.csv --rig rig.toml -o rig.toml
   host fit a.csv b.csv --hold-out c.csv --range Mw=1e-4..1e-3 --json";
 
@@ -88,9 +99,19 @@ impl Method {
     }
 }
 
+impl From<Method> for identify::Method {
+    fn from(method: Method) -> Self {
+        match method {
+            Method::Rsm => Self::Rsm,
+            Method::LeastSquares => Self::LeastSquares,
+            Method::Both => Self::Both,
+        }
+    }
+}
+
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if options.paper {
-        return paper(options);
+        return paper::run(options.json, options.plot.as_deref());
     }
     options.reading.check()?;
     let mut session = options.port.as_deref().map(port::connect).transpose()?;
@@ -103,19 +124,31 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let swings = swings(options, &recordings)?;
     let held_out = swings_quietly(options, &options.hold_out)?;
 
-    let fit = identify(options, &swings, &held_out, model.parameters())?;
+    let plain = identify(options, &swings, &held_out, model.parameters())?;
+    let discovery = options.discover.then(|| discover(&swings, &held_out, &plain)).flatten();
+    let fit = match &discovery {
+        Some(found) => refit(&swings, &held_out, found)?,
+        None => plain,
+    };
     take_over(&mut model, &fit, options.method, &recordings)?;
     if let Some(path) = &options.output {
         model.save(path)?;
     }
     if let Some(path) = &options.plot {
-        plot(path, &fit, &swings)?;
+        drawing::of_fit(path, &fit, &swings)?;
     }
     let check = match session.as_mut() {
         Some(session) if !options.no_push => Some(push_and_check(session, options, &fit)?),
         _ => None,
     };
-    show(options, &fit, &recordings, check.as_ref());
+    let outcome = Outcome {
+        fit: &fit,
+        swings: &swings,
+        stages: stages::stages(&fit, options.method.into(), &swings),
+        check: check.as_ref(),
+        discovery: discovery.as_ref(),
+    };
+    result::show(options, &recordings, &outcome);
     Ok(())
 }
 
@@ -158,25 +191,36 @@ fn swings_quietly(options: &Options, recordings: &[PathBuf]) -> Result<Vec<Swing
 
 /// The identification itself.
 fn identify(options: &Options, swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>) -> Result<Fit, Failure> {
-    let method = match options.method {
-        Method::Rsm => identify::Method::Rsm,
-        Method::LeastSquares => identify::Method::LeastSquares,
-        Method::Both => identify::Method::Both,
-    };
+    let method = options.method.into();
     let ranges =
         options.range.iter().map(|range| (range.quantity.symbol().to_owned(), range.low, range.high)).collect();
     let settings = identify::Options { method, ranges };
-    identify::fit(swings, held_out, rig, &settings, &|progress| say_progress(progress)).map_err(Failure::failed)
+    let longest_s = swings.iter().map(Swing::duration_s).fold(0.0, f64::max);
+    let screen = Screen::new(method, longest_s);
+    identify::fit(swings, held_out, rig, &settings, &|progress| screen.show(progress)).map_err(Failure::failed)
 }
 
-fn say_progress(progress: Progress) {
-    output::say(&match progress {
-        Progress::Surfaces(0) => "response surfaces over the whole swing …".to_owned(),
-        Progress::Surfaces(seconds) => format!("response surfaces over the first {seconds} s …"),
-        Progress::Descent => "least squares …".to_owned(),
-        Progress::Stiction => "stiction …".to_owned(),
-        Progress::Uncertainty => "uncertainties …".to_owned(),
-    });
+/// What is missing, if the base model leaves more than the noise and something can be named.
+fn discover(swings: &[Swing], held_out: &[Swing], fit: &Fit) -> Option<Diagnosis> {
+    if fit.rmse_rad < NOTHING_MISSING * fit.noise_rad {
+        return None;
+    }
+    output::say("physics is missing: trying every effect …");
+    let found = diagnose(swings, held_out, &fit.parameters);
+    let named = found.parameters.effects.len() > found.base_parameters.effects.len();
+    if !named {
+        output::warn("no effect of the list explains what is left");
+    }
+    named.then_some(found)
+}
+
+/// Errors below so many noises are not worth a search.
+const NOTHING_MISSING: f64 = 1.03;
+
+/// All numbers of the enlarged model with their uncertainties.
+fn refit(swings: &[Swing], held_out: &[Swing], found: &Diagnosis) -> Result<Fit, Failure> {
+    let settings = identify::Options { method: identify::Method::LeastSquares, ranges: Vec::new() };
+    identify::fit(swings, held_out, &found.parameters, &settings, &|_| {}).map_err(Failure::failed)
 }
 
 /// Puts what was found into the model file.
@@ -190,15 +234,6 @@ fn take_over(model: &mut RigFile, fit: &Fit, method: Method, recordings: &[PathB
         model.set(quantity, found.value, Knowledge { std: found.std, source: Some(source.clone()) })?;
     }
     Ok(())
-}
-
-/// How well the rig's observer follows a fresh swing, before and after.
-#[derive(Clone, Debug, Serialize)]
-struct Check {
-    recording: PathBuf,
-    bandwidth_rad_s: f64,
-    innovation_before_rad: f64,
-    innovation_after_rad: f64,
 }
 
 /// Pushes the model, then lets the observer judge old and new parameters by a second swing.
@@ -234,71 +269,4 @@ fn innovation_rms_rad(parameters: &Parameters<f64>, bandwidth_rad_s: f64, swing:
         })
         .sum();
     (sum / swing.len() as f64).sqrt()
-}
-
-#[derive(Serialize)]
-struct Shown<'a> {
-    recordings: &'a [PathBuf],
-    method: &'static str,
-    parameters: &'a [Identified],
-    correlations: &'a [Vec<f64>],
-    rmse: f64,
-    noise: f64,
-    held_out_rmse: Option<f64>,
-    responses: &'a Responses,
-    responses_before: &'a Responses,
-    stages: &'a [crate::fit::sequential::Stage],
-    warnings: &'a [String],
-    simulations: usize,
-    seconds: f64,
-    check: Option<&'a Check>,
-}
-
-fn show(options: &Options, fit: &Fit, recordings: &[PathBuf], check: Option<&Check>) {
-    let shown = Shown {
-        recordings,
-        method: options.method.words(),
-        parameters: &fit.identified,
-        correlations: &fit.correlations,
-        rmse: fit.rmse_rad,
-        noise: fit.noise_rad,
-        held_out_rmse: fit.held_out_rmse_rad,
-        responses: &fit.responses,
-        responses_before: &fit.responses_before,
-        stages: &fit.stages,
-        warnings: &fit.warnings,
-        simulations: fit.n_simulations,
-        seconds: fit.seconds,
-        check,
-    };
-    if options.json { output::json("fit", &shown) } else { output::result(&in_text(&shown)) }
-}
-
-fn in_text(shown: &Shown) -> String {
-    let line = |found: &Identified| {
-        let std = found.std.map_or("   (no uncertainty)".to_owned(), |std| format!(" ± {std:.1e}"));
-        format!("  {:<4}{:>12.5e}{std} {:<14} {}", found.symbol, found.value, found.unit, found.name)
-    };
-    let mut lines: Vec<String> = shown.parameters.iter().map(line).collect();
-    lines.push(format!("error {:.3} mrad rms, noise {:.3} mrad", 1e3 * shown.rmse, 1e3 * shown.noise));
-    if let Some(rmse) = shown.held_out_rmse {
-        lines.push(format!("error on the held-out swing {:.3} mrad rms", 1e3 * rmse));
-    }
-    if let Some(check) = shown.check {
-        lines.push(format!(
-            "innovation on a second swing: {:.3} mrad with the old parameters, {:.3} mrad with the new",
-            1e3 * check.innovation_before_rad,
-            1e3 * check.innovation_after_rad
-        ));
-    }
-    lines.extend(shown.warnings.iter().map(|warning| format!("note: {warning}")));
-    lines.join("\n")
-}
-
-fn plot(_: &Path, _: &Fit, _: &[Swing]) -> Result<(), Failure> {
-    Err(Failure::failed("drawing is not built yet").next("leave --plot out"))
-}
-
-fn paper(_: &Options) -> Result<(), Failure> {
-    Err(Failure::failed("the paper's tables are not built yet").next("leave --paper out"))
 }

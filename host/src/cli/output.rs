@@ -3,6 +3,7 @@
 use crate::error::Failure;
 use serde::Serialize;
 use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Version of every `--json` object.
 const JSON_FORMAT: u32 = 1;
@@ -26,9 +27,33 @@ pub(super) fn json(command: &str, fields: &impl Serialize) {
     result(&text);
 }
 
-/// Progress, warnings, questions.
+/// Set once, before the command begins.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From now on no progress is shown; warnings and errors still are.
+pub(super) fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Was `--quiet` given?
+pub(super) fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Progress and questions.
 pub(super) fn say(text: &str) {
+    if !is_quiet() {
+        tell(text);
+    }
+}
+
+fn tell(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// A heading within a result: bold where a person reads it.
+pub(super) fn heading(text: &str) -> String {
+    if io::stdout().is_terminal() && colours_are_welcome() { in_colour(text, BOLD) } else { text.to_owned() }
 }
 
 /// Is a person watching stderr?
@@ -38,22 +63,30 @@ pub(super) fn is_watched() -> bool {
 
 /// What went wrong and what to do next.
 pub(super) fn complain(failure: &Failure) {
-    say(&format!("{} {}", painted("error:", RED), failure.what()));
+    tell(&format!("{} {}", painted("error:", RED), failure.what()));
     if let Some(next) = failure.next_step() {
-        say(&format!("{} {next}", painted("next:", BOLD)));
+        tell(&format!("{} {next}", painted("next:", BOLD)));
     }
 }
 
 /// Something a person should know although there is a result.
 pub(super) fn warn(text: &str) {
-    say(&format!("{} {text}", painted("note:", BOLD)));
+    tell(&format!("{} {text}", painted("note:", BOLD)));
 }
 
 const RED: &str = "1;31";
 const BOLD: &str = "1";
 
-/// In colour on a terminal, unless NO_COLOR (no-color.org) is set.
+/// In colour if a person watches stderr.
 fn painted(text: &str, colour: &str) -> String {
-    let plain = !is_watched() || std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    if plain { text.to_owned() } else { format!("\x1b[{colour}m{text}\x1b[0m") }
+    if is_watched() && colours_are_welcome() { in_colour(text, colour) } else { text.to_owned() }
+}
+
+fn in_colour(text: &str, colour: &str) -> String {
+    format!("\x1b[{colour}m{text}\x1b[0m")
+}
+
+/// Unless NO_COLOR (no-color.org) is set.
+fn colours_are_welcome() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }

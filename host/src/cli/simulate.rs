@@ -4,13 +4,13 @@ use super::values::{Assignment, finite, not_negative, positive};
 use super::{output, rig};
 use crate::error::Failure;
 use crate::recording::{Calibration, Existing, Header, WriteError, Writer};
-use crate::sim::Noise;
+use crate::sim::{Noise, Scenario};
 use clap::Args;
 use serde::Serialize;
 use shared::model::Model;
 use shared::parameters::Parameters;
 use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The pendulum is held still at the start angle for so long, s.
 const HELD_S: f64 = 0.5;
@@ -25,6 +25,12 @@ const LONGEST_S: f64 = 36_000.0;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
+    /// A scenario instead of a model file, such as mystery-1
+    #[arg(value_name = "SCENARIO", conflicts_with = "rig")]
+    scenario: Option<String>,
+    /// Tell what is hidden in the scenario; nothing is simulated
+    #[arg(long, requires = "scenario", conflicts_with = "output")]
+    reveal: bool,
     /// The model file; ./rig.toml if there is one
     #[arg(long, value_name = "FILE")]
     rig: Option<PathBuf>,
@@ -51,8 +57,8 @@ pub(super) struct Options {
     #[arg(long)]
     exact: bool,
     /// The recording to write
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required_unless_present = "reveal")]
+    output: Option<PathBuf>,
     /// Replace the file if it exists
     #[arg(long)]
     force: bool,
@@ -64,7 +70,9 @@ pub(super) struct Options {
 const EXAMPLE: &str = "\
 Example:
   host simulate --rig rig.toml --start 1.5 --seconds 46 --noise 0.001 --seed 1 -o swing.csv
-  host simulate --rig rig.toml --with Cq=1e-4 -o with-air-drag.csv";
+  host simulate --rig rig.toml --with Cq=1e-4 -o with-air-drag.csv
+  host simulate mystery-1 --start -1.2 -o swing2.csv
+  host simulate mystery-1 --reveal";
 
 #[derive(Serialize)]
 struct Simulated {
@@ -77,11 +85,25 @@ struct Simulated {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    check(options)?;
-    let file = rig::load(options.rig.as_deref())?;
-    let parameters = with(file.parameters(), &options.with)?;
-    let potentiometer = file.potentiometer().copied().unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT));
-    let simulated = write(options, &parameters, (!options.exact).then_some(potentiometer)).map_err(not_written)?;
+    let scenario = options.scenario.as_deref().map(scenario).transpose()?;
+    if let Some(scenario) = scenario.filter(|_| options.reveal) {
+        return reveal(options, scenario);
+    }
+    let Some(path) = &options.output else {
+        return Err(Failure::wrong_use("no file was named for the swing").next("name one with -o"));
+    };
+    check(options, path)?;
+    let (model, potentiometer) = match scenario {
+        Some(scenario) => (scenario.true_parameters(), None),
+        None => {
+            let file = rig::load(options.rig.as_deref())?;
+            (file.parameters().clone(), file.potentiometer().copied())
+        }
+    };
+    let parameters = with(&model, &options.with)?;
+    let potentiometer = potentiometer.unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT));
+    let simulated =
+        write(options, path, &parameters, (!options.exact).then_some(potentiometer)).map_err(not_written)?;
     if options.json {
         output::json("simulate", &simulated);
     } else {
@@ -89,18 +111,46 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         let end = if simulated.rests { "rests" } else { "still swings" };
         output::result(&format!(
             "wrote {} with {n_samples} samples; at the end the pendulum {end} at {final_angle_rad:.4} rad",
-            options.output.display()
+            path.display()
         ));
     }
     Ok(())
 }
 
-fn check(options: &Options) -> Result<(), Failure> {
+fn scenario(name: &str) -> Result<&'static Scenario, Failure> {
+    Scenario::by_name(name).ok_or_else(|| {
+        let names: Vec<&str> = Scenario::ALL.iter().map(|scenario| scenario.name).collect();
+        Failure::wrong_use(format!("there is no scenario called {name}"))
+            .next(format!("choose one of {}", names.join(", ")))
+    })
+}
+
+#[derive(Serialize)]
+struct Revealed {
+    scenario: &'static str,
+    hidden: Vec<&'static str>,
+    truth: Vec<(&'static str, f64)>,
+}
+
+fn reveal(options: &Options, scenario: &'static Scenario) -> Result<(), Failure> {
+    let hidden = scenario.hidden_effects();
+    let words =
+        if hidden.is_empty() { "nothing is hidden".to_owned() } else { format!("hidden: {}", hidden.join(", ")) };
+    if options.json {
+        output::json("simulate", &Revealed { scenario: scenario.name, hidden, truth: scenario.truth.to_vec() });
+    } else {
+        let numbers = scenario.truth.iter().map(|(name, value)| format!("\n  {name} = {value}"));
+        output::result(&format!("{}: {words}{}", scenario.name, numbers.collect::<String>()));
+    }
+    Ok(())
+}
+
+fn check(options: &Options, path: &Path) -> Result<(), Failure> {
     if options.rate > HIGHEST_RATE_HZ || options.seconds > LONGEST_S {
         let what = format!("{} s at {} Hz is too much", options.seconds, options.rate);
         return Err(Failure::wrong_use(what).next(format!("stay within {LONGEST_S} s and {HIGHEST_RATE_HZ} Hz")));
     }
-    rig::refuse_existing(&options.output, options.force)
+    rig::refuse_existing(path, options.force)
 }
 
 fn with(parameters: &Parameters<f64>, assignments: &[Assignment]) -> Result<Parameters<f64>, Failure> {
@@ -116,11 +166,12 @@ fn with(parameters: &Parameters<f64>, assignments: &[Assignment]) -> Result<Para
 
 fn write(
     options: &Options,
+    path: &Path,
     parameters: &Parameters<f64>,
     converter: Option<Potentiometer>,
 ) -> Result<Simulated, WriteError> {
     let existing = if options.force { Existing::Overwrite } else { Existing::Keep };
-    let mut writer = Writer::create(&options.output, &header(options, converter), existing)?;
+    let mut writer = Writer::create(path, &header(options, converter), existing)?;
     let model = Model::new(parameters);
     let mut state = model.release(options.start, 0.0);
     let mut sensor = model.sensor_at_rest(&state);
@@ -137,7 +188,7 @@ fn write(
     }
     writer.finish()?;
     Ok(Simulated {
-        file: options.output.clone(),
+        file: path.to_owned(),
         n_samples,
         rate_hz: options.rate,
         release_rad: options.start,

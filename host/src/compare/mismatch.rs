@@ -5,10 +5,12 @@
 
 use super::follow::follow;
 use super::halves::Halves;
+use super::recording::Judged;
 use crate::fit::descent::{Patience, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Problem, Unknown};
 use crate::fit::start;
+use crate::recording::turning::half_swing_s;
 use crate::swing::{Swing, Window};
 use serde::Serialize;
 use shared::parameters::Parameters;
@@ -21,13 +23,22 @@ pub const HOPELESS: f64 = 0.7;
 /// A reason explains at least this share of the first swings.
 const EXPLAINS: f64 = 0.9;
 
-/// The first swings: so many seconds …
-const FIRST_S: f64 = 5.0;
+/// The first swings: so many half swings.
+const FIRST_HALF_SWINGS: f64 = 7.0;
+
+/// Nothing on a bench swings so slowly that they take longer than this, s.
+const SLOWEST_S: f64 = 60.0;
+
+/// A zero beyond this lies nearer to the top than to the hanging position, rad.
+const UPSIDE_DOWN_RAD: f64 = PI / 2.0;
 
 /// A sensor's zero farther off than this deserves a word, rad.
 const ZERO_OFF_RAD: f64 = 0.05;
 
-/// Half swings that gained energy make a driven pendulum from this share on.
+/// A gain of energy counts from so many standard errors on …
+const GAIN_SIGNIFICANT: f64 = 6.0;
+
+/// … and swings that gained some make a driven pendulum from this share on.
 const DRIVEN_SHARE: f64 = 0.2;
 
 /// A recording that does not fit, and why.
@@ -61,25 +72,23 @@ const READINGS: &[Reading] = &[
         scale: TAU, shift_rad: 0.0, clock: 1.0, words: "the angles seem to be in turns: a factor 2π is missing"
     },
     Reading { scale: 1.0 / TAU, shift_rad: 0.0, clock: 1.0, words: "the angles seem to be 2π times too large" },
-    Reading {
-        scale: 1.0,
-        shift_rad: -PI,
-        clock: 1.0,
-        words: "the zero seems to be at the top: 0 must be the hanging pendulum (subtract π)",
-    },
-    Reading {
-        scale: 1.0,
-        shift_rad: PI,
-        clock: 1.0,
-        words: "the zero seems to be at the top: 0 must be the hanging pendulum (add π)",
-    },
     Reading { scale: 1.0, shift_rad: 0.0, clock: 1e-3, words: "the times seem to be in milliseconds" },
     Reading { scale: 1.0, shift_rad: 0.0, clock: 1e3, words: "the times seem to be 1000 times too short" },
 ];
 
+/// Is the sensor's zero so far off that the recording must stand on its head?
+pub fn is_upside_down(offset_rad: f64) -> bool {
+    offset_rad.abs() > UPSIDE_DOWN_RAD
+}
+
 /// The most likely reason why a swing does not follow the model.
-pub fn reason(swing: &Swing, parameters: &Parameters<f64>, measured: &Halves) -> String {
-    if is_driven(measured) {
+pub fn reason(swing: &Swing, parameters: &Parameters<f64>, judged: &Judged) -> String {
+    let offset_rad = judged.start.offset_rad;
+    if judged.explained > HOPELESS && is_upside_down(offset_rad) {
+        let change = if offset_rad > 0.0 { "subtract π" } else { "add π" };
+        return format!("the zero seems to be at the top: 0 must be the hanging pendulum ({change})");
+    }
+    if is_driven(&judged.measured) {
         return "the pendulum gains energy on the way: it is driven, or a hand is on it".to_owned();
     }
     if first_explained(swing, parameters) > EXPLAINS {
@@ -119,23 +128,31 @@ pub fn explained(angles_rad: &[f64], residuals_rad: &[f64]) -> f64 {
 }
 
 fn is_driven(measured: &Halves) -> bool {
-    let gains = measured.halves.iter().filter(|half| half.loss_nm < -4.0 * half.loss_spread_nm).count();
-    measured.halves.len() >= 4 && gains as f64 > DRIVEN_SHARE * measured.halves.len() as f64
+    let losses = measured.losses();
+    let gains = losses.iter().filter(|loss| loss.loss_nm < -GAIN_SIGNIFICANT * loss.spread_nm).count();
+    losses.len() >= 3 && gains as f64 > DRIVEN_SHARE * losses.len() as f64
 }
 
 fn first_explained(swing: &Swing, parameters: &Parameters<f64>) -> f64 {
     let first = first_part(swing);
+    if first.duration_s() > SLOWEST_S {
+        return 0.0;
+    }
     explained(&first.angles_rad, &follow(&first, parameters).residuals_rad)
 }
 
+/// The first swings.
 fn first_part(swing: &Swing) -> Swing {
-    let end = swing.times_s.partition_point(|t| *t <= FIRST_S).clamp(3.min(swing.len()), swing.len());
-    Swing::new(&swing.name, &swing.times_s[..end], &swing.angles_rad[..end], swing.noise_rad)
+    read_as(swing, &AS_IT_IS)
 }
 
+const AS_IT_IS: Reading = Reading { scale: 1.0, shift_rad: 0.0, clock: 1.0, words: "" };
+
+/// The first swings, read in another way.
 fn read_as(swing: &Swing, reading: &Reading) -> Swing {
-    // Only so much of a slow clock as the trial needs.
-    let end = swing.times_s.partition_point(|t| t * reading.clock <= FIRST_S).clamp(3.min(swing.len()), swing.len());
+    let half_swing_s = half_swing_s(&swing.times_s, &swing.angles_rad, swing.noise_rad).unwrap_or(swing.duration_s());
+    let first_s = FIRST_HALF_SWINGS * half_swing_s;
+    let end = swing.times_s.partition_point(|t| *t <= first_s).clamp(3.min(swing.len()), swing.len());
     let times_s: Vec<f64> = swing.times_s[..end].iter().map(|t| t * reading.clock).collect();
     let angle = |angle: &f64| angle * reading.scale + reading.shift_rad;
     let angles_rad: Vec<f64> = swing.angles_rad[..end].iter().map(angle).collect();
@@ -145,6 +162,9 @@ fn read_as(swing: &Swing, reading: &Reading) -> Swing {
 /// Ratio of the moment about the pivot that follows the first swings to the model's, if one does.
 fn other_inertia(swing: &Swing, parameters: &Parameters<f64>) -> Option<f64> {
     let first = first_part(swing);
+    if first.duration_s() > SLOWEST_S {
+        return None;
+    }
     let count = AtomicUsize::new(0);
     let problem = Problem {
         swings: std::slice::from_ref(&first),

@@ -8,7 +8,7 @@ use super::measurement::{Measurement, SensorNoise};
 use super::mismatch::explained;
 use super::per_swing::{Row, rows};
 use super::prediction::{Predictions, predictions};
-use super::restart::{Restart, cuts, restarts};
+use super::restart::{Restart, cuts, restarts, zero_of_swings};
 use super::slope::slopes;
 use super::weak::half_width_s;
 use super::{rms, verdict};
@@ -109,18 +109,20 @@ const REST_S: f64 = 0.3;
 pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>) -> Judged {
     let swing = &measurement.swing;
     let followed = follow(swing, parameters);
-    let offset_rad = followed.start.offset_rad;
-    let cuts = cuts(swing, offset_rad);
+    let cuts = cuts(swing, followed.start.offset_rad);
+    let free_rad = followed.start.offset_rad;
+    let offset_rad = cuts.as_ref().map_or(free_rad, |cuts| zero_of_swings(swing, parameters, free_rad, cuts));
     let step_s = swing.duration_s() / (swing.len() - 1) as f64;
     let restarts = cuts.as_ref().map_or(Vec::new(), |cuts| {
         restarts(swing, parameters, offset_rad, cuts, half_width_s(cuts.half_swing_s, step_s))
     });
     let gravity_nm = parameters.pendulum.gravity_torque_nm();
-    let around_zero = |angles: &[f64]| -> Halves {
-        let angles: Vec<f64> = angles.iter().map(|angle| angle - offset_rad).collect();
+    let around_zero = |angles: &[f64], zero_rad: f64| -> Halves {
+        let angles: Vec<f64> = angles.iter().map(|angle| angle - zero_rad).collect();
         halves(&swing.times_s, &angles, swing.noise_rad, gravity_nm)
     };
-    let (measured, modelled) = (around_zero(&swing.angles_rad), around_zero(&followed.angles_rad));
+    let (measured, modelled) =
+        (around_zero(&swing.angles_rad, offset_rad), around_zero(&followed.angles_rad, free_rad));
     let half_swing_s = cuts.as_ref().map(|cuts| cuts.half_swing_s);
     let swings =
         cuts.as_ref().map_or(Vec::new(), |cuts| rows(swing, offset_rad, &followed.residuals_rad, cuts, &measured));

@@ -8,6 +8,7 @@ use super::slope::slopes;
 use crate::fit::descent::{Patience, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Point, Start};
+use crate::recording::median;
 use crate::recording::smooth::LocalFit;
 use crate::recording::turning;
 use crate::swing::{Swing, Window};
@@ -46,7 +47,7 @@ const MIN_SAMPLES: usize = 8;
 /// Start angle and velocity are first read off a parabola of this half width, in half swings.
 const GUESS_WIDTH: f64 = 0.15;
 
-const PATIENCE: Patience = Patience { max_iterations: 4, least_gain: 1e-2 };
+const PATIENCE: Patience = Patience { max_iterations: 4, least_gain: 1e-2, least_share: 0.0 };
 
 /// Cuts a swing at every other crossing of its hanging position; `None` when it hardly swings.
 pub fn cuts(swing: &Swing, offset_rad: f64) -> Option<Cuts> {
@@ -58,6 +59,33 @@ pub fn cuts(swing: &Swing, offset_rad: f64) -> Option<Cuts> {
     at.extend(crossings.iter().skip(1).step_by(2).map(|crossing| index(crossing.time_s)));
     at.dedup_by(|next, before| *next < *before + MIN_SAMPLES);
     (at.len() >= 2).then_some(Cuts { at, half_swing_s })
+}
+
+/// The sensor's zero (rad) as single swings see it: fitted to each, then the middle one of all. In a free run with
+/// wrong physics the zero bends to hide some of the misfit, which would show up as a constant torque. A torque that is
+/// constant in truth cannot be told from a zero that is off.
+pub fn zero_of_swings(swing: &Swing, parameters: &Parameters<f64>, first_rad: f64, cuts: &Cuts) -> f64 {
+    let one = |ends: &[usize]| {
+        let piece = piece(swing, ends[0]..ends[1] + 1);
+        Some(fitted_start(&piece, parameters, guess(&piece, cuts.half_swing_s, first_rad)?, true).offset_rad)
+    };
+    // Swings close to rest hang on stiction.
+    let lively = swing.samples_within(Window::Lively);
+    let stretches: Vec<&[usize]> = cuts.at.windows(2).filter(|ends| ends[1] < lively).collect();
+    let mut zeros: Vec<f64> = stretches.into_par_iter().filter_map(one).collect();
+    if zeros.len() < FEWEST_ZEROS { first_rad } else { median(&mut zeros) }
+}
+
+/// With fewer swings the free run's zero is as good.
+const FEWEST_ZEROS: usize = 3;
+
+/// The start that follows a piece best; its zero is fitted too or stays.
+fn fitted_start(piece: &Swing, parameters: &Parameters<f64>, guess: Start, zero_is_free: bool) -> Start {
+    let count = AtomicUsize::new(0);
+    let mut problem = starts_only(std::slice::from_ref(piece), parameters, &count);
+    problem.offsets_are_free = zero_is_free;
+    let first = Point { values: Vec::new(), starts: vec![guess] };
+    descend(&problem, &first, Window::Whole, PATIENCE, Steps::new(&problem)).point.starts[0]
 }
 
 /// Starts the model anew for every stretch, which reaches `overlap_s` beyond its cuts.
@@ -97,12 +125,9 @@ fn restart(
     let longest = stretch.next_end.unwrap_or(range.end).max(range.end);
     let both = piece(swing, range.start..longest);
     let fitted = piece(swing, range.clone());
-    let count = AtomicUsize::new(0);
-    let mut problem = starts_only(std::slice::from_ref(&fitted), parameters, &count);
-    problem.offsets_are_free = false;
-    let first = Point { values: Vec::new(), starts: vec![guess(&fitted, cuts.half_swing_s, offset_rad)?] };
-    let start = descend(&problem, &first, Window::Whole, PATIENCE, Steps::new(&problem)).point.starts[0];
+    let start = fitted_start(&fitted, parameters, guess(&fitted, cuts.half_swing_s, offset_rad)?, false);
 
+    let count = AtomicUsize::new(0);
     let problem = starts_only(std::slice::from_ref(&both), parameters, &count);
     let mut angles_rad = problem.predict(0, both.len(), &[(&[], start)]).remove(0);
     let error = |(measured, modelled): (&f64, &f64)| measured - offset_rad - modelled;

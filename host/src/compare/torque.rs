@@ -67,9 +67,11 @@ impl Grid {
 /// One bin of the map.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bin {
-    /// θ at its middle, rad.
+    /// Number in the grid, angle running fastest.
+    pub place: usize,
+    /// Mean θ of its samples, rad.
     pub angle_rad: f64,
-    /// ω at its middle, rad/s.
+    /// Mean ω of its samples, rad/s.
     pub velocity_rad_s: f64,
     /// Torque that the model lacks, N·m, counter-clockwise positive.
     pub torque_nm: f64,
@@ -130,6 +132,7 @@ struct Normal {
     n_windows: usize,
     n_visits: Vec<usize>,
     n_samples: Vec<usize>,
+    sums: Vec<(f64, f64)>,
 }
 
 /// Finds the torque map from the windows of all stretches; `None` without data.
@@ -148,10 +151,11 @@ pub fn torque_map(grid: Grid, stretches: &[Windows], coulomb_nm: f64) -> Option<
     let best = Posterior::new(&normal, &prior.precision(spreads), inflation)?;
     let scatter = best.scatter(&normal, stretches);
     let bin = |(k, bin): (usize, &usize)| {
-        let (angle_rad, velocity_rad_s) = grid.centre(*bin);
+        let n_samples = normal.n_samples[k].max(1) as f64;
         Bin {
-            angle_rad,
-            velocity_rad_s,
+            place: *bin,
+            angle_rad: normal.sums[k].0 / n_samples,
+            velocity_rad_s: normal.sums[k].1 / n_samples,
             torque_nm: best.torques[k],
             spread_nm: best.covariance[(k, k)].max(scatter[k]).sqrt(),
             n_visits: normal.n_visits[k],
@@ -180,6 +184,7 @@ impl Normal {
             n_windows: 0,
             n_visits: vec![0; size],
             n_samples: vec![0; size],
+            sums: vec![(0.0, 0.0); size],
             bins,
         };
         stretches.iter().for_each(|windows| normal.add(windows));
@@ -194,6 +199,8 @@ impl Normal {
             self.right[*place] += right[i];
             self.n_visits[*place] += 1;
             self.n_samples[*place] += windows.n_samples[i];
+            self.sums[*place].0 += windows.sums[i].0;
+            self.sums[*place].1 += windows.sums[i].1;
             for (j, other) in places.iter().enumerate() {
                 self.matrix[(*place, *other)] += product[(i, j)];
             }

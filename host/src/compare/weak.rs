@@ -35,6 +35,8 @@ pub struct Windows {
     pub bins: Vec<usize>,
     /// Samples by touched bin.
     pub n_samples: Vec<usize>,
+    /// Sums of their angles (rad) and velocities (rad/s).
+    pub sums: Vec<(f64, f64)>,
 }
 
 /// Half width of the windows, s.
@@ -74,7 +76,7 @@ pub fn windows(
     let mut bins = at.clone();
     bins.sort_unstable();
     bins.dedup();
-    let n_samples = bins.iter().map(|bin| at.iter().filter(|b| *b == bin).count()).collect();
+    let (n_samples, sums) = contents(restart, &at, &bins);
     let torques = DVector::from_iterator(windows.len(), windows.iter().map(|w| w.torque(&restart.residuals_rad)));
     let mut shares = DMatrix::zeros(windows.len(), bins.len());
     for (row, window) in windows.iter().enumerate() {
@@ -86,7 +88,19 @@ pub fn windows(
     let root = covariance(&windows, noise_rad).cholesky()?;
     let torques = root.l().solve_lower_triangular(&torques)?;
     let shares = root.l().solve_lower_triangular(&shares)?;
-    Some(Windows { torques, shares, bins, n_samples })
+    Some(Windows { torques, shares, bins, n_samples, sums })
+}
+
+/// Number of samples in each bin, and sums of their angles and velocities.
+fn contents(restart: &Restart, at: &[usize], bins: &[usize]) -> (Vec<usize>, Vec<(f64, f64)>) {
+    let (mut n_samples, mut sums) = (vec![0; bins.len()], vec![(0.0, 0.0); bins.len()]);
+    for (i, bin) in at.iter().enumerate() {
+        let k = bins.binary_search(bin).unwrap_or(0);
+        n_samples[k] += 1;
+        sums[k].0 += restart.angles_rad[i];
+        sums[k].1 += restart.velocities_rad_s[i];
+    }
+    (n_samples, sums)
 }
 
 impl Window {

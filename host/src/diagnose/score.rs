@@ -4,7 +4,7 @@
 
 use super::trial::Trial;
 use crate::fit::descent::stepped;
-use crate::fit::linear::{Linear, Steps, linearise, solve_damped};
+use crate::fit::linear::{Linear, Steps, linearise, linearise_added, solve_damped};
 use crate::fit::problem::{PER_SWING, Point, Problem};
 use crate::swing::Window;
 use nalgebra::DVector;
@@ -31,19 +31,26 @@ pub fn promises(of: &Problem, trial: &Trial, effects: &[&'static Effect<f64>]) -
         .iter()
         .flat_map(|effect| effect.starts.iter().map(|start| (*effect, &start[..effect.parameters.len()])))
         .collect();
+    let known = linearise(&trial.problem(of), &trial.point, Window::Whole, &mut Steps::new(&trial.problem(of)));
     let mut promises: Vec<Promise> =
-        starts.into_par_iter().filter_map(|(effect, start)| promise(of, trial, effect, start)).collect();
+        starts.into_par_iter().filter_map(|(effect, start)| promise(of, trial, &known, effect, start)).collect();
     promises.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     promises
 }
 
-fn promise(of: &Problem, trial: &Trial, effect: &'static Effect<f64>, start: &[f64]) -> Option<Promise> {
+fn promise(
+    of: &Problem,
+    trial: &Trial,
+    known: &Linear,
+    effect: &'static Effect<f64>,
+    start: &[f64],
+) -> Option<Promise> {
     let (unknowns, template) = trial.with(of, effect, start)?;
     let problem = Problem { unknowns, template, ..of.clone() };
     let mut values = trial.point.values.clone();
     values.extend(start);
     let point = Point { values, starts: trial.point.starts.clone() };
-    let linear = linearise(&problem, &point, Window::Whole, &mut Steps::new(&problem));
+    let linear = linearise_added(&problem, &point, Window::Whole, known);
     let (step, cost) = bounded_step(&problem, &point, &linear);
     let point = stepped(&point, &step, problem.unknowns.len());
     (cost.is_finite()).then(|| Promise { effect, gain: trial.cost - cost, point })

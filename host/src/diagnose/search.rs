@@ -1,7 +1,7 @@
 //! The search through models: one effect at a time, the most promising few kept at each level.
 
 use super::score::{Promise, promises};
-use super::trial::{Trial, finish, fit_from};
+use super::trial::{Trial, better, finish, finish_with_band, fit_from};
 use crate::fit::descent::{Patience, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::Problem;
@@ -10,8 +10,11 @@ use crate::swing::Window;
 use rayon::prelude::*;
 use shared::effect::Effect;
 
-/// A residual this far above the noise variance is worth an explanation.
-pub const EXCESS_WORTH_EXPLAINING: f64 = 0.02;
+/// A residual this far above the noise variance is worth an explanation; the noise itself is known to about 2 %.
+pub const EXCESS_WORTH_EXPLAINING: f64 = 0.03;
+
+/// What a model with an added effect may leave: the law of the list is never quite the law of the rig.
+const EXCESS_LEFT: f64 = 0.045;
 
 /// At most this many effects are added.
 const MAX_ADDED: usize = 3;
@@ -19,14 +22,17 @@ const MAX_ADDED: usize = 3;
 /// Models kept from one level to the next.
 const BEAM: usize = 3;
 
+/// Models that cost this much more than the best are not gone on with.
+const BEAM_REACH: f64 = 2.0;
+
 /// Effects whose promise is below this share of the best one are not fitted.
 const SHARE_OF_BEST_PROMISE: f64 = 0.15;
 
 /// Effects fitted at each level on top of one model, at most.
-const MAX_FITTED: usize = 7;
+const MAX_FITTED: usize = 6;
 
-/// Starts of one effect that are fitted, at most.
-const MAX_STARTS: usize = 2;
+/// Costs within this factor of the best are worth a fit to the last digit.
+const NEAR: f64 = 1.3;
 
 /// Models of one level that are finished, at most.
 const MAX_FINISHED: usize = 4;
@@ -63,7 +69,7 @@ pub fn search(problem: &Problem, base: &Settled, candidates: &[&'static Effect<f
         }
         let explained = is_explained(problem, &level[0]);
         let lowers = level[0].cost < found.best(found.levels.len()).cost;
-        beam = level.iter().take(BEAM).cloned().collect();
+        beam = level.iter().take(BEAM).take_while(|trial| trial.cost < BEAM_REACH * level[0].cost).cloned().collect();
         if !lowers {
             break;
         }
@@ -87,7 +93,8 @@ fn stiction_free_base(problem: &Problem, base: &Settled) -> Trial {
 
 /// Does a model leave no more than the noise?
 pub fn is_explained(problem: &Problem, trial: &Trial) -> bool {
-    excess(problem, trial.cost) <= EXCESS_WORTH_EXPLAINING
+    let allowed = if trial.effects.is_empty() { EXCESS_WORTH_EXPLAINING } else { EXCESS_LEFT };
+    excess(problem, trial.cost) <= allowed
 }
 
 /// Residual variance beyond the noise, as a share of the noise variance.
@@ -100,44 +107,68 @@ fn next_level(problem: &Problem, beam: &[Trial], candidates: &[&'static Effect<f
     let mut level: Vec<Trial> = beam.iter().flat_map(|trial| extensions(problem, trial, candidates)).collect();
     sort(&mut level);
     drop_doubles(&mut level);
-    let n_finished = if level.first().is_some_and(|best| is_explained(problem, best)) { 2 } else { MAX_FINISHED };
-    let rest = level.split_off(n_finished.min(level.len()));
+    let Some(lowest) = level.first().map(|best| best.cost) else { return level };
+    // Models far above the best one stay as they are: nothing that follows depends on their last digit.
+    let near = level.iter().take(MAX_FINISHED).take_while(|trial| trial.cost < NEAR * lowest).count();
+    let rest = level.split_off(near);
     level = level.par_iter().map(|trial| finish(problem, trial)).collect();
+    sort(&mut level);
+    if !is_explained(problem, &level[0]) {
+        level[0] = better(level[0].clone(), finish_with_band(problem, &level[0]));
+    }
     level.extend(rest);
     sort(&mut level);
     level
 }
 
-/// A model with one more effect, each of the promising ones in turn.
+/// A model with one more effect, each of the promising ones in turn: first the best start of each, then, if none
+/// explains the swings, the next best.
 fn extensions(problem: &Problem, trial: &Trial, candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
     let fresh: Vec<&'static Effect<f64>> =
         candidates.iter().copied().filter(|effect| !trial.has(effect.name)).collect();
-    let promises = worth_fitting(promises(problem, trial, &fresh));
-    let fitted: Vec<Trial> = promises.par_iter().filter_map(|promise| fit_promise(problem, trial, promise)).collect();
-    let mut level = fitted;
+    let (first, second) = worth_fitting(promises(problem, trial, &fresh));
+    let fit = |promises: Vec<Promise>| -> Vec<Trial> {
+        promises.par_iter().filter_map(|promise| fit_promise(problem, trial, promise)).collect()
+    };
+    let mut level = fit(first);
+    if !level.iter().any(|trial| is_explained(problem, trial)) {
+        level.extend(fit(second));
+    }
     sort(&mut level);
     drop_doubles(&mut level);
     level
 }
 
-fn worth_fitting(promises: Vec<Promise>) -> Vec<Promise> {
+/// The best start of each effect that promises enough, and the second best ones.
+fn worth_fitting(promises: Vec<Promise>) -> (Vec<Promise>, Vec<Promise>) {
     let best = promises.first().map_or(0.0, |promise| promise.gain);
-    let mut names: Vec<&'static str> = Vec::new();
-    let mut kept: Vec<Promise> = Vec::new();
+    let promises = without_needless_generalisations(promises);
+    let (mut first, mut second): (Vec<Promise>, Vec<Promise>) = (Vec::new(), Vec::new());
     for promise in promises.into_iter().filter(|promise| promise.gain > SHARE_OF_BEST_PROMISE * best) {
-        let name = promise.effect.name;
-        if !names.contains(&name) {
-            if names.len() == MAX_FITTED {
-                continue;
-            }
-            names.push(name);
-        }
-        if kept.iter().filter(|other| other.effect.name == name).count() < MAX_STARTS {
-            kept.push(promise);
+        let has = |kept: &[Promise]| kept.iter().any(|other| other.effect.id == promise.effect.id);
+        if !has(&first) && first.len() < MAX_FITTED {
+            first.push(promise);
+        } else if has(&first) && !has(&second) {
+            second.push(promise);
         }
     }
-    kept
+    (first, second)
 }
+
+/// A wider form of an effect is only worth its numbers if it promises visibly more.
+fn without_needless_generalisations(promises: Vec<Promise>) -> Vec<Promise> {
+    let gain_of = |name: &str| {
+        promises.iter().filter(|promise| promise.effect.name == name).map(|promise| promise.gain).fold(0.0, f64::max)
+    };
+    let is_needed = |promise: &Promise| {
+        promise.effect.generalises.is_none_or(|special| promise.gain > GENERALISATION_GAIN * gain_of(special))
+    };
+    let needed: Vec<bool> = promises.iter().map(is_needed).collect();
+    promises.into_iter().zip(needed).filter_map(|(promise, needed)| needed.then_some(promise)).collect()
+}
+
+/// A generalisation is fitted if it promises so many times the gain of its special case.
+const GENERALISATION_GAIN: f64 = 1.05;
 
 fn fit_promise(problem: &Problem, trial: &Trial, promise: &Promise) -> Option<Trial> {
     let n_before = trial.unknowns.len();

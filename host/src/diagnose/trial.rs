@@ -72,28 +72,29 @@ impl Trial {
     }
 }
 
-/// Fits a model from a guess with Ms and DV fixed as in `from`, then with Ms searched anew.
+/// Fits a model roughly from a guess, Ms and DV fixed.
 pub fn fit_from(problem: &Problem, effects: Vec<&'static Effect<f64>>, point: &Point, stiction: Stiction) -> Trial {
     let fixed = with_stiction(problem, stiction);
-    let descent = descend(&fixed, point, Window::Whole, Patience::ROUGH, Steps::new(&fixed));
+    let descent = descend(&fixed, point, Window::Whole, Patience::SCREEN, Steps::new(&fixed));
     Trial::of(&fixed, effects, stiction, descent)
 }
 
-/// Fits on until nothing moves, and searches Ms and, where the noise is not reached, DV.
+/// Fits on until nothing moves, and searches Ms; no velocity band is sought.
 pub fn finish(of: &Problem, trial: &Trial) -> Trial {
-    let problem = trial.problem(of);
-    let descent = descend(
-        &with_stiction(&problem, trial.stiction),
-        &trial.point,
-        Window::Whole,
-        Patience::FINE,
-        Steps::new(&problem),
-    );
-    let settled = stiction::settle(&problem, &descent);
-    better(
-        Trial::of(&problem, trial.effects.clone(), trial.stiction, descent),
-        Trial::settled(&problem, trial.effects.clone(), settled),
-    )
+    finish_with(of, trial, |problem, descent| stiction::without_band(problem, descent))
+}
+
+/// The same with a velocity band, where the noise is not reached without.
+pub fn finish_with_band(of: &Problem, trial: &Trial) -> Trial {
+    finish_with(of, trial, |problem, descent| stiction::settle(problem, descent))
+}
+
+fn finish_with(of: &Problem, trial: &Trial, settle: impl Fn(&Problem, &Descent) -> Settled) -> Trial {
+    let problem = with_stiction(&trial.problem(of), trial.stiction);
+    let descent = descend(&problem, &trial.point, Window::Whole, Patience::FINE, Steps::new(&problem));
+    let settled = settle(&problem, &descent);
+    let effects = || trial.effects.clone();
+    better(Trial::of(&problem, effects(), trial.stiction, descent), Trial::settled(&problem, effects(), settled))
 }
 
 /// The one with the lower cost.

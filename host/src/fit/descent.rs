@@ -15,13 +15,17 @@ pub struct Patience {
     pub max_iterations: usize,
     /// Stop when a step lowers the cost by less than this many noise variances.
     pub least_gain: f64,
+    /// … or by less than this share of the cost.
+    pub least_share: f64,
 }
 
 impl Patience {
+    /// To see what a model is worth.
+    pub const SCREEN: Self = Self { max_iterations: 5, least_gain: 3.0, least_share: 0.02 };
     /// To go on with a longer window.
-    pub const ROUGH: Self = Self { max_iterations: 6, least_gain: 3.0 };
+    pub const ROUGH: Self = Self { max_iterations: 6, least_gain: 3.0, least_share: 1e-3 };
     /// For the final answer.
-    pub const FINE: Self = Self { max_iterations: 15, least_gain: 1e-2 };
+    pub const FINE: Self = Self { max_iterations: 15, least_gain: 1e-2, least_share: 0.0 };
 }
 
 /// Where a descent ended.
@@ -74,7 +78,7 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, patience: Patien
             (point, cost) = (better, lower);
             break gain;
         };
-        if gain < patience.least_gain * unit {
+        if gain < (patience.least_gain * unit).max(patience.least_share * cost) {
             converged = true;
             break;
         }

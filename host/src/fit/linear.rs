@@ -75,6 +75,30 @@ pub fn linearise(problem: &Problem, point: &Point, window: Window, steps: &mut S
     linear
 }
 
+/// Linearises at a guess with more unknowns than `known`, whose columns are taken over: exact where the new unknowns
+/// do nothing yet, good enough for a first step elsewhere. The new unknowns stand last in the problem.
+pub fn linearise_added(problem: &Problem, point: &Point, window: Window, known: &Linear) -> Linear {
+    let steps = Steps::new(problem);
+    let n_known = known.gradient.len() - PER_SWING * known.swings.len();
+    let moved = moved_values(problem, point, &steps).split_off(n_known);
+    let of_swing = |swing_idx: usize| {
+        let swing = &problem.swings[swing_idx];
+        let start = point.starts[swing_idx];
+        let mut guesses: Vec<(&[f64], Start)> = vec![(&point.values, start)];
+        guesses.extend(moved.iter().map(|(values, _)| (values.as_slice(), start)));
+        let mut predicted = problem.predict(swing_idx, swing.samples_within(window), &guesses);
+        let base = predicted.remove(0);
+        for (column, (_, step)) in predicted.iter_mut().zip(&moved) {
+            column.iter_mut().zip(&base).for_each(|(moved, base)| *moved = (*moved - base) / step);
+        }
+        let (unknowns, starts) = known.swings[swing_idx].columns.split_at(n_known);
+        let residuals = swing.angles_rad.iter().zip(&base).map(|(m, p)| m - p - start.offset_rad).collect();
+        SwingLinear { residuals, columns: [unknowns, &predicted, starts].concat() }
+    };
+    let swings = (0..problem.swings.len()).into_par_iter().map(of_swing).collect();
+    assemble(problem.unknowns.len(), swings)
+}
+
 /// The guess with one unknown moved, for each unknown, and by how much: inwards where a bound is near.
 fn moved_values(problem: &Problem, point: &Point, steps: &Steps) -> Vec<(Vec<f64>, f64)> {
     let moved = |j: usize| {

@@ -98,6 +98,12 @@ pub enum LinkError {
         /// The port.
         port: String,
     },
+    /// Its sample count began anew.
+    #[error("the rig on {port} restarted")]
+    Restarted {
+        /// The port.
+        port: String,
+    },
     /// A command was asked several times in vain.
     #[error("the rig on {port} did not answer when asked {n_times} times to {command}")]
     NoAnswer {
@@ -153,6 +159,7 @@ impl LinkError {
             Self::Echo { .. } => "take the loop-back wire between its pins away, or name the rig's port",
             Self::OtherProtocol { theirs, .. } if *theirs > PROTOCOL => "update this program",
             Self::OtherProtocol { .. } => "update the rig's firmware",
+            Self::Restarted { .. } => "repeat the command; `host statistics` tells why the rig last started",
             Self::Lost { .. } => "check the cable, plug it in again and repeat the command",
             Self::StreamStopped { .. } | Self::NoAnswer { .. } | Self::WrongAnswer { .. } => {
                 "press the rig's reset button and repeat the command"

@@ -1,6 +1,7 @@
 //! What the simulated bench is like: one entry a scenario. The truth is not what the rig believes.
 
 use crate::rigfile::Quantity;
+use shared::effect::Effect;
 use shared::parameters::Parameters;
 
 /// A bench to practise on.
@@ -35,6 +36,11 @@ const PLAIN: Scenario = Scenario {
     breaks_after_s: None,
 };
 
+/// A rig whose hidden effect is to be found; `host simulate NAME --reveal` tells it.
+const fn mystery(name: &'static str, truth: &'static [(&'static str, f64)]) -> Scenario {
+    Scenario { name, summary: "a rig with something hidden, or nothing: find out", truth, ..PLAIN }
+}
+
 impl Scenario {
     /// The scenario of `--port sim`.
     pub const PLAIN: &'static str = "plain";
@@ -48,6 +54,18 @@ impl Scenario {
             truth: &[("Cq", 1e-4)],
             ..PLAIN
         },
+        mystery("mystery-1", &[("quadratic-drag.Cq", 8e-5)]),
+        mystery("mystery-2", &[("torsional-spring.ks", 6e-3)]),
+        mystery("mystery-3", &[("backlash.b", 0.012)]),
+        mystery("mystery-4", &[]),
+        mystery("mystery-5", &[("detent.Mds", 6e-4), ("detent.Mdc", 4e-4), ("detent.n", 9.0)]),
+        mystery("mystery-6", &[("drifting-friction.Mc1", 5e-4), ("drifting-friction.tau", 9.0)]),
+        mystery("mystery-7", &[("asymmetric-coulomb.dM", 2.5e-4)]),
+        mystery("mystery-8", &[("eddy-brake.Cb", 9e-4), ("eddy-brake.thb", 0.35), ("eddy-brake.w", 0.15)]),
+        mystery(
+            "mystery-9",
+            &[("quadratic-drag.Cq", 1e-4), ("sensor-nonlinearity.q2", 0.03), ("sensor-nonlinearity.q3", 0.015)],
+        ),
         Self { name: "broken-wire", summary: "the potentiometer's wire is broken", breaks_after_s: Some(0.0), ..PLAIN },
         Self {
             name: "loose-wire",
@@ -60,6 +78,13 @@ impl Scenario {
     /// The scenario of this name.
     pub fn by_name(name: &str) -> Option<&'static Self> {
         Self::ALL.iter().find(|scenario| scenario.name == name)
+    }
+
+    /// Names of the effects that the base model lacks.
+    pub fn hidden_effects(&self) -> Vec<&'static str> {
+        let parameters = self.true_parameters();
+        let added = parameters.effects.iter().filter_map(|present| Effect::<f64>::by_id(present.id));
+        added.filter(|effect| !effect.is_base()).map(|effect| effect.name).collect()
     }
 
     /// The parameters the simulated pendulum really has.

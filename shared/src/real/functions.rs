@@ -6,14 +6,14 @@
 /// Sine by reduction to ±π/2 and an odd polynomial. π is split so that `n·π` is exact in its leading parts (Cody and
 /// Waite).
 macro_rules! sine {
-    ($name:ident, $float:ty, $bits:ty, magic $magic:expr, sign $shift:expr, pi $pi:expr, odd $odd:path) => {
+    ($name:ident, $float:ty, $bits:ty, magic $magic:expr, sign $shift:expr, pi [$($pi:expr),+], odd $odd:path) => {
         #[inline(always)]
         pub(super) fn $name(angle: $float) -> $float {
             // Adding the magic number rounds to the nearest integer and leaves its parity in the lowest bit.
             let shifted = angle * (core::f64::consts::FRAC_1_PI as $float) + $magic;
             let half_turns = shifted - $magic;
             let flip = shifted.to_bits() << $shift;
-            let rest = $pi.iter().fold(angle, |rest, part| rest - half_turns * part);
+            let rest = angle $(- half_turns * $pi)+;
             <$float>::from_bits($odd(rest).to_bits() ^ (flip as $bits))
         }
     };
@@ -63,8 +63,8 @@ fn odd_f32(x: f32) -> f32 {
 const PI_F64: [f64; 2] = [3.141_592_653_588_304_5, 1.488_709_496_097_324_6e-12];
 const PI_F32: [f32; 3] = [3.140_625, 9.675_026e-4, 1.509_958e-7];
 
-sine!(sin_f64, f64, u64, magic MAGIC, sign 63, pi PI_F64, odd odd_f64);
-sine!(sin_f32, f32, u32, magic 12_582_912.0, sign 31, pi PI_F32, odd odd_f32);
+sine!(sin_f64, f64, u64, magic MAGIC, sign 63, pi [PI_F64[0], PI_F64[1]], odd odd_f64);
+sine!(sin_f32, f32, u32, magic 12_582_912.0, sign 31, pi [PI_F32[0], PI_F32[1], PI_F32[2]], odd odd_f32);
 
 /// ln 2, its first part with 40 bits, so that its product with an exponent is exact.
 const LN2: [f64; 2] = [0.693_147_180_559_208_2, 7.371_002_565_167_799e-13];

@@ -65,8 +65,7 @@ fn heat(map: &TorqueMap, label: &str, limit: f64, value: impl Fn(&Bin) -> f64) -
     let mut values = vec![vec![None; N_BINS]; N_BINS];
     let mut notes = vec![vec![String::new(); N_BINS]; N_BINS];
     for bin in &map.bins {
-        let place = map.grid.bin_of(bin.angle_rad, bin.velocity_rad_s);
-        let (row, column) = (place / N_BINS, place % N_BINS);
+        let (row, column) = (bin.place / N_BINS, bin.place % N_BINS);
         values[row][column] = Some(value(bin));
         notes[row][column] = format!(
             "{:+.3} ± {:.3} mN·m, {} swings, {} samples",

@@ -1,0 +1,79 @@
+//! ST Nucleo-F446RE.
+//!
+//! | what | here |
+//! |---|---|
+//! | chip | STM32F446RE, run at 168 MHz like the Feather's |
+//! | clock | 8 MHz from the ST-Link, bypassing the oscillator |
+//! | potentiometer's wiper | A0 = PA0, converter channel 0 |
+//! | link | USART2 (PA2, PA3) to the ST-Link's serial port, `/dev/ttyACM0` at 921600 baud |
+//! | update | the ST-Link; the bootloader too, over USART1 or USB of the chip |
+
+use super::stm32::{Chip, Converter, Input, STORE, sectors};
+use embassy_executor::Spawner;
+use embassy_stm32::flash::{Async, Bank1Region1};
+pub use embassy_stm32::pac;
+use embassy_stm32::peripherals::{DMA1_CH5, DMA1_CH6, USART2};
+use embassy_stm32::rcc::{
+    AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPDiv, PllPreDiv, PllSource, Sysclk,
+};
+use embassy_stm32::time::Hertz;
+use embassy_stm32::usart::{self, RingBufferedUartRx, Uart, UartTx};
+use embassy_stm32::{Config, bind_interrupts, dma, flash, mode};
+use firmware::ports::Board;
+use static_cell::StaticCell;
+
+const CLOCK_IN: Hertz = Hertz(8_000_000);
+const WIPER: Input = Input { channel: 0 };
+
+/// 92 kB/s, of which raw codes at 10 kHz take 33.
+const BAUD: u32 = 921_600;
+
+/// 22 bytes each.
+const MOST_POINTS_PER_S: f32 = 2000.0;
+
+/// Bytes received while nobody reads: several frames.
+const RECEIVED: usize = 1024;
+
+bind_interrupts!(struct Irqs {
+    USART2 => usart::InterruptHandler<USART2>;
+    DMA1_STREAM5 => dma::InterruptHandler<DMA1_CH5>;
+    DMA1_STREAM6 => dma::InterruptHandler<DMA1_CH6>;
+    FLASH => flash::InterruptHandler;
+});
+
+type Receiver = RingBufferedUartRx<'static>;
+type Sender = UartTx<'static, mode::Async>;
+
+/// Brings the board up.
+pub fn start(_: Spawner) -> Board<Converter, Receiver, Sender, Bank1Region1<'static, Async>, Chip> {
+    static RING: StaticCell<[u8; RECEIVED]> = StaticCell::new();
+    let p = embassy_stm32::init(clocks());
+    let mut config = usart::Config::default();
+    config.baudrate = BAUD;
+    let port = Uart::new(p.USART2, p.PA3, p.PA2, p.DMA1_CH6, p.DMA1_CH5, Irqs, config);
+    let (sender, receiver) = port.expect("the baud rate can be made from this clock").split();
+    Board {
+        name: "nucleo-f446",
+        most_points_per_s: MOST_POINTS_PER_S,
+        sampler: Converter::new(WIPER, p.PA0, p.ADC1, p.DMA2_CH0, p.TIM3, p.TIM2),
+        receiver: receiver.into_ring_buffered(RING.init([0; RECEIVED])),
+        sender,
+        flash: sectors(p.FLASH, Irqs),
+        store: STORE,
+        system: Chip::new(p.IWDG),
+    }
+}
+
+/// 8 MHz / 8 · 336 / 2 = 168 MHz.
+fn clocks() -> Config {
+    let mut config = Config::default();
+    config.rcc.hse = Some(Hse { freq: CLOCK_IN, mode: HseMode::Bypass });
+    config.rcc.pll_src = PllSource::HSE;
+    config.rcc.pll =
+        Some(Pll { prediv: PllPreDiv::DIV8, mul: PllMul::MUL336, divp: Some(PllPDiv::DIV2), divq: None, divr: None });
+    config.rcc.ahb_pre = AHBPrescaler::DIV1;
+    config.rcc.apb1_pre = APBPrescaler::DIV4;
+    config.rcc.apb2_pre = APBPrescaler::DIV2;
+    config.rcc.sys = Sysclk::PLL1_P;
+    config
+}

@@ -1,0 +1,79 @@
+//! QEMU's machine `netduinoplus2`: an STM32F405 without clock tree, converter and watchdog.
+//!
+//! | what | here |
+//! |---|---|
+//! | link | USART1, the first `-serial` |
+//! | samples | USART2, the second `-serial`: see [`plant`] |
+//! | flash | 48 KB of SRAM that survives a restart: see [`ram_flash`] |
+//! | time | SysTick at 168 MHz: see [`systick`] |
+
+mod plant;
+mod ram_flash;
+mod systick;
+mod usart;
+
+use crate::{crash, usage};
+use embassy_executor::Spawner;
+use embassy_time::Timer;
+use firmware::ports::{Board, System};
+use plant::Plant;
+use ram_flash::RamFlash;
+use shared::wire::{Health, ResetCause};
+pub use stm32_metapac as pac;
+use usart::{Receiver, Sender};
+
+/// Its serial port knows no rate.
+const MOST_POINTS_PER_S: f32 = 10_000.0;
+
+/// Brings the machine up.
+pub fn start(_: Spawner) -> Board<Plant, Receiver, Sender, RamFlash, Machine> {
+    systick::start();
+    let (sender, receiver) = usart::link();
+    let (credits, codes) = usart::plant();
+    Board {
+        name: "qemu",
+        most_points_per_s: MOST_POINTS_PER_S,
+        sampler: Plant::new(codes, credits),
+        receiver,
+        sender,
+        flash: RamFlash::new(),
+        store: 0..ram_flash::SIZE as u32,
+        system: Machine,
+    }
+}
+
+/// The simulated chip. It has no watchdog and no bootloader.
+pub struct Machine;
+
+impl System for Machine {
+    const HAS_BOOTLOADER: bool = false;
+
+    fn since_power_up(&mut self) -> Health {
+        let before = crash::before_this_start();
+        let asked = if before.warm { ResetCause::Asked } else { ResetCause::Power };
+        Health {
+            cause: before.cause.unwrap_or(asked),
+            resets: before.resets,
+            last_fault: before.last_fault,
+            ..Health::default()
+        }
+    }
+
+    fn measure(&mut self, health: &mut Health) {
+        usage::measure(health);
+    }
+
+    fn feed_watchdog(&mut self) {}
+
+    async fn pause(milliseconds: u32) {
+        Timer::after_millis(u64::from(milliseconds)).await;
+    }
+
+    fn reset(&mut self) -> ! {
+        cortex_m::peripheral::SCB::sys_reset()
+    }
+
+    fn bootloader(&mut self) -> ! {
+        self.reset()
+    }
+}

@@ -1,0 +1,43 @@
+//! Into the chip's own bootloader and thereby to USB updates without a probe.
+//!
+//! It wants the chip as after a reset, so the wish is written down, the chip restarted, and the wish obeyed before
+//! anything else runs.
+#![allow(unsafe_code, reason = "the wish survives a restart, and the jump leaves the program for good")]
+
+use core::mem::MaybeUninit;
+use core::ptr::{addr_of, addr_of_mut};
+use embassy_stm32::pac::{RCC, SYSCFG};
+
+/// Where the bootloader's vectors are (AN2606, STM32F40x and F446).
+const SYSTEM_MEMORY: *const u32 = 0x1fff_0000 as *const u32;
+
+/// MEM_MODE of SYSCFG: the bootloader expects its vectors at address zero as well.
+const SYSTEM_FLASH_AT_ZERO: u8 = 1;
+
+const WISH: u32 = 0x0df0_b007;
+
+#[unsafe(link_section = ".uninit.bootloader")]
+static mut WISHED: MaybeUninit<u32> = MaybeUninit::uninit();
+
+/// Restarts into the bootloader.
+pub fn restart_into() -> ! {
+    // SAFETY: a plain word that nobody refers to.
+    unsafe { addr_of_mut!(WISHED).cast::<u32>().write_volatile(WISH) }
+    cortex_m::peripheral::SCB::sys_reset()
+}
+
+/// Call it first of all.
+pub fn enter_if_asked() {
+    // SAFETY: as above; any bits are a valid word.
+    let wished = unsafe { addr_of!(WISHED).cast::<u32>().read_volatile() };
+    if wished != WISH {
+        return;
+    }
+    // SAFETY: nothing has been set up yet, as the bootloader expects.
+    unsafe {
+        addr_of_mut!(WISHED).cast::<u32>().write_volatile(0);
+        RCC.apb2enr().modify(|w| w.set_syscfgen(true));
+        SYSCFG.memrm().modify(|w| w.set_mem_mode(SYSTEM_FLASH_AT_ZERO));
+        cortex_m::asm::bootload(SYSTEM_MEMORY)
+    }
+}

@@ -1,0 +1,16 @@
+//! The firmware without its board: samples and bytes in, frames and flash words out, all through traits.
+//!
+//! [`app::run`] connects [`shared::rig::Rig`] to a [`ports::Board`]. The boards themselves (pins, clocks, interrupts)
+//! belong to the program, `main.rs`; everything here also runs in the tests on the PC.
+#![no_std]
+#![forbid(unsafe_code)]
+// Nobody else implements these traits, so nobody needs bounds on their futures.
+#![allow(async_fn_in_trait)]
+
+pub mod app;
+
+pub mod frame_queue;
+pub mod oversampling;
+pub mod ports;
+pub mod ring;
+pub mod store;

@@ -1,0 +1,69 @@
+//! What the application asks of a board: samples in, bytes in and out, flash, and the chip's own business.
+
+use embedded_io_async::{Read, Write};
+use embedded_storage_async::nor_flash::NorFlash;
+use heapless::Vec;
+use shared::units::Code;
+use shared::wire::Health;
+
+/// The largest code: four times 4095. Every board averages until its codes have this scale, or is fed such codes, so
+/// that a calibration means the same on all of them.
+pub const FULL_SCALE: u16 = 4 * 4095;
+
+/// The most samples handed over at once.
+pub const BATCH: usize = 32;
+
+/// Samples in the order they were taken.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Batch {
+    /// How many samples were lost before the first of these.
+    pub lost: u32,
+    /// The codes, 0 … [`FULL_SCALE`].
+    pub codes: Vec<Code, BATCH>,
+}
+
+/// Where the samples come from. Their timing is the board's; the application only counts them.
+pub trait Sampler {
+    /// Samples at this rate (100 … 10 000 Hz) from now on.
+    fn set_rate(&mut self, rate_hz: f32);
+    /// Waits for the next samples.
+    async fn next(&mut self) -> Batch;
+}
+
+/// The chip's own business.
+pub trait System {
+    /// Is there a bootloader to restart into?
+    const HAS_BOOTLOADER: bool;
+    /// Why it started, where the last fault was, how many restarts.
+    fn since_power_up(&mut self) -> Health;
+    /// Processor share and stack, measured now.
+    fn measure(&mut self, health: &mut Health);
+    /// Called when samples have arrived, and only then: a rig that stopped sampling is restarted.
+    fn feed_watchdog(&mut self);
+    /// Lets milliseconds pass.
+    async fn pause(milliseconds: u32);
+    /// Restarts.
+    fn reset(&mut self) -> !;
+    /// Restarts into the chip's bootloader; asked only if there is one.
+    fn bootloader(&mut self) -> !;
+}
+
+/// Everything the application needs.
+pub struct Board<S: Sampler, R: Read, W: Write, F: NorFlash, Y: System> {
+    /// The name in the greeting.
+    pub name: &'static str,
+    /// Live points that the link carries in a second beside raw codes at the highest rate; more are refused.
+    pub most_points_per_s: f32,
+    /// Samples.
+    pub sampler: S,
+    /// Bytes from the PC.
+    pub receiver: R,
+    /// Bytes to the PC.
+    pub sender: W,
+    /// Where the store lives.
+    pub flash: F,
+    /// The bytes of it that the store may use.
+    pub store: core::ops::Range<u32>,
+    /// The chip.
+    pub system: Y,
+}

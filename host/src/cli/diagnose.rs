@@ -1,0 +1,56 @@
+//! `host diagnose`: which physical effect is missing from the model?
+
+use super::columns::Reading;
+use super::{evidence, output, rig};
+use crate::diagnose::{Diagnosis, diagnose};
+use crate::error::Failure;
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Find out which physical effect is missing: fit the base model, then try every effect there is.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(super) struct Options {
+    /// Recordings of one rig; several release angles tell the most
+    #[arg(value_name = "RECORDING", required = true)]
+    recordings: Vec<PathBuf>,
+    /// The model file; ./rig.toml if there is one. One straight from `host init` will do
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+    /// A recording that takes no part and shows how well each model predicts (may be repeated)
+    #[arg(long, value_name = "FILE")]
+    hold_out: Vec<PathBuf>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  host diagnose swing1.csv swing2.csv swing3.csv --rig rig.toml
+  host diagnose swing*.csv --hold-out other.csv --json";
+
+#[derive(Serialize)]
+struct Shown<'a> {
+    recordings: &'a [PathBuf],
+    #[serde(flatten)]
+    diagnosis: &'a Diagnosis,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    options.reading.check()?;
+    let model = rig::load(options.rig.as_deref())?;
+    let swings = options.reading.swings(&options.recordings)?;
+    let held_out = options.reading.swings(&options.hold_out)?;
+    output::say("fitting the base model, then every effect …");
+    let diagnosis = diagnose(&swings, &held_out, model.parameters());
+    if options.json {
+        output::json("diagnose", &Shown { recordings: &options.recordings, diagnosis: &diagnosis });
+    } else {
+        output::result(&evidence::in_words(&diagnosis));
+    }
+    Ok(())
+}

@@ -1,0 +1,151 @@
+//! `host effects`: what may act on a pendulum, read from the one list.
+
+use super::output;
+use crate::error::Failure;
+use clap::Args;
+use serde::Serialize;
+use shared::effect::{Action, Effect};
+
+/// List the physical effects, or explain one.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(super) struct Options {
+    /// Explain this one
+    #[arg(value_name = "NAME")]
+    name: Option<String>,
+    /// Print all of them as the page docs/effects.md
+    #[arg(long, conflicts_with_all = ["name", "json"])]
+    markdown: bool,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  host effects
+  host effects quadratic-drag";
+
+#[derive(Serialize)]
+struct Shown {
+    effects: Vec<Entry>,
+}
+
+#[derive(Serialize)]
+struct Entry {
+    id: u16,
+    name: &'static str,
+    acts_on: &'static str,
+    summary: &'static str,
+    formula: &'static str,
+    source: &'static str,
+    experiment: &'static str,
+    parameters: Vec<Number>,
+}
+
+#[derive(Serialize)]
+struct Number {
+    symbol: &'static str,
+    unit: &'static str,
+    low: f64,
+    high: f64,
+    meaning: &'static str,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let chosen: Vec<&Effect<f64>> = match &options.name {
+        None => Effect::ALL.iter().collect(),
+        Some(name) => vec![Effect::by_name(name).ok_or_else(|| unknown(name))?],
+    };
+    if options.json {
+        output::json("effects", &Shown { effects: chosen.into_iter().map(entry).collect() });
+    } else if options.markdown {
+        output::result(&markdown());
+    } else if options.name.is_some() {
+        output::result(&chosen.into_iter().map(explained).collect::<String>());
+    } else {
+        output::result(&listing());
+    }
+    Ok(())
+}
+
+fn unknown(name: &str) -> Failure {
+    let names: Vec<&str> = Effect::<f64>::ALL.iter().map(|effect| effect.name).collect();
+    Failure::wrong_use(format!("there is no effect called {name}")).next(format!("choose one of {}", names.join(", ")))
+}
+
+fn acts_on(effect: &Effect<f64>) -> &'static str {
+    match effect.action {
+        Action::Base => "base model",
+        Action::Drive(_) | Action::Friction(_) => "torque",
+        Action::State(_) => "torque with memory",
+        Action::Sensor(_) => "sensor",
+    }
+}
+
+fn entry(effect: &Effect<f64>) -> Entry {
+    let number = |p: &shared::effect::Parameter| Number {
+        symbol: p.symbol,
+        unit: p.unit,
+        low: p.low,
+        high: p.high,
+        meaning: p.meaning,
+    };
+    Entry {
+        id: effect.id,
+        name: effect.name,
+        acts_on: acts_on(effect),
+        summary: effect.summary,
+        formula: effect.formula,
+        source: effect.source,
+        experiment: effect.experiment,
+        parameters: effect.parameters.iter().map(number).collect(),
+    }
+}
+
+fn listing() -> String {
+    let line = |effect: &Effect<f64>| {
+        let symbols: Vec<&str> = effect.parameters.iter().map(|p| p.symbol).collect();
+        format!("  {:<26}{:<20}{}", effect.name, acts_on(effect), symbols.join(", "))
+    };
+    let lines: Vec<String> = Effect::ALL.iter().map(line).collect();
+    format!("{}\n\n`host effects NAME` explains one.", lines.join("\n"))
+}
+
+fn explained(effect: &Effect<f64>) -> String {
+    let number = |p: &shared::effect::Parameter| {
+        let unit = if p.unit == "1" { String::new() } else { format!(" {}", p.unit) };
+        format!("  {:<5} {} ({} … {}{unit})\n", p.symbol, p.meaning, p.low, p.high)
+    };
+    let numbers: String = effect.parameters.iter().map(number).collect();
+    format!(
+        "{} ({})\n{}\n\n  {}\n{numbers}\nshows best: {}\nsource: {}",
+        effect.name,
+        acts_on(effect),
+        effect.summary,
+        effect.formula,
+        effect.experiment,
+        effect.source
+    )
+}
+
+/// The page of all effects.
+fn markdown() -> String {
+    let section = |effect: &Effect<f64>| {
+        let row = |p: &shared::effect::Parameter| {
+            format!("| {} | {} | {} … {} | {} |\n", p.symbol, p.unit, p.low, p.high, p.meaning)
+        };
+        let rows: String = effect.parameters.iter().map(row).collect();
+        format!(
+            "\n## {}\n\n{}\n\n    {}\n\nActs on: {}.\n\n| symbol | unit | range | meaning |\n|---|---|---|---|\n{rows}\nShows best: {}\n\nSource: {}.\n",
+            effect.name,
+            effect.summary,
+            effect.formula,
+            acts_on(effect),
+            effect.experiment,
+            effect.source
+        )
+    };
+    let sections: String = Effect::ALL.iter().map(section).collect();
+    format!("# Physical effects\n\nMade from the code by `host effects --markdown`.\n{sections}").trim_end().to_owned()
+}

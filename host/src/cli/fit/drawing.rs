@@ -1,0 +1,86 @@
+//! `--plot`: measured against model, as an SVG.
+
+use crate::error::Failure;
+use crate::fit::identify::Fit;
+use crate::fit::problem::Start;
+use crate::paper::data::Published;
+use crate::paper::replay::Replay;
+use crate::plot::overlay::{Overlay, Row};
+use crate::swing::Swing;
+use crate::trajectory::simulate;
+use shared::model::Model;
+use shared::parameters::Parameters;
+use std::path::Path;
+
+/// Draws all fitted swings.
+pub(super) fn of_fit(path: &Path, fit: &Fit, swings: &[Swing]) -> Result<(), Failure> {
+    let rows: Vec<Row> =
+        swings.iter().zip(&fit.starts).map(|(swing, start)| row(swing, start, &fit.parameters)).collect();
+    let title = match swings {
+        [_] => "Measured against model".to_owned(),
+        _ => format!("Measured against model: {} swings", swings.len()),
+    };
+    save(path, &Overlay { title, subtitle: numbers(fit), rows })
+}
+
+/// Draws the paper's simulation at its three optima over the rebuilt recording, as in its Figs 6, 7 and 9.
+pub(super) fn of_paper(path: &Path) -> Result<(), Failure> {
+    let published = Published::embedded();
+    let replay = Replay::new(&published);
+    let simulation = replay.simulation();
+    let row = |optimum: &crate::paper::data::PublishedOptimum| Row {
+        title: format!(
+            "optimum of Table {}: mseA {:.3e} rad²",
+            optimum.table,
+            replay.responses(&optimum.values).mse_angle
+        ),
+        times_s: (0..published.recording_rad.len()).map(|i| i as f64 * published.interval_s).collect(),
+        measured_rad: published.recording_rad.clone(),
+        model_rad: replay.angles_rad(&optimum.values),
+        noise_rad: simulation.floor_angle.sqrt(),
+    };
+    save(
+        path,
+        &Overlay {
+            title: "The paper's simulation at its three optima over the rebuilt recording".to_owned(),
+            subtitle: format!(
+                "start {} rad, {:.1} s, 1 ms steps; noise as in the paper's own recording",
+                simulation.start_rad, simulation.duration_s
+            ),
+            rows: published.optima.iter().map(row).collect(),
+        },
+    )
+}
+
+fn row(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Row {
+    let model = Model::new(parameters);
+    let state = model.release(start.angle_rad, start.velocity_rad_s);
+    let mut model_rad = Vec::with_capacity(swing.len());
+    simulate(&model, state, &swing.schedule, swing.len(), |_, reading: f64| model_rad.push(reading + start.offset_rad));
+    let squares: f64 = swing.angles_rad.iter().zip(&model_rad).map(|(m, s)| (m - s).powi(2)).sum();
+    let rmse_mrad = 1e3 * (squares / swing.len() as f64).sqrt();
+    let name = Path::new(&swing.name).file_name().map_or(swing.name.as_str().into(), |name| name.to_string_lossy());
+    let title = format!("{name}: error {rmse_mrad:.3} mrad rms, noise {:.3} mrad rms", 1e3 * swing.noise_rad);
+    Row {
+        title,
+        times_s: swing.times_s.clone(),
+        measured_rad: swing.angles_rad.clone(),
+        model_rad,
+        noise_rad: swing.noise_rad,
+    }
+}
+
+/// The parameters in one line.
+fn numbers(fit: &Fit) -> String {
+    let number = |found: &crate::fit::identify::Identified| {
+        format!("{} = {} {}", found.symbol, crate::cli::number::significant(found.value, 4), found.unit)
+    };
+    fit.identified.iter().map(number).collect::<Vec<_>>().join(", ")
+}
+
+fn save(path: &Path, overlay: &Overlay) -> Result<(), Failure> {
+    std::fs::write(path, overlay.svg()).map_err(|error| {
+        Failure::failed(format!("could not write {}: {error}", path.display()))
+            .next("give --plot a file in a folder that exists and may be written to")
+    })
+}

@@ -1,0 +1,266 @@
+//! The result of a fit: one object for programs, a screen of tables and sentences for a person.
+
+use super::Options;
+use super::stages::After;
+use crate::cli::number::{count, significant, with_spread};
+use crate::cli::table::{table, wrapped};
+use crate::cli::{evidence, output};
+use crate::diagnose::Diagnosis;
+use crate::fit::identify::{Fit, Identified, Verdict};
+use crate::fit::quality::Responses;
+use crate::fit::sequential::Stage;
+use crate::swing::Swing;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Correlations beyond this are worth a sentence.
+const STRONG_CORRELATION: f64 = 0.9;
+
+/// The strongest few are enough to read; `--json` has all.
+const MOST_CORRELATIONS: usize = 3;
+
+/// Up to so many noises the error is all noise, or nearly.
+const ALL_NOISE: f64 = 1.03;
+const NEARLY_NOISE: f64 = 1.1;
+
+/// How well the rig's observer follows a fresh swing, before and after.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Check {
+    pub(super) recording: PathBuf,
+    pub(super) bandwidth_rad_s: f64,
+    pub(super) innovation_before_rad: f64,
+    pub(super) innovation_after_rad: f64,
+}
+
+/// Everything there is to tell.
+pub(super) struct Outcome<'a> {
+    pub(super) fit: &'a Fit,
+    pub(super) swings: &'a [Swing],
+    pub(super) stages: Vec<After>,
+    pub(super) check: Option<&'a Check>,
+    pub(super) discovery: Option<&'a Diagnosis>,
+}
+
+#[derive(Serialize)]
+struct Object<'a> {
+    recordings: &'a [PathBuf],
+    method: &'static str,
+    parameters: &'a [Identified],
+    correlated: Vec<&'static str>,
+    correlations: &'a [Vec<f64>],
+    rmse: f64,
+    noise: f64,
+    held_out_rmse: Option<f64>,
+    responses: &'a Responses,
+    responses_before: &'a Responses,
+    lowered: &'a [After],
+    stages: &'a [Stage],
+    warnings: &'a [String],
+    simulations: usize,
+    seconds: f64,
+    check: Option<&'a Check>,
+    discovery: Option<&'a Diagnosis>,
+}
+
+/// Prints it on stdout.
+pub(super) fn show(options: &Options, recordings: &[PathBuf], outcome: &Outcome) {
+    if options.json {
+        output::json("fit", &object(options, recordings, outcome));
+    } else {
+        if let Some(found) = outcome.discovery {
+            output::result(&format!("{}\n", evidence::in_words(found)));
+        }
+        output::result(&in_words(options, recordings, outcome));
+    }
+}
+
+fn object<'a>(options: &Options, recordings: &'a [PathBuf], outcome: &'a Outcome) -> Object<'a> {
+    let fit = outcome.fit;
+    Object {
+        recordings,
+        method: options.method.words(),
+        parameters: &fit.identified,
+        correlated: correlated(fit).iter().map(|found| found.symbol).collect(),
+        correlations: &fit.correlations,
+        rmse: fit.rmse_rad,
+        noise: fit.noise_rad,
+        held_out_rmse: fit.held_out_rmse_rad,
+        responses: &fit.responses,
+        responses_before: &fit.responses_before,
+        lowered: &outcome.stages,
+        stages: &fit.stages,
+        warnings: &fit.warnings,
+        simulations: fit.n_simulations,
+        seconds: fit.seconds,
+        check: outcome.check,
+        discovery: outcome.discovery,
+    }
+}
+
+fn in_words(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> String {
+    let fit = outcome.fit;
+    let parts = [
+        opening(options, outcome),
+        parameters(fit),
+        lowered(&outcome.stages, fit),
+        sentences(outcome).iter().map(|sentence| wrapped(sentence, 0)).collect::<Vec<_>>().join("\n"),
+        fit.warnings.iter().map(|note| wrapped(&format!("note: {note}"), 6)).collect::<Vec<_>>().join("\n"),
+        ending(options, recordings, outcome),
+    ];
+    parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n\n")
+}
+
+fn opening(options: &Options, outcome: &Outcome) -> String {
+    let (fit, swings) = (outcome.fit, outcome.swings);
+    let what = match swings {
+        [swing] => format!("{}, {:.1} s of swing", swing.name, swing.duration_s()),
+        _ => format!("{} swings, {:.1} s together", swings.len(), swings.iter().map(Swing::duration_s).sum::<f64>()),
+    };
+    let method = options.method.words().replace(", ", ", then ");
+    let how = format!("{what}, by {method}: {} simulated swings in {:.1} s", fit.n_simulations, fit.seconds);
+    output::heading(&wrapped(&how, 0))
+}
+
+fn parameters(fit: &Fit) -> String {
+    let verdict = |found: &Identified| match found.verdict {
+        Verdict::Identified => "identified",
+        Verdict::Weak => "weak",
+        Verdict::Not => "not identified",
+    };
+    let row = |found: &Identified| {
+        let texts = [found.symbol, found.unit, found.name, verdict(found)].map(str::to_owned);
+        let [symbol, unit, name, verdict] = texts;
+        vec![symbol, with_spread(found.value, found.std), unit, name, verdict]
+    };
+    table(["", "value", "unit", "what", "verdict"], fit.identified.iter().map(row).collect(), 5)
+}
+
+fn lowered(stages: &[After], fit: &Fit) -> String {
+    let row = |after: &After| {
+        let Responses { mse_angle, mse_velocity, positive_peaks, negative_peaks, zero_crossings } = after.responses;
+        let counts = [positive_peaks, negative_peaks, zero_crossings].map(count);
+        let squares = [mse_angle, mse_velocity].map(|value| significant(value, 4));
+        std::iter::once(after.stage.to_owned()).chain(squares).chain(counts).collect()
+    };
+    let header = ["after", "mseA (rad²)", "mseV (rad²/s²)", "ePM", "eNM", "eZC"];
+    let shown = table(header, stages.iter().map(row).collect(), 1);
+    let predicted = fit.stages.last().and_then(|stage| stage.r_squared_predicted);
+    match predicted {
+        Some(share) => {
+            let n_designs = fit.stages.len();
+            format!(
+                "{shown}\n({n_designs} designs; the last surface of mseA predicts {:.1} % of new runs)",
+                100.0 * share
+            )
+        }
+        None => shown,
+    }
+}
+
+fn sentences(outcome: &Outcome) -> Vec<String> {
+    let fit = outcome.fit;
+    let mut sentences = vec![error_against_noise(fit)];
+    sentences.extend(fit.held_out_rmse_rad.map(|rmse_rad| held_out(rmse_rad, fit)));
+    sentences.extend(outcome.check.map(innovation));
+    sentences.extend(strong_correlations(fit));
+    sentences
+}
+
+fn error_against_noise(fit: &Fit) -> String {
+    let ratio = fit.rmse_rad / fit.noise_rad;
+    let meaning = if ratio <= ALL_NOISE {
+        "the model explains all but the noise".to_owned()
+    } else if ratio <= NEARLY_NOISE {
+        "the model explains nearly all but the noise".to_owned()
+    } else {
+        format!("that is {ratio:.2} times the noise, so the model does not explain everything")
+    };
+    format!("Error {:.3} mrad rms, noise {:.3} mrad rms: {meaning}.", 1e3 * fit.rmse_rad, 1e3 * fit.noise_rad)
+}
+
+fn held_out(rmse_rad: f64, fit: &Fit) -> String {
+    let ratio = rmse_rad / fit.rmse_rad;
+    let meaning = if ratio <= NEARLY_NOISE {
+        "as good as on what was fitted".to_owned()
+    } else {
+        format!("{ratio:.2} times that of what was fitted")
+    };
+    format!("Error on what was held out {:.3} mrad rms: {meaning}.", 1e3 * rmse_rad)
+}
+
+fn innovation(check: &Check) -> String {
+    let (before, after) = (check.innovation_before_rad, check.innovation_after_rad);
+    let meaning = if after < before {
+        format!("{:.1} times smaller", before / after)
+    } else {
+        "no smaller; the old parameters were as good".to_owned()
+    };
+    format!(
+        "Innovation of the rig's observer on a second swing: {:.3} mrad with the old parameters, {:.3} mrad with the new: {meaning}.",
+        1e3 * before,
+        1e3 * after
+    )
+}
+
+/// The numbers that the correlations are about: those whose spread comes from the covariance.
+fn correlated(fit: &Fit) -> Vec<&Identified> {
+    let has_band = fit.identified.iter().any(|found| found.symbol == "DV" && found.value > 0.0);
+    let smooth = |found: &&Identified| found.std.is_some() && (has_band || found.name != "stiction");
+    let found: Vec<&Identified> = fit.identified.iter().filter(smooth).collect();
+    if found.len() == fit.correlations.len() { found } else { Vec::new() }
+}
+
+fn strong_correlations(fit: &Fit) -> Vec<String> {
+    let found = correlated(fit);
+    let pairs = (0..found.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
+    let size = |(j, i): &(usize, usize)| fit.correlations[*j][*i].abs();
+    let mut strong: Vec<(usize, usize)> = pairs.filter(|pair| size(pair) > STRONG_CORRELATION).collect();
+    strong.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    strong.truncate(MOST_CORRELATIONS);
+    let sentence = |(j, i): (usize, usize)| {
+        let (correlation, [a, b]) = (fit.correlations[j][i], [found[j].symbol, found[i].symbol]);
+        let alike = if correlation < 0.0 { "more of one and less of the other" } else { "more of both" };
+        format!(
+            "{a} and {b} are hard to tell apart (correlation {correlation:.2}): {alike} gives nearly the same swing."
+        )
+    };
+    strong.into_iter().map(sentence).collect()
+}
+
+/// What was saved where, and what to do next.
+fn ending(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> String {
+    let mut lines = Vec::new();
+    let shown = |path: &Path| path.display().to_string();
+    if options.port.is_some() {
+        let all = recordings.iter().chain(outcome.check.map(|check| &check.recording));
+        lines.push(format!("recorded   {}", all.map(|path| shown(path)).collect::<Vec<_>>().join(", ")));
+    }
+    lines.extend(options.output.as_deref().map(|path| format!("model      {}", shown(path))));
+    lines.extend(options.plot.as_deref().map(|path| format!("drawing    {}", shown(path))));
+    if let Some(port) = &options.port {
+        let state = if outcome.check.is_some() { "has the new model, in its flash too" } else { "was left as it is" };
+        lines.push(format!("rig        {port} {state}"));
+    }
+    let (why, command) = next(options, recordings, outcome);
+    lines.push(format!("next       {command}\n           {why}"));
+    lines.join("\n")
+}
+
+/// The next command to try, and what it is good for.
+fn next(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> (&'static str, String) {
+    let names = recordings.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" ");
+    let is_pushed = outcome.check.is_some();
+    match (&options.port, &options.output) {
+        (Some(port), None) if is_pushed => {
+            ("keeps the model in a file", format!("host pull --port {port} -o rig.toml"))
+        }
+        (_, None) => ("keeps the model in a file", format!("host fit {names} -o rig.toml")),
+        (port, Some(path)) if !is_pushed => {
+            let port = port.as_deref().unwrap_or("PORT");
+            ("gives the model to the rig", format!("host push --rig {} --port {port}", path.display()))
+        }
+        (_, Some(path)) => {
+            ("draws measured against model", format!("host fit {names} --rig {} --plot fit.svg", path.display()))
+        }
+    }
+}

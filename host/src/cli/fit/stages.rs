@@ -1,0 +1,45 @@
+//! How much each stage of a fit lowered the five responses.
+
+use crate::fit::descent::{Patience, descend};
+use crate::fit::identify::{Fit, Method, problem_of};
+use crate::fit::linear::Steps;
+use crate::fit::problem::{Point, Problem};
+use crate::fit::quality::Responses;
+use crate::fit::sequential::{Stage, responses_at};
+use crate::swing::{Swing, Window};
+use serde::Serialize;
+use std::sync::atomic::AtomicUsize;
+
+/// The responses over the whole swings after a stage.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct After {
+    /// What was just done.
+    pub(super) stage: &'static str,
+    /// Where that led.
+    pub(super) responses: Responses,
+}
+
+/// First guess, response surfaces, least squares, as far as the method has them.
+pub(super) fn stages(fit: &Fit, method: Method, swings: &[Swing]) -> Vec<After> {
+    let after = |stage, responses| After { stage, responses };
+    let mut stages = vec![after("first guess", fit.responses_before)];
+    match (method, fit.stages.last()) {
+        (Method::Rsm, _) => stages.push(after("response surfaces", fit.responses)),
+        (Method::Both, Some(last)) => {
+            stages.push(after("response surfaces", after_surfaces(fit, last, swings)));
+            stages.push(after("least squares", fit.responses));
+        }
+        _ => stages.push(after("least squares", fit.responses)),
+    }
+    stages
+}
+
+/// The last design's optimum over the whole swings; how each swing began is fitted to it, as everywhere.
+fn after_surfaces(fit: &Fit, last: &Stage, swings: &[Swing]) -> Responses {
+    let count = AtomicUsize::new(0);
+    let full = problem_of(swings, &fit.parameters, &count);
+    let fixed = Problem { template: full.parameters(&last.values), unknowns: Vec::new(), ..full };
+    let from = Point { values: Vec::new(), starts: fit.starts.clone() };
+    let end = descend(&fixed, &from, Window::Whole, Patience::ROUGH, Steps::new(&fixed));
+    responses_at(&fixed, &end.point, Window::Whole)
+}

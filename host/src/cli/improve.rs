@@ -1,0 +1,124 @@
+//! `host improve`: add what is missing, refit, watch the error fall, and keep the enlarged model.
+
+use super::columns::Reading;
+use super::{evidence, output, rig};
+use crate::diagnose::diagnose;
+use crate::error::Failure;
+use crate::improve::{Change, Step, change};
+use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
+use clap::Args;
+use serde::Serialize;
+use shared::effect::Effect;
+use shared::parameters::Parameters;
+use std::path::PathBuf;
+
+/// Add the missing effects to the model, refit everything, and show how the error falls.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(super) struct Options {
+    /// Recordings of one rig
+    #[arg(value_name = "RECORDING", required = true)]
+    recordings: Vec<PathBuf>,
+    /// The model file; ./rig.toml if there is one
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+    /// A recording that takes no part (may be repeated)
+    #[arg(long, value_name = "FILE")]
+    hold_out: Vec<PathBuf>,
+    /// Add this effect by hand instead of asking the diagnosis (may be repeated)
+    #[arg(long, value_name = "NAME")]
+    add: Vec<String>,
+    /// Take this effect out by hand (may be repeated)
+    #[arg(long, value_name = "NAME")]
+    remove: Vec<String>,
+    /// Write the enlarged model here
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Replace another model file that exists there
+    #[arg(long)]
+    force: bool,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  host improve swing*.csv --rig rig.toml -o rig.toml       until nothing is missing
+  host improve swing*.csv --add quadratic-drag -o rig.toml one step by hand
+  host improve swing*.csv --remove viscous                 what would that cost?
+
+`host effects` lists the names.";
+
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    options.reading.check()?;
+    let mut model = rig::load(options.rig.as_deref())?;
+    let changes = changes(options)?;
+    if let Some(path) = &options.output {
+        let updated = rig::chosen_path(options.rig.as_deref());
+        rig::refuse_existing(path, options.force || updated.as_deref() == Some(path))?;
+    }
+    let swings = options.reading.swings(&options.recordings)?;
+    let held_out = options.reading.swings(&options.hold_out)?;
+    let parameters = if changes.is_empty() {
+        let diagnosis = diagnose(&swings, &held_out, model.parameters());
+        show(options, &diagnosis, || evidence::in_words(&diagnosis));
+        diagnosis.parameters
+    } else {
+        let steps = change(&swings, &held_out, model.parameters(), &changes).map_err(Failure::failed)?;
+        show(options, &Steps { steps: &steps }, || in_words(&steps));
+        steps.last().map_or_else(|| model.parameters().clone(), |step| step.parameters.clone())
+    };
+    if let Some(path) = &options.output {
+        take_over(&mut model, &parameters, options)?;
+        model.save(path)?;
+        output::say(&format!("wrote {}", path.display()));
+    }
+    Ok(())
+}
+
+fn changes(options: &Options) -> Result<Vec<Change>, Failure> {
+    let effect = |name: &String| {
+        Effect::<f64>::by_name(name).ok_or_else(|| {
+            Failure::wrong_use(format!("there is no effect called {name}")).next("see the names with `host effects`")
+        })
+    };
+    let added = options.add.iter().map(|name| Ok(Change::Add(effect(name)?)));
+    let removed = options.remove.iter().map(|name| Ok(Change::Remove(effect(name)?)));
+    added.chain(removed).collect()
+}
+
+fn show(options: &Options, fields: &impl Serialize, words: impl Fn() -> String) {
+    if options.json { output::json("improve", fields) } else { output::result(&words()) }
+}
+
+#[derive(Serialize)]
+struct Steps<'a> {
+    steps: &'a [Step],
+}
+
+fn in_words(steps: &[Step]) -> String {
+    let line = |step: &Step| {
+        let held_out = step.held_out.map_or(String::new(), |rmse| format!("  held out {:.3} mrad", 1e3 * rmse));
+        let noises = step.rmse / step.noise;
+        format!("  {:<32}{:>9.3} mrad  {noises:>6.2} noises{held_out}", step.words, 1e3 * step.rmse)
+    };
+    std::iter::once("Error after each step".to_owned()).chain(steps.iter().map(line)).collect::<Vec<_>>().join("\n")
+}
+
+/// Puts the enlarged model into the file, with where its numbers came from.
+fn take_over(model: &mut RigFile, parameters: &Parameters<f64>, options: &Options) -> Result<(), Failure> {
+    let recordings = options.recordings.iter().map(|path| path.display().to_string()).collect();
+    let source = Source { method: "least squares, effects added".to_owned(), recordings };
+    let gone: Vec<u16> = model.parameters().effects.iter().map(|effect| effect.id).collect();
+    gone.into_iter().filter(|id| parameters.values(*id).is_none()).for_each(|id| model.remove_effect(id));
+    for quantity in Quantity::all(parameters) {
+        let value = quantity.get(parameters).unwrap_or_default();
+        if quantity.get(model.parameters()) != Some(value) {
+            model.set(quantity, value, Knowledge { std: None, source: Some(source.clone()) })?;
+        }
+    }
+    Ok(())
+}

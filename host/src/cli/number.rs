@@ -1,0 +1,81 @@
+//! Numbers for a person: as many digits as mean something.
+
+/// Numbers outside these powers of ten are written with an exponent.
+const PLAIN_EXPONENTS: std::ops::RangeInclusive<i32> = -2..=3;
+
+/// Without a spread so many digits are shown.
+const USUAL_DIGITS: i32 = 4;
+
+/// `(5.40041 ± 0.00032)e-4`: two digits of the standard deviation, and the value as far; `5.400e-4` without one.
+pub(super) fn with_spread(value: f64, std: Option<f64>) -> String {
+    let std = std.filter(|std| std.is_finite() && *std > 0.0);
+    let size = value.abs().max(std.unwrap_or(0.0));
+    if size == 0.0 || !size.is_finite() {
+        return format!("{value}");
+    }
+    let exponent = exponent_of(size);
+    let shown = if PLAIN_EXPONENTS.contains(&exponent) { 0 } else { exponent };
+    let power = 10.0_f64.powi(shown);
+    let last_digit = std.map_or(exponent - USUAL_DIGITS + 1, |std| exponent_of(std) - 1);
+    let decimals = (shown - last_digit).clamp(0, 12) as usize;
+    let number = match std {
+        Some(std) => format!("{:.decimals$} ± {:.decimals$}", value / power, std / power),
+        None => format!("{:.decimals$}", value / power),
+    };
+    match (shown, std) {
+        (0, _) => number,
+        (_, Some(_)) => format!("({number})e{shown}"),
+        (_, None) => format!("{number}e{shown}"),
+    }
+}
+
+/// `1.165e-4`, `0.0465`: so many significant digits.
+pub(super) fn significant(value: f64, n_digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let exponent = exponent_of(value.abs());
+    if PLAIN_EXPONENTS.contains(&exponent) {
+        format!("{value:.*}", (n_digits as i32 - 1 - exponent).max(0) as usize)
+    } else {
+        format!("{value:.*e}", n_digits - 1)
+    }
+}
+
+/// A count with its sign only where it is negative; halves and the like with two decimals.
+pub(super) fn count(value: f64) -> String {
+    // Adding zero takes the sign from a zero.
+    let hundredths = (100.0 * value).round() / 100.0 + 0.0;
+    if value == value.round() { format!("{hundredths:.0}") } else { format!("{hundredths:.2}") }
+}
+
+fn exponent_of(size: f64) -> i32 {
+    size.log10().floor() as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_spread_decides_the_digits() {
+        let check = |value, std, expected: &str| assert_eq!(with_spread(value, std), expected);
+        check(5.400_412e-4, Some(3.2e-8), "(5.40041 ± 0.00032)e-4");
+        check(0.002_706_768_7, Some(1.26e-7), "(2.70677 ± 0.00013)e-3");
+        check(0.055_012, Some(0.001_04), "0.0550 ± 0.0010");
+        check(12.345, Some(2.0), "12.3 ± 2.0");
+        check(1e-5, Some(2e-4), "(0.1 ± 2.0)e-4");
+        check(5.4e-4, None, "5.400e-4");
+        check(0.0, None, "0");
+        check(0.0, Some(1e-3), "(0.0 ± 1.0)e-3");
+        check(-0.25, None, "-0.2500");
+    }
+
+    #[test]
+    fn significant_digits_and_counts() {
+        assert_eq!(significant(1.165_269e-4, 4), "1.165e-4");
+        assert_eq!(significant(0.0465, 3), "0.0465");
+        assert_eq!(significant(24.5198, 5), "24.520");
+        assert_eq!([-1.0, 0.2817, -0.0, -1e-9].map(count), ["-1", "0.28", "0", "0.00"]);
+    }
+}

@@ -1,0 +1,64 @@
+//! What leaves no recording.
+
+use crate::error::Failure;
+use crate::link::LinkError;
+use crate::recording::WriteError;
+use thiserror::Error;
+
+/// Nothing was recorded, and why.
+#[derive(Debug, Error)]
+pub enum RecordError {
+    /// The link could not be used.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The potentiometer reads an end of its range.
+    #[error("the potentiometer reads code {code} of 0 … {full_scale}: an end of its range")]
+    Disconnected {
+        /// The code it reads.
+        code: u16,
+        /// The converter's largest code.
+        full_scale: u16,
+    },
+    /// Never still.
+    #[error("the pendulum did not come to rest within {seconds:.0} s; its angle still varies by {spread_rad:.3} rad")]
+    NeverStill {
+        /// How long it was waited for.
+        seconds: f64,
+        /// Standard deviation of the angle over the last half second.
+        spread_rad: f64,
+    },
+    /// Nobody let it go.
+    #[error("no release was seen within {seconds:.0} s")]
+    NoRelease {
+        /// How long it was waited for.
+        seconds: f64,
+    },
+    /// Stopped before there was anything.
+    #[error("stopped before the pendulum was let go: nothing was recorded")]
+    StoppedEarly,
+}
+
+impl From<RecordError> for Failure {
+    fn from(error: RecordError) -> Self {
+        let hint = match error {
+            RecordError::Link(error) => return error.into(),
+            RecordError::Write(WriteError::Exists { path }) => {
+                return Self::wrong_use(format!("{} exists already", path.display()))
+                    .next("choose another name with -o, or replace it with --force");
+            }
+            RecordError::Write(_) => return Self::failed(error),
+            RecordError::Disconnected { .. } => {
+                "check the potentiometer's three wires, and that the pendulum hangs in the middle of its travel"
+            }
+            RecordError::NeverStill { .. } => "stop the pendulum by hand, or look for what shakes it, and record again",
+            RecordError::NoRelease { .. } => {
+                "lift the pendulum by 0.5 rad (30°) or more, hold it still, let it go; --wait SECONDS gives more time"
+            }
+            RecordError::StoppedEarly => "repeat the command",
+        };
+        Self::failed(error).next(hint)
+    }
+}

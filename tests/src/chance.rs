@@ -1,0 +1,38 @@
+//! Repeatable chance: SplitMix64 (Steele, Lea, Flood, OOPSLA 2014); normal numbers by Box and Muller (1958).
+
+use std::ops::Range;
+
+/// A source of random numbers; equal seeds give equal numbers.
+#[derive(Clone, Debug)]
+pub struct Chance(u64);
+
+impl Chance {
+    /// Any seed will do.
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// Uniform from the start of a range up to its end.
+    pub fn within(&mut self, range: Range<f64>) -> f64 {
+        range.start + (range.end - range.start) * self.share()
+    }
+
+    /// Mean 0, standard deviation 1.
+    pub fn normal(&mut self) -> f64 {
+        // One minus the share is above zero, as the logarithm needs it.
+        let radius = (-2.0 * (1.0 - self.share()).ln()).sqrt();
+        radius * (2.0 * std::f64::consts::PI * self.share()).cos()
+    }
+
+    /// True half of the time.
+    pub fn coin(&mut self) -> bool {
+        self.share() < 0.5
+    }
+
+    fn share(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}

@@ -1,0 +1,51 @@
+//! How well the rig's model follows a swing, seen through the link.
+
+use crate::link::Link;
+use shared::wire::{Command, Frame, Stream};
+use std::time::Duration;
+
+/// A live point every so many samples.
+const EVERY: u16 = 4;
+
+/// Samples looked at after the pendulum has passed zero; the observer settles in their first half.
+const N_SAMPLES: usize = 10_000;
+
+/// Lifted beyond this angle the pendulum is about to be let go, rad.
+const LIFTED_RAD: f32 = 0.9;
+
+/// On this side it has been let go, rad.
+const RELEASED_RAD: f32 = -0.1;
+
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Root mean square of the innovation in the second half of the next swing that begins at a positive angle, rad.
+pub fn of_the_next_swing(link: &mut Link) -> Result<f64, String> {
+    link.frames.clear();
+    link.ask(Command::Start(Stream { raw: false, live_every: EVERY }))?;
+    let n_points = N_SAMPLES / usize::from(EVERY);
+    let mut points = Vec::new();
+    let (mut n_read, mut released_at) = (0, None);
+    link.collect(PATIENCE, |frames| {
+        frames[n_read..].iter().for_each(|frame| points.extend(points_of(frame)));
+        n_read = frames.len();
+        released_at = released_at.or_else(|| released(&points));
+        released_at.is_some_and(|at| points.len() >= at + n_points)
+    })?;
+    link.ask(Command::Stop)?;
+    let at = released_at.unwrap_or(0);
+    let second_half = &points[at + n_points / 2..at + n_points];
+    let sum: f64 = second_half.iter().map(|(_, innovation_rad)| f64::from(*innovation_rad).powi(2)).sum();
+    Ok((sum / second_half.len() as f64).sqrt())
+}
+
+fn points_of(frame: &Frame) -> Vec<(f32, f32)> {
+    match frame {
+        Frame::Live(live) => live.points.iter().map(|point| (point.filtered_rad, point.innovation_rad)).collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn released(points: &[(f32, f32)]) -> Option<usize> {
+    let lifted = points.iter().position(|(angle_rad, _)| *angle_rad > LIFTED_RAD)?;
+    points[lifted..].iter().position(|(angle_rad, _)| *angle_rad < RELEASED_RAD).map(|i| lifted + i)
+}

@@ -1,0 +1,315 @@
+//! The firmware in QEMU, with a simulated pendulum on its second serial port and a terminal on its first.
+//!
+//! The pendulum is the clock: one code is one sample, and the firmware acknowledges every sixteen, so neither runs
+//! away from the other and no wall-clock time enters a result.
+
+use crate::plant::{Plant, Scenario};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// The emulator.
+pub const QEMU: &str = "qemu-system-arm";
+
+/// The machine that the firmware's `board-qemu` is written for.
+pub const MACHINE: &str = "netduinoplus2";
+
+/// Samples on their way at most, not yet acknowledged.
+const WINDOW: u64 = 128;
+
+/// If nothing is acknowledged for so long, the firmware restarted and lost what was on its way.
+const LOST_AFTER: Duration = Duration::from_millis(300);
+
+/// Waiting for QEMU's first words, and for its socket.
+const START_LIMIT: Duration = Duration::from_secs(20);
+
+/// A running emulator. It ends with this value, or after its time limit.
+pub struct Qemu {
+    shared: Arc<Shared>,
+    port: String,
+    directory: PathBuf,
+    plant: Option<JoinHandle<()>>,
+    _turn: MutexGuard<'static, ()>,
+}
+
+/// One machine at a time in a test program: QEMU wants a core, its pendulum another.
+static TURN: Mutex<()> = Mutex::new(());
+
+struct Shared {
+    process: Mutex<Child>,
+    stop: AtomicBool,
+    n_samples: AtomicU64,
+    n_swings: AtomicU64,
+    next_scenario: Mutex<Option<Scenario>>,
+}
+
+impl Qemu {
+    /// Starts `image` (from [`crate::image::firmware`]) with a pendulum in `scenario`; killed after `limit`.
+    pub fn start(image: &Path, scenario: Scenario, limit: Duration) -> Result<Self, String> {
+        let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+        let directory = own_directory()?;
+        let socket = directory.join("plant");
+        let chardev = format!("socket,id=plant,path={},server=on,wait=on", socket.display());
+        let mut process = command()
+            .args(["-chardev", "pty,id=link", "-serial", "chardev:link"])
+            .args(["-chardev", &chardev, "-serial", "chardev:plant"])
+            .args(["-gdb", &format!("unix:{},server=on,wait=off", debugger(&directory).display()), "-kernel"])
+            .arg(image)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(missing)?;
+        let port = match terminal_of(&mut process) {
+            Ok(port) => port,
+            Err(reason) => {
+                end(&mut process);
+                return Err(reason);
+            }
+        };
+        let line = connect(&socket).inspect_err(|_| end(&mut process))?;
+        let shared = Arc::new(Shared {
+            process: Mutex::new(process),
+            stop: AtomicBool::new(false),
+            n_samples: AtomicU64::new(0),
+            n_swings: AtomicU64::new(0),
+            next_scenario: Mutex::new(None),
+        });
+        let feeder = Arc::clone(&shared);
+        let plant = std::thread::spawn(move || feeder.feed(Plant::new(scenario), line, limit));
+        Ok(Self { shared, port, directory, plant: Some(plant), _turn: turn })
+    }
+
+    /// The terminal that is the board's serial port, for `--port`.
+    pub fn port(&self) -> &str {
+        &self.port
+    }
+
+    /// Samples sent so far.
+    pub fn n_samples(&self) -> u64 {
+        self.shared.n_samples.load(Ordering::Relaxed)
+    }
+
+    /// Swings begun so far.
+    pub fn n_swings(&self) -> u64 {
+        self.shared.n_swings.load(Ordering::Relaxed)
+    }
+
+    /// Hangs another pendulum (or the same, for the same swing again) on the rig, at rest.
+    pub fn set_scenario(&self, scenario: Scenario) {
+        if let Ok(mut next) = self.shared.next_scenario.lock() {
+            *next = Some(scenario);
+        }
+    }
+
+    /// Makes the processor go on at another address, as a wild pointer would.
+    pub fn jump_to(&self, address: u32) -> Result<(), String> {
+        let mut debugger = connect(&debugger(&self.directory))?;
+        // QEMU takes single registers (15 is the program counter) only from those who have asked for their
+        // description; D lets the program run on.
+        let set = format!("Pf={:08x}", address.swap_bytes());
+        for request in ["qXfer:features:read:target.xml:0,ff", &set, "D"] {
+            let reply = ask_debugger(&mut debugger, request).map_err(|error| format!("{request}: {error}"))?;
+            if request == set && !reply.contains("$OK") {
+                return Err(format!("the debugger answered {reply} to {request}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Has it ended, by itself or by its limit?
+    pub fn has_ended(&self) -> bool {
+        self.shared.process.lock().is_ok_and(|mut process| !matches!(process.try_wait(), Ok(None)))
+    }
+}
+
+impl Drop for Qemu {
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Ordering::Relaxed);
+        if let Ok(mut process) = self.shared.process.lock() {
+            end(&mut process);
+        }
+        if let Some(plant) = self.plant.take() {
+            let _ = plant.join();
+        }
+        let _ = std::fs::remove_dir_all(&self.directory);
+    }
+}
+
+impl Shared {
+    /// Sends samples while the firmware acknowledges them; kills it at the time limit.
+    fn feed(&self, mut plant: Plant, mut line: UnixStream, limit: Duration) {
+        let started = Instant::now();
+        let mut in_flight = 0;
+        let mut last_heard = Instant::now();
+        while !self.stop.load(Ordering::Relaxed) {
+            if started.elapsed() > limit {
+                if let Ok(mut process) = self.process.lock() {
+                    end(&mut process);
+                }
+                return;
+            }
+            if let Some(scenario) = self.next_scenario.lock().ok().and_then(|mut next| next.take()) {
+                plant = Plant::new(scenario);
+            }
+            let bytes: Vec<u8> = (in_flight..WINDOW).flat_map(|_| two_bytes(plant.next_code().0)).collect();
+            if line.write_all(&bytes).is_err() {
+                return;
+            }
+            in_flight = WINDOW;
+            self.n_samples.fetch_add(bytes.len() as u64 / 2, Ordering::Relaxed);
+            self.n_swings.store(u64::from(plant.n_swings()), Ordering::Relaxed);
+
+            let mut credits = [0; 64];
+            let n_credits = line.read(&mut credits).unwrap_or(0);
+            let acknowledged: u64 = credits[..n_credits].iter().map(|credit| u64::from(*credit)).sum();
+            in_flight -= acknowledged.min(in_flight);
+            if n_credits > 0 {
+                last_heard = Instant::now();
+            } else if last_heard.elapsed() > LOST_AFTER {
+                in_flight = 0;
+                last_heard = Instant::now();
+            }
+        }
+    }
+}
+
+/// A code of fourteen bits on the line: the first byte has its top bit set.
+fn two_bytes(code: u16) -> [u8; 2] {
+    [0x80 | (code >> 7) as u8, (code & 0x7f) as u8]
+}
+
+/// The emulator with what every run needs: no window, no console, files and exit code by semihosting.
+pub fn command() -> Command {
+    let mut command = Command::new(QEMU);
+    command.args(["-M", MACHINE, "-display", "none", "-monitor", "none"]).stdin(Stdio::null());
+    command
+}
+
+/// What to do when the emulator cannot be started.
+pub fn missing(error: std::io::Error) -> String {
+    format!("could not start {QEMU}: {error}. Install it, for example with: apt install qemu-system-arm")
+}
+
+/// Runs an image that ends by itself in `directory`, where it finds its files; gives what it printed. `icount` makes
+/// time count instructions, so that two runs are the same.
+pub fn run(image: &Path, directory: &Path, icount: Option<&str>, limit: Duration) -> Result<String, String> {
+    let icount = icount.into_iter().flat_map(|setting| ["-icount", setting]);
+    let mut process = command()
+        .current_dir(directory)
+        .args(["-serial", "null", "-semihosting-config", "enable=on,target=native,arg=image"])
+        .args(icount)
+        .arg("-kernel")
+        .arg(image)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(missing)?;
+    let output = collect(process.stdout.take());
+    let errors = collect(process.stderr.take());
+    let started = Instant::now();
+    let status = loop {
+        match process.try_wait() {
+            Ok(Some(status)) => break status,
+            Ok(None) if started.elapsed() < limit => std::thread::sleep(Duration::from_millis(5)),
+            _ => {
+                end(&mut process);
+                return Err(format!("{} did not end within {limit:?}", image.display()));
+            }
+        }
+    };
+    let text = output.join().unwrap_or_default() + &errors.join().unwrap_or_default();
+    if status.success() { Ok(text) } else { Err(format!("{} failed ({status}):\n{text}", image.display())) }
+}
+
+fn collect(stream: Option<impl Read + Send + 'static>) -> JoinHandle<String> {
+    std::thread::spawn(move || {
+        let mut bytes = Vec::new();
+        if let Some(mut stream) = stream {
+            let _ = stream.read_to_end(&mut bytes);
+        }
+        String::from_utf8_lossy(&bytes).into_owned()
+    })
+}
+
+/// Ends this one process, by its id.
+fn end(process: &mut Child) {
+    let _ = process.kill();
+    let _ = process.wait();
+}
+
+/// QEMU says which terminal it opened, on one stream or the other.
+fn terminal_of(process: &mut Child) -> Result<String, String> {
+    let (found, terminal) = std::sync::mpsc::channel();
+    let streams: [Option<Box<dyn Read + Send>>; 2] =
+        [process.stdout.take().map(|s| Box::new(s) as _), process.stderr.take().map(|s| Box::new(s) as _)];
+    for stream in streams.into_iter().flatten() {
+        let found = found.clone();
+        std::thread::spawn(move || {
+            for line in BufReader::new(stream).lines().map_while(Result::ok) {
+                let _ = found.send(line);
+            }
+        });
+    }
+    drop(found);
+    let mut said = String::new();
+    while let Ok(line) = terminal.recv_timeout(START_LIMIT) {
+        if let Some(port) = line.split_whitespace().find(|word| word.starts_with("/dev/")) {
+            return Ok(port.to_owned());
+        }
+        said += &line;
+    }
+    Err(format!("{QEMU} opened no terminal; it said: {said}"))
+}
+
+fn connect(socket: &Path) -> Result<UnixStream, String> {
+    let started = Instant::now();
+    loop {
+        match UnixStream::connect(socket) {
+            Ok(stream) => {
+                // A short wait for acknowledgements, so that stopping and the time limit are noticed.
+                stream.set_read_timeout(Some(Duration::from_millis(50))).map_err(|error| error.to_string())?;
+                return Ok(stream);
+            }
+            Err(_) if started.elapsed() < START_LIMIT => std::thread::sleep(Duration::from_millis(10)),
+            Err(error) => return Err(format!("could not connect to {QEMU} at {}: {error}", socket.display())),
+        }
+    }
+}
+
+/// One packet of GDB's remote protocol and its answer; news of the processor's halt (`T`) may come before it.
+fn ask_debugger(line: &mut UnixStream, request: &str) -> std::io::Result<String> {
+    let sum = request.bytes().fold(0_u8, u8::wrapping_add);
+    write!(line, "${request}#{sum:02x}")?;
+    let mut reply = String::new();
+    let asked = Instant::now();
+    let answered =
+        |reply: &str| reply.split('$').skip(1).any(|packet| packet.contains('#') && !packet.starts_with('T'));
+    while !answered(&reply) && asked.elapsed() < START_LIMIT {
+        let mut bytes = [0; 512];
+        match line.read(&mut bytes) {
+            Ok(n_bytes) => reply += &String::from_utf8_lossy(&bytes[..n_bytes]),
+            Err(error) if error.kind() == std::io::ErrorKind::WouldBlock => {}
+            Err(error) => return Err(error),
+        }
+    }
+    line.write_all(b"+")?;
+    Ok(reply)
+}
+
+fn debugger(directory: &Path) -> PathBuf {
+    directory.join("gdb")
+}
+
+/// A directory of this run alone. Paths of sockets must be short, so it is in the system's temporary directory.
+fn own_directory() -> Result<PathBuf, String> {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let name = format!("pendulum-qemu-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+    let directory = std::env::temp_dir().join(name);
+    std::fs::create_dir_all(&directory).map_err(|error| format!("could not make {}: {error}", directory.display()))?;
+    Ok(directory)
+}

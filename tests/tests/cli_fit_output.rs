@@ -1,0 +1,152 @@
+//! What `host fit` leaves: a screen for a person, one object for programs, a drawing.
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use tests::program::host;
+
+/// A folder with a model and two simulated swings.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "init --mass 0.1466084 --length 0.1562177 --inertia 0.0027").succeeded();
+    let friction = "--with Mw=5.4e-4 --with Mc=7e-4 --with Ms=2e-3 --rate 200";
+    host(folder.path(), &format!("simulate {friction} --start 1.5 -o a.csv")).succeeded();
+    host(folder.path(), &format!("simulate {friction} --start=-1.1 --seed 2 -o b.csv")).succeeded();
+    folder
+}
+
+fn json(folder: &Path, arguments: &str) -> Value {
+    serde_json::from_str(host(folder, arguments).succeeded()).unwrap()
+}
+
+#[test]
+fn the_object_holds_what_programs_need() {
+    let folder = folder();
+    let result = json(folder.path(), "fit a.csv --hold-out b.csv --json");
+    assert_eq!((result["command"].as_str(), result["format"].as_u64()), (Some("fit"), Some(1)));
+    for parameter in result["parameters"].as_array().unwrap() {
+        for key in ["symbol", "name", "unit"] {
+            assert!(parameter[key].is_string(), "{key} in {parameter}");
+        }
+        assert!(parameter["value"].is_number() && (parameter["std"].is_number() || parameter["std"].is_null()));
+    }
+    let symbols = result["parameters"].as_array().unwrap().iter().map(|p| p["symbol"].as_str().unwrap());
+    assert_eq!(symbols.collect::<Vec<_>>(), ["Mw", "Mc", "Ms", "DV", "I"]);
+    for key in ["rmse", "noise", "held_out_rmse", "simulations", "seconds"] {
+        assert!(result[key].is_number(), "{key} in {result}");
+    }
+    for name in ["mseA", "mseV", "ePM", "eNM", "eZC"] {
+        assert!(result["responses"][name].is_number(), "{name}");
+    }
+    assert!(!result["stages"].as_array().unwrap().is_empty());
+    let lowered: Vec<f64> = result["lowered"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|after| after["responses"]["mseA"].as_f64().unwrap())
+        .collect();
+    assert_eq!(lowered.len(), 3);
+    assert!(lowered[1] < 0.1 * lowered[0] && lowered[2] <= 1.001 * lowered[1], "{lowered:?}");
+}
+
+#[test]
+fn without_a_held_out_swing_its_error_is_null() {
+    let folder = folder();
+    let result = json(folder.path(), "fit a.csv --method least-squares --json --quiet");
+    assert!(result["held_out_rmse"].is_null() && result.get("held_out_rmse").is_some());
+    assert_eq!(result["lowered"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn a_person_sees_values_with_spread_stages_and_what_to_do_next() {
+    let folder = folder();
+    let run = host(folder.path(), "fit a.csv --hold-out b.csv -o fitted.toml");
+    let text = run.succeeded();
+    for words in [
+        "±",
+        "e-4",
+        "N·m·s/rad",
+        "viscous",
+        "identified",
+        "first guess",
+        "response surfaces",
+        "least squares",
+        "mrad rms",
+        "held out",
+        "fitted.toml",
+        "host push --rig fitted.toml --port PORT",
+    ] {
+        assert!(text.contains(words), "{words:?} is not in\n{text}");
+    }
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    assert!(!text.contains('\u{1b}'));
+    assert!(run.stderr.contains("least squares …"), "{}", run.stderr);
+}
+
+#[test]
+fn quiet_leaves_only_notes_on_stderr() {
+    let folder = folder();
+    let run = host(folder.path(), "fit a.csv --method least-squares --quiet");
+    assert!(run.succeeded().contains("Mw"));
+    assert!(run.stderr.lines().all(|line| line.starts_with("note:")), "{}", run.stderr);
+    host(folder.path(), "--quiet fit missing.csv").failed(1, &["missing.csv"]);
+}
+
+#[test]
+fn the_port_tells_what_was_recorded_and_gained() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = host(folder.path(), "fit --port sim --method least-squares").succeeded().to_owned();
+    for words in ["recorded   swing-", "-check.csv", "times smaller", "in its flash too", "host pull --port sim"] {
+        assert!(text.contains(words), "{words:?} is not in\n{text}");
+    }
+}
+
+/// Elements opened and closed in the right order; gives the names of all.
+fn elements(svg: &str) -> Vec<String> {
+    let (mut open, mut all) = (Vec::new(), Vec::new());
+    for tag in svg.split('<').skip(1) {
+        let (tag, _) = tag.split_once('>').expect("every tag ends");
+        let name: String = tag.trim_start_matches('/').chars().take_while(|c| c.is_alphanumeric()).collect();
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name), "{tag}");
+            continue;
+        }
+        if !tag.ends_with('/') {
+            open.push(name.clone());
+        }
+        all.push(name);
+    }
+    assert!(open.is_empty(), "{open:?}");
+    all
+}
+
+#[test]
+fn the_drawing_is_a_small_svg_with_a_row_for_each_swing() {
+    let folder = folder();
+    host(folder.path(), "fit a.csv b.csv --method least-squares --plot fit.svg").succeeded();
+    let svg = fs::read_to_string(folder.path().join("fit.svg")).unwrap();
+    assert!(svg.len() < 500_000, "{} bytes", svg.len());
+    let n_lines = elements(&svg).iter().filter(|name| *name == "polyline").count();
+    assert!(n_lines >= 6, "{n_lines} lines: measured, model and residual of two swings are six");
+    for words in ["a.csv", "b.csv", "angle (rad)", "left over (mrad)", "time (s)", "sans-serif", "Mw = "] {
+        assert!(svg.contains(words), "{words}");
+    }
+    assert!(!svg.contains("NaN"));
+}
+
+#[test]
+fn a_drawing_that_cannot_be_written_is_a_clear_failure() {
+    let folder = folder();
+    host(folder.path(), "fit a.csv --method least-squares --quiet --plot no/such/fit.svg")
+        .failed(1, &["no/such/fit.svg", "could not write", "folder that exists"]);
+}
+
+#[test]
+fn the_paper_can_be_drawn_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let object = json(folder.path(), "fit --paper --json --plot paper.svg");
+    assert!(object["verdict"]["reproduced"].is_array());
+    let svg = fs::read_to_string(folder.path().join("paper.svg")).unwrap();
+    assert!(svg.len() < 500_000 && svg.contains("Table 9"));
+    elements(&svg);
+}

@@ -1,0 +1,157 @@
+//! The whole firmware in QEMU: greets, streams, keeps parameters over a restart, and survives bad input.
+
+use shared::parameters::{ParameterError, Parameters};
+use shared::wire::{Answer, Command, Frame, Hello, PROTOCOL, Refusal, ResetCause, StoreState, Stream};
+use std::time::Duration;
+use tests::image::{Board, firmware};
+use tests::innovation;
+use tests::link::Link;
+use tests::plant::Scenario;
+use tests::qemu::Qemu;
+
+const LIMIT: Duration = Duration::from_secs(300);
+
+/// The deepest call (a save that has to move the store to another sector) stays below this.
+const MOST_STACK: u32 = 12 * 1024;
+
+fn start() -> (Qemu, Link) {
+    let image = firmware(Board::Qemu).unwrap();
+    let qemu = Qemu::start(&image, Scenario::default(), LIMIT).unwrap();
+    let link = Link::open(qemu.port()).unwrap();
+    (qemu, link)
+}
+
+fn other_parameters() -> Parameters<f32> {
+    let mut parameters = Parameters::paper().map(|value| value as f32);
+    parameters.pendulum.inertia_kg_m2 = 0.002_75;
+    parameters.set(10, &[1e-4]).unwrap();
+    parameters
+}
+
+#[test]
+fn it_greets_streams_every_sample_and_counts_them() {
+    let (_qemu, mut link) = start();
+    assert_eq!(link.hello().unwrap().name, "qemu");
+    // A hello that arrives while the firmware starts is half a frame.
+    let bad_frames = link.statistics().unwrap().bad_frames;
+    assert_eq!(link.ask(Command::Start(Stream { raw: true, live_every: 10 })).unwrap(), Answer::Done);
+    let started = std::time::Instant::now();
+    link.collect(Duration::from_secs(60), |frames| frames.len() >= 600).unwrap();
+    println!("{:.0} frames a second", 600.0 / started.elapsed().as_secs_f64());
+    assert_eq!(link.ask(Command::Stop).unwrap(), Answer::Done);
+    let (mut next_sample, mut next_sequence) = (None, 0);
+    for frame in &link.frames {
+        let Frame::Samples(samples) = frame else { continue };
+        assert_eq!(samples.first_sample, next_sample.unwrap_or(samples.first_sample));
+        assert_eq!((samples.sequence, samples.status), (next_sequence, 0));
+        next_sample = Some(samples.first_sample + samples.codes.len() as u64);
+        next_sequence += 1;
+    }
+    let statistics = link.statistics().unwrap();
+    assert!(statistics.samples >= next_sample.unwrap());
+    assert_eq!((statistics.overruns, statistics.dropped_frames, statistics.bad_frames), (0, 0, bad_frames));
+    assert!((1..=1000).contains(&statistics.health.cpu_permille));
+}
+
+#[test]
+fn saved_parameters_are_there_after_a_restart_and_unsaved_ones_are_not() {
+    let (_qemu, mut link) = start();
+    link.hello().unwrap();
+    let at_first = link.statistics().unwrap().health;
+    assert_eq!((at_first.store, at_first.cause, at_first.resets), (StoreState::Empty, ResetCause::Power, 0));
+    assert_eq!(link.ask(Command::Load).unwrap(), Answer::Refused(Refusal::NothingStored));
+
+    let saved = other_parameters();
+    assert_eq!(link.ask(Command::SetParameters(saved.clone())).unwrap(), Answer::Done);
+    assert_eq!(link.ask(Command::Save).unwrap(), Answer::Done);
+    assert_eq!(link.ask(Command::Defaults).unwrap(), Answer::Done);
+    assert_ne!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(saved.clone()));
+
+    assert_eq!(link.ask(Command::Reset).unwrap(), Answer::Done);
+    std::thread::sleep(Duration::from_millis(500));
+    link.hello().unwrap();
+    assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(saved));
+    let after = link.statistics().unwrap().health;
+    assert_eq!((after.store, after.cause, after.resets), (StoreState::Loaded, ResetCause::Asked, 1));
+}
+
+#[test]
+fn bad_input_is_answered_and_changes_nothing() {
+    let (_qemu, mut link) = start();
+    link.hello().unwrap();
+    link.send_bytes(&[0x55; 2000]).unwrap();
+    link.hello().unwrap();
+    let Answer::Parameters(before) = link.ask(Command::GetParameters).unwrap() else { panic!() };
+
+    let mut unknown = before.clone();
+    unknown.set(999, &[1.0]).unwrap();
+    let refusal = Refusal::Parameters(ParameterError::UnknownEffect { id: 999 });
+    assert_eq!(link.ask(Command::SetParameters(unknown)).unwrap(), Answer::Refused(refusal));
+    assert_eq!(link.ask(Command::Bootloader).unwrap(), Answer::Refused(Refusal::NotHere));
+
+    link.hello_as(Hello { protocol: PROTOCOL + 1, ..Hello::new("stranger") }).unwrap();
+    let refused = Answer::Refused(Refusal::Protocol { host: PROTOCOL + 1, rig: PROTOCOL });
+    assert_eq!(link.ask(Command::GetParameters).unwrap(), refused);
+
+    link.hello().unwrap();
+    assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(before));
+    assert_eq!(link.statistics().unwrap().bad_frames, 1);
+}
+
+#[test]
+fn many_saves_move_through_all_sectors_on_a_bounded_stack() {
+    let (_qemu, mut link) = start();
+    link.hello().unwrap();
+    let mut parameters = other_parameters();
+    // More than 48 KB of them.
+    for i in 0..400 {
+        parameters.pendulum.inertia_kg_m2 = 0.002 + 1e-6 * i as f32;
+        assert_eq!(link.ask(Command::SetParameters(parameters.clone())).unwrap(), Answer::Done);
+        assert_eq!(link.ask(Command::Save).unwrap(), Answer::Done, "save {i}");
+    }
+    assert_eq!(link.ask(Command::Defaults).unwrap(), Answer::Done);
+    assert_eq!(link.ask(Command::Load).unwrap(), Answer::Done);
+    assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(parameters));
+    let health = link.statistics().unwrap().health;
+    println!("stack: {} of {} bytes", health.stack_used, health.stack_size);
+    assert!(health.stack_used > 0 && health.stack_used <= MOST_STACK, "{}", health.stack_used);
+}
+
+#[test]
+fn a_hard_fault_restarts_the_rig_and_is_remembered() {
+    let (qemu, mut link) = start();
+    link.hello().unwrap();
+    qemu.jump_to(0xefff_fff0).unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    link.hello().unwrap();
+    let health = link.statistics().unwrap().health;
+    assert_eq!((health.cause, health.resets), (ResetCause::HardFault, 1));
+    assert!(health.last_fault.starts_with("pc 0xefffff"), "{}", health.last_fault);
+
+    link.ask(Command::Reset).unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    link.hello().unwrap();
+    let later = link.statistics().unwrap().health;
+    assert_eq!((later.cause, later.resets, later.last_fault), (ResetCause::Asked, 2, health.last_fault));
+}
+
+fn innovation_rad(parameters: &Parameters<f32>) -> f64 {
+    let image = firmware(Board::Qemu).unwrap();
+    let scenario = Scenario { rest_s: 0.5, lift_s: 0.5, hold_s: 0.5, swing_s: 12.0, ..Scenario::default() };
+    let qemu = Qemu::start(&image, scenario, LIMIT).unwrap();
+    let mut link = Link::open(qemu.port()).unwrap();
+    link.hello().unwrap();
+    link.ask(Command::SetParameters(parameters.clone())).unwrap();
+    innovation::of_the_next_swing(&mut link).unwrap()
+}
+
+#[test]
+fn the_innovation_tells_right_parameters_from_wrong_ones() {
+    let noise_rad = Scenario::default().noise_rad;
+    let right = Parameters::paper().map(|value| value as f32);
+    let mut wrong = right.clone();
+    wrong.pendulum.inertia_kg_m2 *= 1.05;
+    let (with_right, with_wrong) = (innovation_rad(&right), innovation_rad(&wrong));
+    println!("innovation {with_right:.2e} rad with the right model, {with_wrong:.2e} with the wrong one");
+    assert!(with_right <= 1.3 * noise_rad && with_wrong >= 3.0 * noise_rad);
+}

@@ -1,0 +1,178 @@
+//! Known pendulums come back: random rigs from the box of the paper's Table 2, measured by an integrator that shares no
+//! code with ours, are identified from one recording each, beginning with its segments.
+//!
+//! `cargo test -p tests --test recovery -- --nocapture` prints a line a rig. `RECOVERY_RIGS=1000` takes more of them.
+
+mod physics_reference;
+
+use host::fit::identify::{Fit, Method, Options, fit};
+use host::recording::segment::SegmentOptions;
+use host::swing::Swing;
+use physics_reference::Reference;
+use shared::parameters::{Parameters, base};
+use std::fmt::Write;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
+use tests::chance::Chance;
+use tests::measured::{self, noise_rad};
+use tests::paper_data::{drawing, levels};
+
+/// How many rigs, unless the environment says otherwise.
+const N_RIGS: u64 = 100;
+
+/// The smallest and largest release, rad; either side.
+const RELEASES_RAD: std::ops::Range<f64> = 0.5..2.5;
+
+/// Ends of a 95 % interval in standard deviations.
+const INTERVAL_STDS: f64 = 1.96;
+
+/// What the intervals are judged for; Ms and DV have none where the error jumps.
+const JUDGED: [&str; 3] = ["Mw", "Mc", "I"];
+
+/// A rig that nobody knows but the test.
+struct Rig {
+    seed: u64,
+    truth: Parameters<f64>,
+    start_rad: f64,
+    chance: Chance,
+}
+
+impl Rig {
+    fn random(seed: u64) -> Self {
+        let mut chance = Chance::new(seed);
+        let drawn: Vec<f64> = levels("1").into_iter().map(|(_, low, high)| chance.within(low..high)).collect();
+        let mut truth = drawing();
+        truth.set_friction(drawn[0], drawn[1], drawn[2], drawn[3]);
+        truth.pendulum.inertia_kg_m2 = drawn[4];
+        let side = if chance.coin() { 1.0 } else { -1.0 };
+        let start_rad = side * chance.within(RELEASES_RAD);
+        Self { seed, truth, start_rad, chance }
+    }
+
+    fn swing(&self) -> Result<Swing, String> {
+        let mut pendulum = Reference::release(&self.truth, None, self.start_rad, 0.0);
+        let recording = measured::recording(self.start_rad, &mut self.chance.clone(), |seconds| {
+            pendulum.advance(seconds);
+            (pendulum.angle_rad, pendulum.velocity_rad_s)
+        });
+        let swing = Swing::from_recording("random", &recording, &SegmentOptions::default());
+        swing.map(|(swing, _)| swing).map_err(|error| error.to_string())
+    }
+
+    fn true_value(&self, symbol: &str) -> f64 {
+        let value = |id, index: usize| self.truth.values(id).expect("a base effect")[index];
+        match symbol {
+            "Mw" => value(base::VISCOUS, 0),
+            "Mc" => value(base::COULOMB, 0),
+            "Ms" => value(base::STICTION, 0),
+            "DV" => value(base::STICTION, 1),
+            _ => self.truth.pendulum.inertia_kg_m2,
+        }
+    }
+}
+
+/// What became of a rig.
+struct Outcome {
+    rig: Rig,
+    surfaces: Result<Fit, String>,
+    polished: Result<Fit, String>,
+}
+
+impl Outcome {
+    fn of(seed: u64) -> Self {
+        let rig = Rig::random(seed);
+        let swing = rig.swing();
+        let identified = |method| {
+            let swing = swing.clone()?;
+            let options = Options { method, ranges: Vec::new() };
+            fit(&[swing], &[], &drawing(), &options, &|_| {}).map_err(|error| error.to_string())
+        };
+        Self { surfaces: identified(Method::Rsm), polished: identified(Method::Both), rig }
+    }
+
+    /// (true value − stated value) / stated standard deviation, where one is stated.
+    fn deviation_stds(&self, symbol: &str) -> Option<f64> {
+        let found = self.polished.as_ref().ok()?.identified.iter().find(|found| found.symbol == symbol)?;
+        found.std.map(|std| (self.rig.true_value(symbol) - found.value) / std)
+    }
+
+    /// Everything about it, on one line.
+    fn in_words(&self) -> String {
+        let mut words = format!("seed {:3} from {:+.2} rad:", self.rig.seed, self.rig.start_rad);
+        for symbol in ["Mw", "Mc", "Ms", "DV", "I"] {
+            let _ = write!(words, " {symbol} {:.4e}", self.rig.true_value(symbol));
+        }
+        for (method, fitted) in [("surfaces", &self.surfaces), ("polished", &self.polished)] {
+            let _ = match fitted {
+                Ok(fit) => write!(words, " | {method} {:.3} noises", in_noises(fit)),
+                Err(error) => write!(words, " | {method}: {error}"),
+            };
+        }
+        for symbol in JUDGED {
+            let _ = match self.deviation_stds(symbol) {
+                Some(stds) => write!(words, " | {symbol} {stds:+.1} σ"),
+                None => write!(words, " | {symbol} without σ"),
+            };
+        }
+        words
+    }
+}
+
+/// The error in units of the noise that was put in.
+fn in_noises(fit: &Fit) -> f64 {
+    fit.rmse_rad / noise_rad()
+}
+
+/// All rigs, identified once for all tests, on all processors.
+fn outcomes() -> &'static [Outcome] {
+    static OUTCOMES: OnceLock<Vec<Outcome>> = OnceLock::new();
+    OUTCOMES.get_or_init(|| {
+        let n_rigs = std::env::var("RECOVERY_RIGS").map_or(N_RIGS, |n| n.parse().expect("RECOVERY_RIGS is a number"));
+        let next = AtomicU64::new(1);
+        let one_by_one = || {
+            let seeds = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
+            seeds.take_while(|seed| *seed <= n_rigs).map(Outcome::of).collect::<Vec<_>>()
+        };
+        let n_threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let mut all: Vec<Outcome> = std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..n_threads).map(|_| scope.spawn(one_by_one)).collect();
+            threads.into_iter().flat_map(|thread| thread.join().expect("a fit does not panic")).collect()
+        });
+        all.sort_by_key(|outcome| outcome.rig.seed);
+        all.iter().for_each(|outcome| println!("{}", outcome.in_words()));
+        all
+    })
+}
+
+/// Enough rigs come within so many noises, or the others are named.
+#[track_caller]
+fn check_share(method: &str, most_noises: f64, share: f64, fitted: impl Fn(&Outcome) -> &Result<Fit, String>) {
+    let reached = |outcome: &&Outcome| fitted(outcome).as_ref().is_ok_and(|fit| in_noises(fit) <= most_noises);
+    let (good, bad): (Vec<_>, Vec<_>) = outcomes().iter().partition(reached);
+    println!("{method}: {} of {} within {most_noises} noises", good.len(), outcomes().len());
+    let named: Vec<String> = bad.iter().map(|outcome| outcome.in_words()).collect();
+    assert!(good.len() as f64 >= share * outcomes().len() as f64, "{method}:\n{}", named.join("\n"));
+}
+
+#[test]
+fn response_surfaces_alone_come_within_one_and_a_half_noises_in_95_of_100_rigs() {
+    check_share("surfaces", 1.5, 0.95, |outcome| &outcome.surfaces);
+}
+
+#[test]
+fn least_squares_after_them_comes_within_5_percent_of_the_noise_in_all_rigs() {
+    check_share("polished", 1.05, 1.0, |outcome| &outcome.polished);
+}
+
+/// One spread in a hundred rigs is 2 %; the bounds leave two of them on either side.
+#[test]
+fn stated_95_percent_intervals_contain_the_truth_in_90_to_99_percent() {
+    for symbol in JUDGED {
+        let stated: Vec<f64> = outcomes().iter().filter_map(|outcome| outcome.deviation_stds(symbol)).collect();
+        let inside = stated.iter().filter(|stds| stds.abs() <= INTERVAL_STDS).count();
+        let percent = 100.0 * inside as f64 / stated.len() as f64;
+        println!("{symbol}: {inside} of {} intervals contain the truth, {percent:.0} %", stated.len());
+        assert!(stated.len() as f64 >= 0.95 * outcomes().len() as f64, "{symbol}: only {} intervals", stated.len());
+        assert!((90.0..=99.0).contains(&percent), "{symbol}: {percent} %");
+    }
+}
