@@ -4,6 +4,7 @@
 //! Exit codes: 0 a result was produced, whatever it says; 2 wrong use; 1 failed.
 
 mod columns;
+mod compare;
 mod diagnose;
 mod effects;
 mod evidence;
@@ -45,6 +46,7 @@ Example:
   host init --mass 0.147 --length 0.156 --inertia 0.00284 -o rig.toml
   host record --port /dev/ttyACM0 -o swing.csv           let the pendulum go when asked
   host fit swing.csv --rig rig.toml -o rig.toml
+  host compare swing.csv --rig rig.toml --report report.html
   host diagnose swing*.csv --rig rig.toml                which physical effect is missing?
   host push --rig rig.toml --port /dev/ttyACM0
 
@@ -56,6 +58,7 @@ enum Command {
     Init(init::Options),
     Record(record::Options),
     Fit(fit::Options),
+    Compare(compare::Options),
     Diagnose(diagnose::Options),
     Improve(improve::Options),
     Effects(effects::Options),
@@ -82,6 +85,7 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
         Command::Init(options) => init::run(&options),
         Command::Record(options) => record::run(&options),
         Command::Fit(options) => fit::run(&options),
+        Command::Compare(options) => compare::run(&options),
         Command::Diagnose(options) => diagnose::run(&options),
         Command::Improve(options) => improve::run(&options),
         Command::Effects(options) => effects::run(&options),

@@ -1,6 +1,7 @@
 //! The pendulum rig on the PC.
 
 pub mod cli;
+pub mod compare;
 pub mod diagnose;
 pub mod error;
 pub mod fit;
@@ -12,6 +13,7 @@ pub mod paper;
 pub mod plot;
 pub mod record;
 pub mod recording;
+pub mod report;
 pub mod responses;
 pub mod rigfile;
 pub mod rsm;

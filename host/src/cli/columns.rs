@@ -2,6 +2,7 @@
 
 use super::output;
 use super::values::{finite, positive};
+use crate::compare::measurement::Measurement;
 use crate::error::Failure;
 use crate::recording::segment::SegmentOptions;
 use crate::recording::{self, AngleUnit, Columns, ReadOptions, Recording};
@@ -75,5 +76,14 @@ impl Reading {
             .map_err(|error| Failure::failed(format!("{name}: {error}")))?;
         let notes = recording.notes().iter().chain(&segments.notes).map(|note| format!("{name}: {note}")).collect();
         Ok((swing, notes))
+    }
+
+    /// Reads a recording and finds its free swing, with what is known around it.
+    pub(super) fn measurement(&self, path: &Path) -> Result<Measurement, Failure> {
+        let recording = self.read(path)?;
+        let name = path.display().to_string();
+        let options = SegmentOptions { from_s: self.from, to_s: self.to };
+        let failed = |error| Failure::failed(format!("{name}: {error}"));
+        Measurement::from_recording(&name, &recording, &options).map_err(failed)
     }
 }

@@ -1,0 +1,93 @@
+//! `host compare`: show where a fitted model fails.
+
+use super::columns::Reading;
+use super::{output, rig};
+use crate::compare::measurement::Measurement;
+use crate::compare::pictures::pictures;
+use crate::compare::text::text;
+use crate::compare::{self, Comparison, compare};
+use crate::error::Failure;
+use crate::plot::svg::svg;
+use crate::report::report;
+use crate::rigfile::RigFile;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Show how well the model follows recordings, where it fails, and whether noise or physics is left.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(super) struct Options {
+    /// Recordings to compare with, all at once
+    #[arg(value_name = "RECORDING", required = true)]
+    recordings: Vec<PathBuf>,
+    /// The model file; ./rig.toml if there is one
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+    /// A recording that takes no part and shows how well the model predicts (may be repeated)
+    #[arg(long, value_name = "FILE")]
+    hold_out: Vec<PathBuf>,
+    /// Write every picture as SVG into this folder
+    #[arg(long, value_name = "FOLDER")]
+    plot: Option<PathBuf>,
+    /// Write a report for the browser, one file that needs no network
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  host compare --rig rig.toml swing.csv
+  host compare a.csv b.csv --hold-out c.csv --report report.html
+  host compare swing.csv --from 0.7 --plot pictures --json";
+
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    options.reading.check()?;
+    let model = rig::load(options.rig.as_deref())?;
+    let measurements = measurements(&options.reading, &options.recordings)?;
+    let held_out = self::measurements(&options.reading, &options.hold_out)?;
+    let settings = compare::Options { fit_first: is_fresh(&model) };
+    let comparison = compare(model.parameters(), &measurements, &held_out, &settings).map_err(Failure::failed)?;
+    if let Some(folder) = &options.plot {
+        draw(folder, &comparison)?;
+    }
+    if let Some(path) = &options.report {
+        write(path, &report(&comparison))?;
+    }
+    if options.json {
+        output::json("compare", &comparison)
+    } else {
+        output::result(&text(&comparison))
+    }
+    Ok(())
+}
+
+fn measurements(reading: &Reading, paths: &[PathBuf]) -> Result<Vec<Measurement>, Failure> {
+    paths.iter().map(|path| reading.measurement(path)).collect()
+}
+
+/// A model file straight from `init` holds the guess for its pendulum, to the last digit.
+fn is_fresh(model: &RigFile) -> bool {
+    let pendulum = model.parameters().pendulum;
+    let guesses = [RigFile::new(pendulum), RigFile::normalised(pendulum.gravity_m_s2)];
+    guesses.iter().any(|guess| guess.parameters() == model.parameters())
+}
+
+fn draw(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| not_written(folder, &error))?;
+    pictures(comparison)
+        .iter()
+        .try_for_each(|picture| write(&folder.join(format!("{}.svg", picture.key)), &svg(picture)))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|error| not_written(path, &error))
+}
+
+fn not_written(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::failed(format!("could not write {}: {error}", path.display()))
+}

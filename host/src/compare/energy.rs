@@ -1,0 +1,178 @@
+//! Pictures without a model beside the modelled ones: energy lost per path, period, and the difference between both
+//! sides, against amplitude.
+
+use super::binned::{Mean, Sample, binned};
+use super::halves::{Halves, Period, read_off};
+use nalgebra::{Matrix2, Vector2};
+use serde::Serialize;
+
+/// A difference this many standard errors from zero is a finding …
+const SIGNIFICANT: f64 = 4.5;
+
+/// … if it is more than this share of the modelled loss …
+const LOSS_SHARE: f64 = 0.04;
+
+/// … or of the period.
+const PERIOD_SHARE: f64 = 5e-4;
+
+/// Periods are known about this well per unit of relative noise: crossings average over some samples.
+const PERIOD_NOISE: f64 = 0.15;
+
+/// What energy and period show.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Energy {
+    /// Measured minus modelled loss per path against amplitude (rad, N·m).
+    pub loss_missing: Vec<Mean>,
+    /// Measured loss per path against amplitude (rad, N·m).
+    pub loss_measured: Vec<Mean>,
+    /// Relative difference of the period against amplitude (rad, 1).
+    pub period_off: Vec<Mean>,
+    /// Loss of rising minus falling half swings beyond the model's (N·m).
+    pub side_difference: Option<Mean>,
+    /// Amplitude at which the measured loss has a bump, rad.
+    pub bump_rad: Option<f64>,
+    /// Modelled loss at mid amplitude, to compare with, N·m.
+    pub usual_loss_nm: f64,
+}
+
+/// Measured and modelled motion of one recording.
+#[derive(Clone, Debug, Default)]
+pub struct Pair {
+    /// As measured.
+    pub measured: Halves,
+    /// As modelled in a free run.
+    pub modelled: Halves,
+    /// Noise of the angle, rad.
+    pub noise_rad: f64,
+}
+
+/// Compares loss and period of all recordings.
+pub fn energy(pairs: &[Pair], gravity_nm: f64) -> Energy {
+    let modelled = pairs.iter().flat_map(|pair| pair.modelled.losses());
+    let curve = sorted(modelled.map(|loss| (loss.amplitude_rad, loss.loss_nm)).collect());
+    let measured: Vec<Sample> = pairs
+        .iter()
+        .flat_map(|pair| pair.measured.losses())
+        .map(|loss| Sample { x: loss.amplitude_rad, value: loss.loss_nm, spread: loss.spread_nm })
+        .collect();
+    let missing = |sample: &Sample| {
+        let value = sample.value - read_off(&curve, sample.x)?;
+        Some(Sample { value, ..*sample })
+    };
+    let loss_measured = binned(&measured);
+    Energy {
+        side_difference: side_difference(pairs, gravity_nm),
+        loss_missing: binned(&measured.iter().filter_map(missing).collect::<Vec<_>>()),
+        period_off: binned(&pairs.iter().flat_map(|pair| periods_off(pair, pairs)).collect::<Vec<_>>()),
+        bump_rad: bump(&loss_measured),
+        loss_measured,
+        usual_loss_nm: curve.iter().map(|point| point.1).sum::<f64>() / curve.len().max(1) as f64,
+    }
+}
+
+impl Energy {
+    /// Bins in which the pendulum loses significantly more or less than modelled.
+    pub fn losses_off(&self) -> Vec<&Mean> {
+        let matters = |mean: &&Mean| mean.value.abs() > LOSS_SHARE * self.usual_loss_nm.abs();
+        self.loss_missing.iter().filter(matters).filter(|mean| mean.z().abs() > SIGNIFICANT).collect()
+    }
+
+    /// Bins in which the period is significantly off.
+    pub fn periods_off(&self) -> Vec<&Mean> {
+        let matters = |mean: &&Mean| mean.value.abs() > PERIOD_SHARE && mean.z().abs() > SIGNIFICANT;
+        self.period_off.iter().filter(matters).collect()
+    }
+
+    /// The sides' difference, if it is significant.
+    pub fn sides_differ(&self) -> Option<&Mean> {
+        // A friction that differs by more than its own size would push.
+        let usual = self.usual_loss_nm.abs();
+        let matters = |mean: &&Mean| (LOSS_SHARE * usual..usual).contains(&mean.value.abs());
+        self.side_difference.as_ref().filter(matters).filter(|mean| mean.z().abs() > SIGNIFICANT)
+    }
+}
+
+fn sorted(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points
+}
+
+/// Rising minus falling loss beyond the model's. An error of the sensor's zero also makes sides differ, by
+/// m·g·l·sin A/A at the amplitude A; both are fitted together, so that only what is no such error is told.
+fn side_difference(pairs: &[Pair], gravity_nm: f64) -> Option<Mean> {
+    let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
+    let mut rows = Vec::new();
+    for pair in pairs {
+        let curves = [false, true].map(|rising| side_curve(&pair.modelled, rising));
+        for half in &pair.measured.halves {
+            let Some(modelled) = read_off(&curves[usize::from(half.is_rising)], half.amplitude_rad) else { continue };
+            let sign = if half.is_rising { 0.5 } else { -0.5 };
+            let a = half.amplitude_rad;
+            rows.push((
+                sign,
+                Vector2::new(1.0, gravity_nm * a.sin() / a),
+                half.loss_nm - modelled,
+                half.loss_spread_nm,
+            ));
+        }
+    }
+    let common = rows.iter().map(|row| row.2).sum::<f64>() / rows.len().max(1) as f64;
+    for (sign, columns, value, spread) in &rows {
+        let columns = columns * *sign / spread.max(1e-300);
+        normal += columns * columns.transpose();
+        right += columns * (value - common) / spread.max(1e-300);
+    }
+    let inverse = normal.try_inverse().filter(|_| rows.len() >= 6)?;
+    let fit = inverse * right;
+    let error =
+        |row: &(f64, Vector2<f64>, f64, f64)| ((row.2 - common - row.0 * row.1.dot(&fit)) / row.3.max(1e-300)).powi(2);
+    let scatter = (rows.iter().map(error).sum::<f64>() / (rows.len() - 2) as f64).max(1.0);
+    Some(Mean { x: 0.0, value: fit[0], spread: (inverse[(0, 0)] * scatter).sqrt(), n: rows.len() })
+}
+
+fn side_curve(halves: &Halves, rising: bool) -> Vec<(f64, f64)> {
+    let of_side = halves.halves.iter().filter(|half| half.is_rising == rising);
+    sorted(of_side.map(|half| (half.amplitude_rad, half.loss_nm)).collect())
+}
+
+fn periods_off(pair: &Pair, pairs: &[Pair]) -> Vec<Sample> {
+    let modelled = pairs.iter().flat_map(|pair| &pair.modelled.periods);
+    let curve = sorted(modelled.map(|period| (period.amplitude_rad, period.period_s)).collect());
+    let off = |period: &Period| {
+        let expected_s = read_off(&curve, period.amplitude_rad)?;
+        let value = period.period_s / expected_s - 1.0;
+        let spread = PERIOD_NOISE * pair.noise_rad / period.amplitude_rad;
+        Some(Sample { x: period.amplitude_rad, value, spread })
+    };
+    pair.measured.periods.iter().filter_map(off).collect()
+}
+
+/// Where the loss rises above both sides; Coulomb, viscous and drag friction rise with amplitude throughout.
+fn bump(losses: &[Mean]) -> Option<f64> {
+    let beyond = |top: &Mean, other: &Mean| {
+        let difference = top.value - other.value;
+        difference > SIGNIFICANT * top.spread.hypot(other.spread) && difference > LOSS_SHARE * top.value
+    };
+    let is_top = |k: &usize| {
+        let (below, above) = (&losses[..*k], &losses[k + 1..]);
+        let highest_near =
+            losses[k.saturating_sub(1)..(k + 2).min(losses.len())].iter().all(|m| m.value <= losses[*k].value);
+        highest_near && below.iter().any(|m| beyond(&losses[*k], m)) && above.iter().any(|m| beyond(&losses[*k], m))
+    };
+    (0..losses.len()).find(is_top).map(|k| losses[k].x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_loss_that_only_rises_has_no_bump() {
+        let mean = |x: f64, value: f64| Mean { x, value, spread: 0.01, n: 5 };
+        let rising: Vec<Mean> = (0..8).map(|k| mean(f64::from(k), 1.0 + 0.1 * f64::from(k))).collect();
+        assert_eq!(bump(&rising), None);
+        let mut bumpy = rising.clone();
+        bumpy[2].value = 2.0;
+        assert_eq!(bump(&bumpy), Some(2.0));
+    }
+}

@@ -1,0 +1,237 @@
+//! What the recordings say about each parameter: the value they would choose, its interval, correlations, a verdict,
+//! and whether every recording alone says the same.
+//!
+//! All parameters move together from the given ones to where the squared error is least; Ms and DV stay, because the
+//! error is not smooth in them. A recording alone is answered to first order at the common values.
+
+use super::follow::Followed;
+use crate::fit::covariance::covariance;
+use crate::fit::descent::{Patience, descend};
+use crate::fit::identify::{problem_of, smooth};
+use crate::fit::linear::{Linear, Steps, SwingLinear, dot, linearise, solve_damped};
+use crate::fit::problem::{PER_SWING, Point, Problem, Quantity, Unknown};
+use crate::swing::{Swing, Window};
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use shared::effect::Effect;
+use shared::parameters::Parameters;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::sync::atomic::AtomicUsize;
+
+/// Half width of a 95 % interval in standard deviations.
+const NORMAL_95: f64 = 1.96;
+
+/// Recordings disagree when chance alone would do it more rarely than this.
+const DISAGREEMENT: f64 = 1e-3;
+
+/// How well the recordings tell a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Identifiability {
+    /// Known within 10 %.
+    Identified,
+    /// Known within a factor of about two.
+    Weak,
+    /// Next to nothing is known about it.
+    Not,
+    /// At its bound: zero within its uncertainty.
+    Zero,
+}
+
+/// A value with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// Standard deviation, coloured residuals allowed for; absent if the data give none.
+    pub std: Option<f64>,
+}
+
+impl Estimate {
+    /// The 95 % interval.
+    pub fn interval(&self) -> Option<(f64, f64)> {
+        self.std.map(|std| (self.value - NORMAL_95 * std, self.value + NORMAL_95 * std))
+    }
+}
+
+/// One parameter as the recordings see it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Known {
+    /// The literature's symbol.
+    pub symbol: &'static str,
+    /// The effect, or `inertia`.
+    pub name: &'static str,
+    /// SI unit.
+    pub unit: &'static str,
+    /// As the rig file has it.
+    pub given: f64,
+    /// What all recordings together would choose.
+    pub chosen: Estimate,
+    /// How well they tell it.
+    pub verdict: Identifiability,
+    /// What every recording alone would choose.
+    pub alone: Vec<Estimate>,
+    /// Probability that recordings of one pendulum differ this much; absent with one recording.
+    pub agreement: Option<f64>,
+    /// Which recording would help, if one is needed.
+    pub advice: Option<String>,
+}
+
+impl Known {
+    /// Is it at its lower bound, or below one standard deviation?
+    pub fn is_zero(&self) -> bool {
+        self.verdict == Identifiability::Zero || self.chosen.std.is_some_and(|std| self.chosen.value < std)
+    }
+
+    /// Do the recordings contradict each other?
+    pub fn disagrees(&self) -> bool {
+        self.agreement.is_some_and(|probability| probability < DISAGREEMENT)
+    }
+
+    /// Does the value rise or fall from recording to recording?
+    pub fn drifts(&self) -> bool {
+        let values: Vec<f64> = self.alone.iter().map(|estimate| estimate.value).collect();
+        let rises = values.windows(2).all(|pair| pair[0] < pair[1]);
+        let falls = values.windows(2).all(|pair| pair[0] > pair[1]);
+        self.disagrees() && values.len() >= 3 && (rises || falls)
+    }
+}
+
+/// What is known about all parameters.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Knowledge {
+    /// One a parameter, stiction left out.
+    pub parameters: Vec<Known>,
+    /// Correlations, in the same order.
+    pub correlations: Vec<Vec<f64>>,
+    /// Are the residuals coloured? The intervals allow for it.
+    pub coloured: bool,
+}
+
+/// Asks the recordings for the parameters; `followed` tells how each began.
+pub fn knowledge(swings: &[Swing], rig: &Parameters<f64>, followed: &[Followed]) -> Knowledge {
+    let count = AtomicUsize::new(0);
+    let problem = smooth(&problem_of(swings, rig, &count));
+    let starts = followed.iter().map(|followed| followed.start).collect();
+    let given = problem.template_values();
+    let first = Point { values: given.clone(), starts };
+    let end = descend(&problem, &first, Window::Whole, Patience::FINE, Steps::new(&problem));
+    // A value at its bound is known to be there and takes no part.
+    let inside =
+        |j: &usize| end.point.values[*j] > problem.unknowns[*j].low && end.point.values[*j] < problem.unknowns[*j].high;
+    let free: Vec<usize> = (0..given.len()).filter(inside).collect();
+    let (part, point) = restricted(&problem, &end.point, &free);
+    let mut steps = Steps::new(&part);
+    linearise(&part, &point, Window::Whole, &mut steps);
+    let linear = linearise(&part, &point, Window::Whole, &mut steps);
+    let together = covariance(&linear);
+    let alone: Vec<Alone> = linear.swings.iter().map(|swing| alone(swing, &point.values)).collect();
+
+    let known = |(j, unknown): (usize, &Unknown)| {
+        let column = free.iter().position(|k| *k == j);
+        let std = column.and_then(|column| together.as_ref()?.std(column));
+        let chosen = Estimate { value: end.point.values[j], std };
+        let alone: Vec<Estimate> = alone.iter().filter_map(|alone| alone.estimates.get(column?).copied()).collect();
+        let verdict = verdict(unknown, &problem, &chosen, column.is_none());
+        Known {
+            symbol: unknown.symbol,
+            name: unknown.name,
+            unit: unknown.unit,
+            given: given[j],
+            agreement: agreement(&alone),
+            advice: advice(unknown, verdict),
+            chosen,
+            verdict,
+            alone,
+        }
+    };
+    let correlation = |i: usize, j: usize| match (free.iter().position(|k| *k == i), free.iter().position(|k| *k == j))
+    {
+        (Some(i), Some(j)) => together.as_ref().and_then(|covariance| covariance.correlation(i, j)).unwrap_or(0.0),
+        _ => 0.0,
+    };
+    let n = given.len();
+    Knowledge {
+        parameters: problem.unknowns.iter().enumerate().map(known).collect(),
+        correlations: (0..n).map(|i| (0..n).map(|j| correlation(i, j)).collect()).collect(),
+        coloured: together.as_ref().is_some_and(|covariance| covariance.coloured),
+    }
+}
+
+/// The problem with some unknowns only; the others keep their values.
+fn restricted<'a>(problem: &Problem<'a>, point: &Point, free: &[usize]) -> (Problem<'a>, Point) {
+    let part = Problem {
+        unknowns: free.iter().map(|j| problem.unknowns[*j].clone()).collect(),
+        template: problem.parameters(&point.values),
+        ..problem.clone()
+    };
+    let values = free.iter().map(|j| point.values[*j]).collect();
+    (part, Point { values, starts: point.starts.clone() })
+}
+
+/// What one recording alone says.
+struct Alone {
+    estimates: Vec<Estimate>,
+}
+
+fn alone(swing: &SwingLinear, values: &[f64]) -> Alone {
+    let n_columns = swing.columns.len();
+    let normal = DMatrix::from_fn(n_columns, n_columns, |i, j| dot(&swing.columns[i], &swing.columns[j]));
+    let gradient = DVector::from_fn(n_columns, |i, _| dot(&swing.columns[i], &swing.residuals));
+    let step = solve_damped(&normal, &gradient, 0.0, &vec![true; n_columns]);
+    let residuals: Vec<f64> = (0..swing.residuals.len())
+        .map(|row| swing.residuals[row] - (0..n_columns).map(|j| swing.columns[j][row] * step[j]).sum::<f64>())
+        .collect();
+    let linear = Linear {
+        cost: dot(&residuals, &residuals),
+        n_samples: residuals.len(),
+        swings: vec![SwingLinear { residuals, columns: swing.columns.clone() }],
+        normal,
+        gradient,
+    };
+    let covariance = covariance(&linear);
+    let estimate = |j: usize| Estimate {
+        value: values[j] + step[j],
+        std: covariance.as_ref().and_then(|covariance| covariance.std(j)),
+    };
+    Alone { estimates: (0..n_columns - PER_SWING).map(estimate).collect() }
+}
+
+/// Probability that the scatter of the recordings' values is chance.
+fn agreement(alone: &[Estimate]) -> Option<f64> {
+    let known: Vec<(f64, f64)> = alone.iter().filter_map(|e| Some((e.value, e.std?.powi(-2)))).collect();
+    if known.len() < 2 {
+        return None;
+    }
+    let total: f64 = known.iter().map(|(_, weight)| weight).sum();
+    let mean = known.iter().map(|(value, weight)| weight * value).sum::<f64>() / total;
+    let square = known.iter().map(|(value, weight)| weight * (value - mean).powi(2)).sum();
+    let distribution = ChiSquared::new((known.len() - 1) as f64).ok()?;
+    Some(distribution.sf(square))
+}
+
+fn verdict(unknown: &Unknown, problem: &Problem, chosen: &Estimate, at_bound: bool) -> Identifiability {
+    if at_bound {
+        return Identifiability::Zero;
+    }
+    // The inertia about the centre is a small part of the one about the pivot, which the period tells.
+    let size = match unknown.quantity {
+        Quantity::Inertia => problem.template.pendulum.pivot_inertia_kg_m2(),
+        Quantity::Effect { .. } => chosen.value,
+    };
+    match chosen.std.map(|std| std / size.abs()) {
+        Some(relative) if relative < 0.1 => Identifiability::Identified,
+        Some(relative) if relative < 0.5 => Identifiability::Weak,
+        _ => Identifiability::Not,
+    }
+}
+
+/// The experiment that shows the effect best.
+fn advice(unknown: &Unknown, verdict: Identifiability) -> Option<String> {
+    let needed = matches!(verdict, Identifiability::Weak | Identifiability::Not);
+    let experiment = match unknown.quantity {
+        Quantity::Inertia => "A release from a small angle: the period tells the inertia.",
+        Quantity::Effect { id, .. } => Effect::<f64>::by_id(id)?.experiment,
+    };
+    needed.then(|| experiment.to_owned())
+}

@@ -1,0 +1,55 @@
+//! What a set of recordings cannot tell, in words.
+
+use super::measurement::Measurement;
+use super::recording::Judged;
+
+/// Swings that a friction law needs to show.
+const FEW_SWINGS: usize = 6;
+
+/// Releases below this leave gain, spring, drag and Stribeck friction alike, rad.
+const LARGE_RELEASE_RAD: f64 = 1.2;
+
+/// What can't be judged with these recordings, and what to do about it.
+pub fn limits(measurements: &[Measurement], recordings: &[Judged]) -> Vec<String> {
+    let mut limits: Vec<String> = Vec::new();
+    for (measurement, judged) in measurements.iter().zip(recordings) {
+        limits.extend(of_recording(measurement, judged));
+    }
+    if recordings.iter().all(|judged| judged.stop_angles_rad.is_none()) {
+        limits.push(
+            "No recording comes to rest: stiction and the stop angle can't be judged; record until it hangs still."
+                .to_owned(),
+        );
+    }
+    let largest = measurements.iter().flat_map(|m| &m.swing.angles_rad).fold(0.0_f64, |l, a| l.max(a.abs()));
+    if largest < LARGE_RELEASE_RAD {
+        limits.push(format!(
+            "No angle exceeds {largest:.2} rad: effects that show at large amplitude (drag, gain, spring) can't be \
+             told apart; release from 1.4 rad or more."
+        ));
+    }
+    limits
+}
+
+fn of_recording(measurement: &Measurement, judged: &Judged) -> Vec<String> {
+    let name = &judged.name;
+    let mut limits = Vec::new();
+    if judged.swings.len() < FEW_SWINGS {
+        let n_swings = judged.swings.len();
+        limits.push(format!(
+            "{name}: only {n_swings} swings: how the loss depends on amplitude can't be judged; record longer."
+        ));
+    }
+    if !measurement.has_lead_in && !measurement.has_rest {
+        limits.push(format!(
+            "{name}: no still stretch before or after the swing: whether the sensor's noise is white can't be judged; \
+             hold it still for a second before the release."
+        ));
+    } else if measurement.noise.is_coloured {
+        limits.push(format!(
+            "{name}: the sensor's own noise is coloured (it wanders while the pendulum hangs still): a remainder below \
+             1.3 times the noise can't be told from it."
+        ));
+    }
+    limits
+}

@@ -1,0 +1,87 @@
+//! Missing torque over angle and velocity, and how well it is known.
+
+use super::milli;
+use crate::compare::Comparison;
+use crate::compare::torque::{Bin, N_BINS, TorqueMap};
+use crate::plot::{Axis, Content, Heat, Picture};
+
+pub(super) fn pictures(comparison: &Comparison) -> Vec<Picture> {
+    let Some(map) = &comparison.torque else { return Vec::new() };
+    vec![torque(map), significance(map)]
+}
+
+fn torque(map: &TorqueMap) -> Picture {
+    let compared = match map.coulomb_nm {
+        coulomb_nm if coulomb_nm > 0.0 => format!(" For comparison: Mc is {:.2} mN·m.", milli(coulomb_nm)),
+        _ => String::new(),
+    };
+    let found = if map.is_significant {
+        "There is more in it than chance."
+    } else {
+        "Nothing in it is beyond chance: read nothing into the colours."
+    };
+    Picture {
+        key: "torque".to_owned(),
+        title: "Missing torque over angle and velocity".to_owned(),
+        explanation: format!(
+            "Which torque would have to be added to the model, at each angle and velocity, to explain the measurement: \
+             red pushes counter-clockwise, blue clockwise, white is nothing. Friction that is too small in the model \
+             is blue above and red below; a spring is red on one side and blue on the other. {found}{compared} Found \
+             by integrating the equation of motion over short windows, so that no noisy derivative is needed."
+        ),
+        x: Axis::linear("angle in rad"),
+        y: Axis::linear("velocity in rad/s"),
+        content: Content::Heat(heat(map, "mN·m", milli(limit(map)), |bin| milli(bin.torque_nm))),
+    }
+}
+
+fn significance(map: &TorqueMap) -> Picture {
+    Picture {
+        key: "torque-certainty".to_owned(),
+        title: "How certain the missing torque is".to_owned(),
+        explanation:
+            "The same map in units of its standard error, which grows where the pendulum rarely comes. Within \
+                      ± 3 it may well be chance; point at a field to see its value, its error and how many swings \
+                      passed it."
+                .to_owned(),
+        x: Axis::linear("angle in rad"),
+        y: Axis::linear("velocity in rad/s"),
+        content: Content::Heat(heat(map, "torque / error", 10.0, |bin| bin.torque_nm / bin.spread_nm)),
+    }
+}
+
+/// Colours go as far as nine of ten well-visited fields: a few uncertain ones must not bleach the rest.
+fn limit(map: &TorqueMap) -> f64 {
+    let mut sizes: Vec<f64> =
+        map.bins.iter().filter(|bin| bin.n_visits >= WELL_VISITED).map(|bin| bin.torque_nm.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(9 * sizes.len() / 10).copied().unwrap_or(map.largest_nm()).max(1e-12)
+}
+
+/// Swings through a field from which on its colour counts.
+const WELL_VISITED: usize = 5;
+
+fn heat(map: &TorqueMap, label: &str, limit: f64, value: impl Fn(&Bin) -> f64) -> Heat {
+    let mut values = vec![vec![None; N_BINS]; N_BINS];
+    let mut notes = vec![vec![String::new(); N_BINS]; N_BINS];
+    for bin in &map.bins {
+        let (row, column) = (bin.place / N_BINS, bin.place % N_BINS);
+        values[row][column] = Some(value(bin));
+        notes[row][column] = format!(
+            "{:+.3} ± {:.3} mN·m, {} swings, {} samples",
+            milli(bin.torque_nm),
+            milli(bin.spread_nm),
+            bin.n_visits,
+            bin.n_samples
+        );
+    }
+    Heat {
+        x: (0..N_BINS).map(|k| map.grid.centre(k).0).collect(),
+        y: (0..N_BINS).map(|k| map.grid.centre(k * N_BINS).1).collect(),
+        names: None,
+        values,
+        notes,
+        label: label.to_owned(),
+        limit,
+    }
+}

@@ -1,0 +1,146 @@
+//! Against time: the motion, the residuals of angle and velocity, the last swings, and how far ahead the model sees.
+
+use super::{milli, short_name};
+use crate::compare::Comparison;
+use crate::compare::recording::Judged;
+use crate::plot::decimate::decimated;
+use crate::plot::{Axis, Content, Curve, Picture, Style};
+
+/// Points of a line; zooming still shows every swing.
+const N_POINTS: usize = 6000;
+
+/// The last swings are shown over so many half swings.
+const LAST_HALF_SWINGS: f64 = 10.0;
+
+pub(super) fn pictures(comparison: &Comparison) -> Vec<Picture> {
+    let all: Vec<(&Judged, String)> = comparison
+        .recordings
+        .iter()
+        .map(|judged| (judged, String::new()))
+        .chain(comparison.held_out.iter().map(|judged| (judged, ", held out".to_owned())))
+        .collect();
+    let mut pictures = Vec::new();
+    for (k, (judged, suffix)) in all.iter().enumerate() {
+        pictures.push(motion(judged, suffix, k + 1));
+        pictures.push(residual(judged, suffix, k + 1));
+        pictures.extend(last_swings(judged, suffix, k + 1));
+    }
+    pictures.push(velocity(&all));
+    pictures.push(ahead(comparison));
+    pictures
+}
+
+fn line(name: &str, style: Style, colour: usize, x: &[f64], y: &[f64]) -> Curve {
+    let (x, y) = decimated(x, y, N_POINTS);
+    Curve::new(name, style, colour, x.into_iter().zip(y))
+}
+
+fn motion(judged: &Judged, suffix: &str, number: usize) -> Picture {
+    Picture {
+        key: format!("motion-{number}"),
+        title: format!("Measured and modelled: {}{suffix}", short_name(&judged.name)),
+        explanation:
+            "The measured angle and the model, which was only told how this swing began. Where both lines lie \
+                      on each other the model is right; zoom in to see where they part."
+                .to_owned(),
+        x: Axis::linear("time since the start of the free swing in s"),
+        y: Axis::linear("angle in rad"),
+        content: Content::Curves(vec![
+            line("measured", Style::Line, 0, &judged.times_s, &judged.angles_rad),
+            line("modelled", Style::Line, 1, &judged.times_s, &judged.modelled_rad),
+        ]),
+    }
+}
+
+fn residual(judged: &Judged, suffix: &str, number: usize) -> Picture {
+    let residuals: Vec<f64> = judged.residuals_rad.iter().map(|r| milli(*r)).collect();
+    let ends = [0.0, judged.duration_s];
+    let noise = milli(2.0 * judged.noise.level_rad());
+    let limit = |name: &str, value: f64| Curve::new(name, Style::Dashed, 6, ends.map(|t| (t, value)));
+    Picture {
+        key: format!("residual-{number}"),
+        title: format!("Measured minus modelled: {}{suffix}", short_name(&judged.name)),
+        explanation: "What the model leaves. A perfect model leaves only noise: a band without any shape, 95 % of it \
+                      between the broken lines. Waves in the rhythm of the swing mean that something is missing or \
+                      that a number is wrong."
+            .to_owned(),
+        x: Axis::linear("time since the start of the free swing in s"),
+        y: Axis::linear("residual in mrad"),
+        content: Content::Curves(vec![
+            line("residual", Style::Line, 0, &judged.times_s, &residuals),
+            limit("± 2 × noise", noise),
+            limit("", -noise),
+        ]),
+    }
+}
+
+fn last_swings(judged: &Judged, suffix: &str, number: usize) -> Option<Picture> {
+    let (measured_rad, modelled_rad) = judged.stop_angles_rad?;
+    let from_s = judged.duration_s - LAST_HALF_SWINGS * judged.half_swing_s?;
+    let from = judged.times_s.partition_point(|t| *t < from_s);
+    let part = |values: &[f64]| -> Vec<f64> { values[from..].iter().map(|angle| milli(*angle)).collect() };
+    let times_s = &judged.times_s[from..];
+    Some(Picture {
+        key: format!("last-swings-{number}"),
+        title: format!("The last swings: {}{suffix}", short_name(&judged.name)),
+        explanation: format!(
+            "Here friction decides: where and when the pendulum stops tells about stiction. It stopped at {:.2} mrad, \
+             the model at {:.2} mrad. A stop elsewhere, or a slow creep after it, shows stiction or bristles that the \
+             model does not have.",
+            milli(measured_rad),
+            milli(modelled_rad)
+        ),
+        x: Axis::linear("time since the start of the free swing in s"),
+        y: Axis::linear("angle in mrad"),
+        content: Content::Curves(vec![
+            line("measured", Style::Line, 0, times_s, &part(&judged.angles_rad)),
+            line("modelled", Style::Line, 1, times_s, &part(&judged.modelled_rad)),
+        ]),
+    })
+}
+
+fn velocity(all: &[(&Judged, String)]) -> Picture {
+    let curve = |(k, (judged, suffix)): (usize, &(&Judged, String))| {
+        let name = format!("{}{suffix}", short_name(&judged.name));
+        line(&name, Style::Line, k, &judged.times_s, &judged.velocity_residuals_rad_s)
+    };
+    Picture {
+        key: "residual-velocity-time".to_owned(),
+        title: "Velocity: measured minus modelled".to_owned(),
+        explanation:
+            "The same for the velocity, both smoothed alike below 10 Hz. Friction acts on the velocity first, \
+                      so a wrong torque shows here sooner than in the angle."
+                .to_owned(),
+        x: Axis::linear("time since the start of the free swing in s"),
+        y: Axis::linear("velocity residual in rad/s"),
+        content: Content::Curves(all.iter().enumerate().map(curve).collect()),
+    }
+}
+
+fn ahead(comparison: &Comparison) -> Picture {
+    let kinds = ["free run", "one swing ahead", "one step ahead"];
+    let judged: Vec<&Judged> = comparison.recordings.iter().chain(&comparison.held_out).collect();
+    let of_kind = |(k, name): (usize, &&str)| {
+        let value = |judged: &&Judged| {
+            let predictions = &judged.predictions;
+            let error = [Some(predictions.free_run_rad), predictions.swing_ahead_rad, predictions.step_ahead_rad][k];
+            error.unwrap_or(f64::NAN) / judged.noise.level_rad()
+        };
+        Curve::new(name, Style::Dots, k, judged.iter().enumerate().map(|(i, judged)| ((i + 1) as f64, value(judged))))
+    };
+    let mut curves: Vec<Curve> = kinds.iter().enumerate().map(of_kind).collect();
+    let ends = [0.5, judged.len() as f64 + 0.5];
+    curves.push(Curve::new("noise", Style::Dashed, 6, ends.map(|x| (x, 1.0))));
+    Picture {
+        key: "ahead".to_owned(),
+        title: "How far ahead the model sees".to_owned(),
+        explanation: "Error in units of the noise. Free run: from the start to the end. One swing ahead: started anew \
+                      at every swing, judged on the next. One step ahead: corrected at every sample. If only the free \
+                      run is bad, small errors added up; if one swing ahead is bad too, the physics is wrong; one \
+                      step ahead is nearly always good and proves nothing."
+            .to_owned(),
+        x: Axis::counted("recording, in the order given"),
+        y: Axis::logarithmic("error / noise"),
+        content: Content::Curves(curves),
+    }
+}

@@ -1,0 +1,60 @@
+//! How far ahead does the model see? Free run, one swing ahead, one step ahead: a wrong start spoils only the first,
+//! wrong physics the first two; the third shows what the noise is like.
+
+use super::follow::Followed;
+use super::restart::Restart;
+use super::rms;
+use crate::swing::Swing;
+use serde::Serialize;
+use shared::observer::Observer;
+use shared::parameters::Parameters;
+
+/// Bandwidth of the observer that predicts one step, rad/s.
+const BANDWIDTH_RAD_S: f64 = 10.0;
+
+/// The observer settles for so long first, s.
+const SETTLING_S: f64 = 1.0;
+
+/// Root mean square errors, rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Predictions {
+    /// The whole swing from its start.
+    pub free_run_rad: f64,
+    /// A swing from the state at the end of the one before; absent with fewer than two swings.
+    pub swing_ahead_rad: Option<f64>,
+    /// A sample from the samples before.
+    pub step_ahead_rad: Option<f64>,
+}
+
+/// The three errors of one recording.
+pub fn predictions(
+    swing: &Swing,
+    followed: &Followed,
+    restarts: &[Restart],
+    parameters: &Parameters<f64>,
+) -> Predictions {
+    let ahead: Vec<f64> = restarts.iter().flat_map(|restart| restart.ahead_rad.iter().copied()).collect();
+    let steps = innovations(swing, followed, parameters);
+    let some = |errors: &[f64]| (!errors.is_empty()).then(|| rms(errors));
+    Predictions {
+        free_run_rad: rms(&followed.residuals_rad),
+        swing_ahead_rad: some(&ahead),
+        step_ahead_rad: some(&steps),
+    }
+}
+
+/// Errors of the observer that follows the swing.
+fn innovations(swing: &Swing, followed: &Followed, parameters: &Parameters<f64>) -> Vec<f64> {
+    let mut observer = Observer::new(parameters, BANDWIDTH_RAD_S);
+    let start = followed.start;
+    observer.start_at(start.angle_rad, start.velocity_rad_s);
+    let mut errors = Vec::with_capacity(swing.len());
+    for i in 1..swing.len() {
+        let dt_s = swing.times_s[i] - swing.times_s[i - 1];
+        let estimate = observer.on_measurement(swing.angles_rad[i] - start.offset_rad, dt_s);
+        if swing.times_s[i] > SETTLING_S {
+            errors.push(estimate.innovation_rad);
+        }
+    }
+    errors
+}

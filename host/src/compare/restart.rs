@@ -1,0 +1,152 @@
+//! The model started anew for every swing, so that errors of one swing do not carry over to the next.
+//!
+//! A swing goes from one crossing of the hanging position to the next but one. Its start is fitted to it; let run on
+//! through the following swing, the model predicts that one: one swing ahead.
+
+use super::follow::starts_only;
+use super::slope::slopes;
+use crate::fit::descent::{Patience, descend};
+use crate::fit::linear::Steps;
+use crate::fit::problem::{Point, Start};
+use crate::recording::median;
+use crate::recording::smooth::LocalFit;
+use crate::recording::turning;
+use crate::swing::{Swing, Window};
+use rayon::prelude::*;
+use shared::parameters::Parameters;
+use std::ops::Range;
+use std::sync::atomic::AtomicUsize;
+
+/// A stretch of about one swing with the model that was started anew for it.
+#[derive(Clone, Debug)]
+pub struct Restart {
+    /// Samples of the whole swing that it covers.
+    pub range: Range<usize>,
+    /// Model's angle without the sensor's zero, rad.
+    pub angles_rad: Vec<f64>,
+    /// Model's velocity, rad/s.
+    pub velocities_rad_s: Vec<f64>,
+    /// Measured minus modelled, rad.
+    pub residuals_rad: Vec<f64>,
+    /// Errors on the following swing, which took no part, rad; empty behind the last.
+    pub ahead_rad: Vec<f64>,
+}
+
+/// How a swing is cut into stretches.
+#[derive(Clone, Debug)]
+pub struct Cuts {
+    /// Where the stretches meet: sample indices.
+    pub at: Vec<usize>,
+    /// A typical half swing, s.
+    pub half_swing_s: f64,
+}
+
+/// Fewer samples than this tell nothing beyond a start.
+const MIN_SAMPLES: usize = 8;
+
+/// Start angle and velocity are first read off a parabola of this half width, in half swings.
+const GUESS_WIDTH: f64 = 0.15;
+
+const PATIENCE: Patience = Patience { max_iterations: 4, least_gain: 1e-2, least_share: 0.0 };
+
+/// Cuts a swing at every other crossing of its hanging position; `None` when it hardly swings.
+pub fn cuts(swing: &Swing, offset_rad: f64) -> Option<Cuts> {
+    let (times_s, angles_rad) = (&swing.times_s, &swing.angles_rad);
+    let half_swing_s = turning::half_swing_s(times_s, angles_rad, swing.noise_rad)?;
+    let crossings = turning::crossings(times_s, angles_rad, offset_rad, swing.noise_rad);
+    let index = |time_s: f64| times_s.partition_point(|t| *t < time_s).min(swing.len() - 1);
+    let mut at = vec![0];
+    at.extend(crossings.iter().skip(1).step_by(2).map(|crossing| index(crossing.time_s)));
+    at.dedup_by(|next, before| *next < *before + MIN_SAMPLES);
+    (at.len() >= 2).then_some(Cuts { at, half_swing_s })
+}
+
+/// The sensor's zero (rad) as single swings see it: fitted to each, then the middle one of all. In a free run with
+/// wrong physics the zero bends to hide some of the misfit, which would show up as a constant torque. A torque that is
+/// constant in truth cannot be told from a zero that is off.
+pub fn zero_of_swings(swing: &Swing, parameters: &Parameters<f64>, first_rad: f64, cuts: &Cuts) -> f64 {
+    let one = |ends: &[usize]| {
+        let piece = piece(swing, ends[0]..ends[1] + 1);
+        Some(fitted_start(&piece, parameters, guess(&piece, cuts.half_swing_s, first_rad)?, true).offset_rad)
+    };
+    // Swings close to rest hang on stiction.
+    let lively = swing.samples_within(Window::Lively);
+    let stretches: Vec<&[usize]> = cuts.at.windows(2).filter(|ends| ends[1] < lively).collect();
+    let mut zeros: Vec<f64> = stretches.into_par_iter().filter_map(one).collect();
+    if zeros.len() < FEWEST_ZEROS { first_rad } else { median(&mut zeros) }
+}
+
+/// With fewer swings the free run's zero is as good.
+const FEWEST_ZEROS: usize = 3;
+
+/// The start that follows a piece best; its zero is fitted too or stays.
+fn fitted_start(piece: &Swing, parameters: &Parameters<f64>, guess: Start, zero_is_free: bool) -> Start {
+    let count = AtomicUsize::new(0);
+    let mut problem = starts_only(std::slice::from_ref(piece), parameters, &count);
+    problem.offsets_are_free = zero_is_free;
+    let first = Point { values: Vec::new(), starts: vec![guess] };
+    descend(&problem, &first, Window::Whole, PATIENCE, Steps::new(&problem)).point.starts[0]
+}
+
+/// Starts the model anew for every stretch, which reaches `overlap_s` beyond its cuts.
+pub fn restarts(
+    swing: &Swing,
+    parameters: &Parameters<f64>,
+    offset_rad: f64,
+    cuts: &Cuts,
+    overlap_s: f64,
+) -> Vec<Restart> {
+    let one = |pair: (usize, &[usize])| {
+        let (k, ends) = pair;
+        let next_end = cuts.at.get(k + 2).copied();
+        restart(swing, parameters, offset_rad, cuts, &Stretch { from: ends[0], to: ends[1], next_end, overlap_s })
+    };
+    cuts.at.windows(2).enumerate().collect::<Vec<_>>().into_par_iter().filter_map(one).collect()
+}
+
+struct Stretch {
+    from: usize,
+    to: usize,
+    next_end: Option<usize>,
+    overlap_s: f64,
+}
+
+fn restart(
+    swing: &Swing,
+    parameters: &Parameters<f64>,
+    offset_rad: f64,
+    cuts: &Cuts,
+    stretch: &Stretch,
+) -> Option<Restart> {
+    let times_s = &swing.times_s;
+    let (begin_s, end_s) = (times_s[stretch.from] - stretch.overlap_s, times_s[stretch.to] + stretch.overlap_s);
+    let range = times_s.partition_point(|t| *t < begin_s)..times_s.partition_point(|t| *t <= end_s);
+    // The stretch and the one behind it: simulated at once, fitted to the first only.
+    let longest = stretch.next_end.unwrap_or(range.end).max(range.end);
+    let both = piece(swing, range.start..longest);
+    let fitted = piece(swing, range.clone());
+    let start = fitted_start(&fitted, parameters, guess(&fitted, cuts.half_swing_s, offset_rad)?, false);
+
+    let count = AtomicUsize::new(0);
+    let problem = starts_only(std::slice::from_ref(&both), parameters, &count);
+    let mut angles_rad = problem.predict(0, both.len(), &[(&[], start)]).remove(0);
+    let error = |(measured, modelled): (&f64, &f64)| measured - offset_rad - modelled;
+    let mut residuals_rad: Vec<f64> = both.angles_rad.iter().zip(&angles_rad).map(error).collect();
+    let ahead_rad = residuals_rad.split_off(fitted.len());
+    angles_rad.truncate(fitted.len());
+    let velocities_rad_s = slopes(&fitted.times_s, &angles_rad);
+    Some(Restart { range, angles_rad, velocities_rad_s, residuals_rad, ahead_rad })
+}
+
+/// A part of a swing; all of it is lively.
+fn piece(swing: &Swing, range: Range<usize>) -> Swing {
+    Swing::new(&swing.name, &swing.times_s[range.clone()], &swing.angles_rad[range], swing.noise_rad)
+}
+
+fn guess(fitted: &Swing, half_swing_s: f64, offset_rad: f64) -> Option<Start> {
+    let step_s = fitted.duration_s() / (fitted.len() - 1) as f64;
+    let width_s = (GUESS_WIDTH * half_swing_s).max(3.0 * step_s);
+    let parabola = LocalFit::<3>::new(&fitted.times_s, &fitted.angles_rad, width_s, width_s)?;
+    let velocity_rad_s = (parabola.angle_rad(0.02 * width_s) - parabola.angle_rad(0.0)) / (0.02 * width_s);
+    Some(Start { angle_rad: parabola.angle_rad(0.0) - offset_rad, velocity_rad_s, offset_rad })
+}

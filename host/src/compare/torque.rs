@@ -1,0 +1,343 @@
+//! Missing torque over the plane of angle and velocity: where in state space does the model lack something, and how
+//! much?
+//!
+//! The windows of [`super::weak`] average over several bins each; which torque by bin explains them best is a linear
+//! least-squares problem with the windows' known noise. A smooth torque is preferred: second differences of bins in a
+//! row, along the angle and along the velocity on one side of ω = 0, have prior spreads that are chosen by the evidence
+//! (D. J. C. MacKay, Neural Comput. 4 (1992) 415).
+//! Standard errors are the larger of the posterior's and the scatter between swings.
+
+use super::weak::Windows;
+use nalgebra::{Cholesky, DMatrix, DVector};
+use serde::Serialize;
+
+/// Bins to either side of the middle, in angle and in velocity.
+const HALF_BINS: usize = 6;
+
+/// Bins along one axis.
+pub const N_BINS: usize = 2 * HALF_BINS;
+
+/// Prior spreads of second differences that are tried, as shares of the torque's own prior spread.
+const SPREADS: [f64; 6] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
+
+/// The torque itself has a prior spread of this many times the size of what the windows show.
+const LEVEL: f64 = 5.0;
+
+/// Rounds in which the spreads along both axes and the remaining variance are found.
+const ROUNDS: usize = 3;
+
+/// A bin with fewer visits (stretches that pass it) is left blank.
+const MIN_VISITS: usize = 2;
+
+/// Fewer visits give no standard error that a claim could rest on.
+const VISITS_TO_CLAIM: usize = 5;
+
+/// A torque this many standard errors from zero is a finding …
+const SIGNIFICANT: f64 = 4.5;
+
+/// … if the map is this much (in nats) more likely than no torque at all …
+const EVIDENT: f64 = 10.0;
+
+/// … and explains this share of what is more than noise.
+const EXPLAINED: f64 = 0.25;
+
+/// The grid over the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Grid {
+    /// Angles go from minus this to this, rad.
+    pub angle_rad: f64,
+    /// Velocities likewise, rad/s.
+    pub velocity_rad_s: f64,
+}
+
+impl Grid {
+    /// The bin of a state; beyond the grid its outermost ones.
+    pub fn bin_of(&self, angle_rad: f64, velocity_rad_s: f64) -> usize {
+        let place = |share: f64| ((share + 1.0) * HALF_BINS as f64).floor().clamp(0.0, (N_BINS - 1) as f64) as usize;
+        place(velocity_rad_s / self.velocity_rad_s) * N_BINS + place(angle_rad / self.angle_rad)
+    }
+
+    /// Angle (rad) and velocity (rad/s) at the middle of a bin.
+    pub fn centre(&self, bin: usize) -> (f64, f64) {
+        let middle = |k: usize| (k as f64 + 0.5) / HALF_BINS as f64 - 1.0;
+        (middle(bin % N_BINS) * self.angle_rad, middle(bin / N_BINS) * self.velocity_rad_s)
+    }
+}
+
+/// One bin of the map.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Bin {
+    /// Number in the grid, angle running fastest.
+    pub place: usize,
+    /// Mean θ of its samples, rad.
+    pub angle_rad: f64,
+    /// Mean ω of its samples, rad/s.
+    pub velocity_rad_s: f64,
+    /// Torque that the model lacks, N·m, counter-clockwise positive.
+    pub torque_nm: f64,
+    /// Its standard error, N·m.
+    pub spread_nm: f64,
+    /// Swings that passed it.
+    pub n_visits: usize,
+    /// Samples in it.
+    pub n_samples: usize,
+}
+
+/// Missing torque over the plane.
+#[derive(Clone, Debug, Serialize)]
+pub struct TorqueMap {
+    /// The grid.
+    pub grid: Grid,
+    /// Bins with data, in the order of the grid, angle running fastest.
+    pub bins: Vec<Bin>,
+    /// Mc, to compare with, N·m.
+    pub coulomb_nm: f64,
+    /// How much more likely the map is than no missing torque, in nats.
+    pub evidence: f64,
+    /// Share of what is more than noise that a torque of angle and velocity explains.
+    pub explained: f64,
+    /// Is there anything in it beyond chance?
+    pub is_significant: bool,
+}
+
+impl TorqueMap {
+    /// The bin farthest from zero in standard errors, if it is significant.
+    pub fn strongest(&self) -> Option<&Bin> {
+        self.bins
+            .iter()
+            .filter(|bin| bin.is_significant())
+            .max_by(|a, b| a.torque_nm.abs().total_cmp(&b.torque_nm.abs()))
+    }
+
+    /// Largest torque of all bins, N·m.
+    pub fn largest_nm(&self) -> f64 {
+        self.bins.iter().fold(0.0, |largest, bin| largest.max(bin.torque_nm.abs()))
+    }
+}
+
+impl Bin {
+    /// Far beyond its standard error?
+    pub fn is_significant(&self) -> bool {
+        self.n_visits >= VISITS_TO_CLAIM && self.torque_nm.abs() > SIGNIFICANT * self.spread_nm
+    }
+}
+
+/// Normal equations of all windows for the bins that have data.
+struct Normal {
+    /// Bins with data.
+    bins: Vec<usize>,
+    matrix: DMatrix<f64>,
+    right: DVector<f64>,
+    square: f64,
+    n_windows: usize,
+    n_visits: Vec<usize>,
+    n_samples: Vec<usize>,
+    sums: Vec<(f64, f64)>,
+}
+
+/// Finds the torque map from the windows of all stretches; `None` without data.
+pub fn torque_map(grid: Grid, stretches: &[Windows], coulomb_nm: f64) -> Option<TorqueMap> {
+    let normal = Normal::new(stretches)?;
+    let prior = Prior::new(&normal);
+    // What a map cannot explain counts as noise too: first found, then used.
+    let mut spreads = [SPREADS[2]; 2];
+    let mut inflation = 1.0;
+    for _ in 0..ROUNDS {
+        for axis in 0..2 {
+            spreads[axis] = prior.best_spread(&normal, spreads, axis, inflation);
+        }
+        inflation = Posterior::new(&normal, &prior.precision(spreads), inflation)?.variance_left(&normal).max(1.0);
+    }
+    let best = Posterior::new(&normal, &prior.precision(spreads), inflation)?;
+    let scatter = best.scatter(&normal, stretches);
+    let bin = |(k, bin): (usize, &usize)| {
+        let n_samples = normal.n_samples[k].max(1) as f64;
+        Bin {
+            place: *bin,
+            angle_rad: normal.sums[k].0 / n_samples,
+            velocity_rad_s: normal.sums[k].1 / n_samples,
+            torque_nm: best.torques[k],
+            spread_nm: best.covariance[(k, k)].max(scatter[k]).sqrt(),
+            n_visits: normal.n_visits[k],
+            n_samples: normal.n_samples[k],
+        }
+    };
+    let bins: Vec<Bin> = normal.bins.iter().enumerate().map(bin).filter(|bin| bin.n_visits >= MIN_VISITS).collect();
+    let excess = normal.square / normal.n_windows as f64 - 1.0;
+    let unexplained = best.variance_left(&normal) - 1.0;
+    let explained = if excess > 0.0 { (1.0 - unexplained / excess).clamp(0.0, 1.0) } else { 0.0 };
+    let evident = best.evidence > EVIDENT && explained > EXPLAINED;
+    let is_significant = evident && bins.iter().any(Bin::is_significant);
+    Some(TorqueMap { grid, bins, coulomb_nm, evidence: best.evidence, explained, is_significant })
+}
+
+impl Normal {
+    fn new(stretches: &[Windows]) -> Option<Self> {
+        let mut bins: Vec<usize> = stretches.iter().flat_map(|windows| windows.bins.iter().copied()).collect();
+        bins.sort_unstable();
+        bins.dedup();
+        let size = bins.len();
+        let mut normal = Self {
+            matrix: DMatrix::zeros(size, size),
+            right: DVector::zeros(size),
+            square: 0.0,
+            n_windows: 0,
+            n_visits: vec![0; size],
+            n_samples: vec![0; size],
+            sums: vec![(0.0, 0.0); size],
+            bins,
+        };
+        stretches.iter().for_each(|windows| normal.add(windows));
+        (normal.n_windows > 0).then_some(normal)
+    }
+
+    fn add(&mut self, windows: &Windows) {
+        let places = self.places(windows);
+        let product = windows.shares.transpose() * &windows.shares;
+        let right = windows.shares.transpose() * &windows.torques;
+        for (i, place) in places.iter().enumerate() {
+            self.right[*place] += right[i];
+            self.n_visits[*place] += 1;
+            self.n_samples[*place] += windows.n_samples[i];
+            self.sums[*place].0 += windows.sums[i].0;
+            self.sums[*place].1 += windows.sums[i].1;
+            for (j, other) in places.iter().enumerate() {
+                self.matrix[(*place, *other)] += product[(i, j)];
+            }
+        }
+        self.square += windows.torques.norm_squared();
+        self.n_windows += windows.torques.len();
+    }
+
+    fn places(&self, windows: &Windows) -> Vec<usize> {
+        windows.bins.iter().filter_map(|bin| self.bins.binary_search(bin).ok()).collect()
+    }
+}
+
+/// How smooth a torque is expected to be.
+struct Prior {
+    /// Second differences along the angle and along the velocity, squared.
+    rough: [DMatrix<f64>; 2],
+    /// Prior spread of the torque itself, N·m.
+    level_nm: f64,
+}
+
+impl Prior {
+    fn new(normal: &Normal) -> Self {
+        let rough = [0, 1].map(|axis| roughness(&normal.bins, axis));
+        // The torque that, everywhere alike, would show as much as is seen.
+        let level_nm = LEVEL * (normal.square / normal.matrix.trace().max(1e-300)).sqrt();
+        Self { rough, level_nm }
+    }
+
+    fn precision(&self, spreads: [f64; 2]) -> DMatrix<f64> {
+        let size = self.rough[0].nrows();
+        let smooth = &self.rough[0] / spreads[0].powi(2) + &self.rough[1] / spreads[1].powi(2);
+        (DMatrix::identity(size, size) + smooth) / self.level_nm.powi(2)
+    }
+
+    /// The spread along one axis that is most likely while the other stays.
+    fn best_spread(&self, normal: &Normal, spreads: [f64; 2], axis: usize, inflation: f64) -> f64 {
+        let with = |spread: f64| {
+            let mut tried = spreads;
+            tried[axis] = spread;
+            (spread, evidence(normal, &self.precision(tried), inflation).unwrap_or(f64::NEG_INFINITY))
+        };
+        let best = SPREADS.into_iter().map(with).max_by(|a, b| a.1.total_cmp(&b.1));
+        best.map_or(spreads[axis], |(spread, _)| spread)
+    }
+}
+
+/// Sum of the squared second differences along an axis (0 angle, 1 velocity), as a matrix. Across ω = 0 friction jumps.
+fn roughness(bins: &[usize], axis: usize) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(bins.len(), bins.len());
+    let stride = [1, N_BINS][axis];
+    let place = |bin: usize| bin / stride % N_BINS;
+    for (i, bin) in bins.iter().enumerate() {
+        let at = place(*bin);
+        let jumps = axis == 1 && (HALF_BINS - 2..HALF_BINS).contains(&at);
+        if jumps || at + 2 >= N_BINS {
+            continue;
+        }
+        let others = (bins.binary_search(&(bin + stride)), bins.binary_search(&(bin + 2 * stride)));
+        let (Ok(j), Ok(k)) = others else { continue };
+        let weights = [(i, 1.0), (j, -2.0), (k, 1.0)];
+        for (a, wa) in weights {
+            for (b, wb) in weights {
+                matrix[(a, b)] += wa * wb;
+            }
+        }
+    }
+    matrix
+}
+
+/// Logarithm of how much more likely the windows are with a torque of this prior than with none.
+fn evidence(normal: &Normal, prior: &DMatrix<f64>, inflation: f64) -> Option<f64> {
+    let factor = Cholesky::new(&normal.matrix / inflation + prior)?;
+    let right = &normal.right / inflation;
+    let gain = right.dot(&factor.solve(&right));
+    Some(0.5 * (gain - log_determinant(&factor) + log_determinant(&Cholesky::new(prior.clone())?)))
+}
+
+/// The torques for one choice of the prior.
+struct Posterior {
+    torques: DVector<f64>,
+    covariance: DMatrix<f64>,
+    inflation: f64,
+    evidence: f64,
+}
+
+impl Posterior {
+    fn new(normal: &Normal, prior: &DMatrix<f64>, inflation: f64) -> Option<Self> {
+        let covariance = Cholesky::new(&normal.matrix / inflation + prior)?.inverse();
+        let torques = &covariance * &normal.right / inflation;
+        Some(Self { torques, covariance, inflation, evidence: evidence(normal, prior, inflation)? })
+    }
+
+    /// Variance of the whitened windows that remains, a unit for pure noise; what the map itself used up is counted.
+    fn variance_left(&self, normal: &Normal) -> f64 {
+        let used = (&normal.matrix * &self.covariance).trace() / self.inflation;
+        self.square_left(normal) / (normal.n_windows as f64 - used).max(1.0)
+    }
+
+    /// Sum of squares of the whitened windows that remains.
+    fn square_left(&self, normal: &Normal) -> f64 {
+        let fitted = &normal.matrix * &self.torques;
+        normal.square - 2.0 * self.torques.dot(&normal.right) + self.torques.dot(&fitted)
+    }
+
+    /// Variances of the torques from the scatter between stretches, N²·m².
+    fn scatter(&self, normal: &Normal, stretches: &[Windows]) -> Vec<f64> {
+        let mut variances = vec![0.0; self.torques.len()];
+        for windows in stretches {
+            let places = normal.places(windows);
+            let here = DVector::from_iterator(places.len(), places.iter().map(|place| self.torques[*place]));
+            let score = windows.shares.transpose() * (&windows.torques - &windows.shares * here) / self.inflation;
+            for (k, variance) in variances.iter_mut().enumerate() {
+                let shift: f64 =
+                    places.iter().zip(score.iter()).map(|(place, s)| self.covariance[(k, *place)] * s).sum();
+                *variance += shift * shift;
+            }
+        }
+        variances
+    }
+}
+
+/// Logarithm of a determinant.
+fn log_determinant(factor: &Cholesky<f64, nalgebra::Dyn>) -> f64 {
+    2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_of_a_bin_lies_in_it() {
+        let grid = Grid { angle_rad: 1.4, velocity_rad_s: 9.0 };
+        for bin in 0..N_BINS * N_BINS {
+            let (angle_rad, velocity_rad_s) = grid.centre(bin);
+            assert_eq!(grid.bin_of(angle_rad, velocity_rad_s), bin);
+        }
+    }
+}

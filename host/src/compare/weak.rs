@@ -1,0 +1,223 @@
+//! The equation of motion in weak form: torque that the model lacks, averaged over short windows, without any
+//! derivative of the data.
+//!
+//! Beside a model that was started anew the measured angle is θ + r, and J·r″ + Mw·r′ + m·g·l·(sin(θ + r) − sin θ) is
+//! the missing torque. Multiplied by a bump φ = (1 − x²)³ and integrated by parts, the derivatives stand on φ:
+//! ∫φ·τ = J·∫φ″r − Mw·∫φ′r + m·g·l·∫φ·(sin(θ + r) − sin θ). The start that was fitted does not matter: a wrong one
+//! leaves an r that satisfies the equation without any torque. First order in r for effects beyond the base model.
+//! Weak forms for finding equations: D. A. Messenger, D. M. Bortz, Multiscale Model. Simul. 19 (2021) 1474.
+
+use super::restart::Restart;
+use nalgebra::{DMatrix, DVector};
+use shared::motion::Pendulum;
+use std::ops::Range;
+
+/// Half width of a window in half swings: a pendulum's torque changes little meanwhile.
+pub const HALF_WIDTH: f64 = 0.2;
+
+/// At least so many samples to either side of a window's centre.
+const MIN_BESIDE: f64 = 4.0;
+
+/// Windows follow each other by this share of their half width.
+const STRIDE: f64 = 0.5;
+
+/// Added to the diagonal of the noise covariance, as a share: rounding must not make it indefinite.
+const RIDGE: f64 = 1e-6;
+
+/// Windows of one stretch, already divided by the square root of their noise covariance.
+#[derive(Clone, Debug)]
+pub struct Windows {
+    /// Missing torque by window, whitened to unit variance.
+    pub torques: DVector<f64>,
+    /// Share of each bin in each window, whitened likewise; a column for each of `bins`.
+    pub shares: DMatrix<f64>,
+    /// The bins that these windows touch.
+    pub bins: Vec<usize>,
+    /// Samples by touched bin.
+    pub n_samples: Vec<usize>,
+    /// Sums of their angles (rad) and velocities (rad/s).
+    pub sums: Vec<(f64, f64)>,
+}
+
+/// Half width of the windows, s.
+pub fn half_width_s(half_swing_s: f64, step_s: f64) -> f64 {
+    (HALF_WIDTH * half_swing_s).max(MIN_BESIDE * step_s)
+}
+
+/// One window before whitening: its torque is Σ weights·r.
+struct Window {
+    range: Range<usize>,
+    weights: Vec<f64>,
+    /// φ·Δt over its sum.
+    bump: Vec<f64>,
+}
+
+/// The windows of a stretch; `bin_of` names the bin of a sample. `None` when there are too few samples.
+pub fn windows(
+    times_s: &[f64],
+    restart: &Restart,
+    pendulum: &Pendulum<f64>,
+    viscous: f64,
+    noise_rad: f64,
+    width_s: f64,
+    bin_of: &dyn Fn(f64, f64) -> usize,
+) -> Option<Windows> {
+    let times_s = &times_s[restart.range.clone()];
+    let (first_s, last_s) = (*times_s.first()?, *times_s.last()?);
+    let n_windows = ((last_s - first_s - 2.0 * width_s) / (STRIDE * width_s)).floor() as i64 + 1;
+    let centre_s = |k: i64| first_s + width_s * (1.0 + STRIDE * k as f64);
+    let windows: Vec<Window> =
+        (0..n_windows).filter_map(|k| window(times_s, restart, pendulum, viscous, centre_s(k), width_s)).collect();
+    if windows.is_empty() {
+        return None;
+    }
+    let at: Vec<usize> =
+        restart.angles_rad.iter().zip(&restart.velocities_rad_s).map(|(a, v)| bin_of(*a, *v)).collect();
+    let mut bins = at.clone();
+    bins.sort_unstable();
+    bins.dedup();
+    let (n_samples, sums) = contents(restart, &at, &bins);
+    let torques = DVector::from_iterator(windows.len(), windows.iter().map(|w| w.torque(&restart.residuals_rad)));
+    let mut shares = DMatrix::zeros(windows.len(), bins.len());
+    for (row, window) in windows.iter().enumerate() {
+        for (i, share) in window.range.clone().zip(&window.bump) {
+            let column = bins.binary_search(&at[i]).unwrap_or(0);
+            shares[(row, column)] += share;
+        }
+    }
+    let root = covariance(&windows, noise_rad).cholesky()?;
+    let torques = root.l().solve_lower_triangular(&torques)?;
+    let shares = root.l().solve_lower_triangular(&shares)?;
+    Some(Windows { torques, shares, bins, n_samples, sums })
+}
+
+/// Number of samples in each bin, and sums of their angles and velocities.
+fn contents(restart: &Restart, at: &[usize], bins: &[usize]) -> (Vec<usize>, Vec<(f64, f64)>) {
+    let (mut n_samples, mut sums) = (vec![0; bins.len()], vec![(0.0, 0.0); bins.len()]);
+    for (i, bin) in at.iter().enumerate() {
+        let k = bins.binary_search(bin).unwrap_or(0);
+        n_samples[k] += 1;
+        sums[k].0 += restart.angles_rad[i];
+        sums[k].1 += restart.velocities_rad_s[i];
+    }
+    (n_samples, sums)
+}
+
+impl Window {
+    fn torque(&self, residuals_rad: &[f64]) -> f64 {
+        self.range.clone().zip(&self.weights).map(|(i, weight)| weight * residuals_rad[i]).sum()
+    }
+
+    /// Product of the weights where two windows overlap.
+    fn overlap(&self, other: &Self) -> f64 {
+        let from = self.range.start.max(other.range.start);
+        let to = self.range.end.min(other.range.end);
+        (from..to).map(|i| self.weights[i - self.range.start] * other.weights[i - other.range.start]).sum()
+    }
+}
+
+fn covariance(windows: &[Window], noise_rad: f64) -> DMatrix<f64> {
+    let n = windows.len();
+    let mut matrix = DMatrix::zeros(n, n);
+    for i in 0..n {
+        for j in (0..=i).rev().take_while(|j| windows[*j].range.end > windows[i].range.start) {
+            let product = noise_rad.powi(2) * windows[i].overlap(&windows[j]);
+            (matrix[(i, j)], matrix[(j, i)]) = (product, product);
+        }
+        matrix[(i, i)] *= 1.0 + RIDGE;
+    }
+    matrix
+}
+
+fn window(
+    times_s: &[f64],
+    restart: &Restart,
+    pendulum: &Pendulum<f64>,
+    viscous: f64,
+    centre_s: f64,
+    width_s: f64,
+) -> Option<Window> {
+    let range =
+        times_s.partition_point(|t| *t <= centre_s - width_s)..times_s.partition_point(|t| *t < centre_s + width_s);
+    if range.len() < 5 {
+        return None;
+    }
+    let x: Vec<f64> = times_s[range.clone()].iter().map(|t| (t - centre_s) / width_s).collect();
+    // Trapezoids; the bump is zero at the ends.
+    let step = |i: usize| {
+        let before = if i == 0 { -1.0 } else { x[i - 1] };
+        let after = if i + 1 == x.len() { 1.0 } else { x[i + 1] };
+        0.5 * (after - before)
+    };
+    let steps: Vec<f64> = (0..x.len()).map(step).collect();
+    let bump: Vec<f64> = x.iter().zip(&steps).map(|(x, step)| (1.0 - x * x).powi(3) * step).collect();
+    let slope = x.iter().zip(&steps).map(|(x, step)| -6.0 * x * (1.0 - x * x).powi(2) * step / width_s);
+    let area: f64 = bump.iter().sum();
+    let curve = curvature_weights(&x, &steps, area)?;
+    let (inertia, gravity) = (pendulum.pivot_inertia_kg_m2(), pendulum.gravity_torque_nm());
+    let weights = curve
+        .iter()
+        .zip(slope)
+        .zip(&bump)
+        .zip(range.clone())
+        .map(|(((curve, slope), bump), i)| {
+            let (angle, residual) = (restart.angles_rad[i], restart.residuals_rad[i]);
+            // (sin(θ + r) − sin θ)/r, which is smooth where r is zero.
+            let stiffness = gravity * (angle + 0.5 * residual).cos() * sinc(0.5 * residual);
+            (inertia * curve / width_s.powi(2) - viscous * slope + stiffness * bump) / area
+        })
+        .collect();
+    let bump = bump.iter().map(|b| b / area).collect();
+    Some(Window { range, weights, bump })
+}
+
+fn sinc(x: f64) -> f64 {
+    if x.abs() < 1e-4 { 1.0 } else { x.sin() / x }
+}
+
+/// Weights of φ″ that give exactly nothing for a constant and a line, and the bump's area for x²/2, however few the
+/// samples are.
+fn curvature_weights(x: &[f64], steps: &[f64], area: f64) -> Option<Vec<f64>> {
+    let raw: Vec<f64> =
+        x.iter().zip(steps).map(|(x, step)| -6.0 * (1.0 - x * x) * (1.0 - 5.0 * x * x) * step).collect();
+    let moment = |power: i32| steps.iter().zip(x).map(|(step, x)| step * x.powi(power)).sum::<f64>();
+    let (s0, s1, s2) = (moment(0), moment(1), moment(2));
+    let (r0, r1) = raw.iter().zip(x).fold((0.0, 0.0), |(r0, r1), (raw, x)| (r0 + raw, r1 + raw * x));
+    let determinant = s0 * s2 - s1 * s1;
+    let (a, b) = ((r0 * s2 - r1 * s1) / determinant, (r1 * s0 - r0 * s1) / determinant);
+    let level: Vec<f64> = raw.iter().zip(x).zip(steps).map(|((raw, x), step)| raw - (a + b * x) * step).collect();
+    let half_square: f64 = level.iter().zip(x).map(|(weight, x)| 0.5 * weight * x * x).sum();
+    let factor = area / half_square;
+    factor.is_finite().then(|| level.iter().map(|weight| weight * factor).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PENDULUM: Pendulum<f64> =
+        Pendulum { mass_kg: 0.15, length_m: 0.16, inertia_kg_m2: 2.7e-3, gravity_m_s2: 9.81 };
+
+    #[test]
+    fn the_torque_that_made_a_deviation_comes_back() {
+        let times_s: Vec<f64> = (0..60).map(|i| f64::from(i) * 0.01 + 0.002 * f64::from(i % 2)).collect();
+        // Around θ = 0: r = sin(5t)/1000 needs J·r″ + Mw·r′ + mgl·r.
+        let residuals_rad: Vec<f64> = times_s.iter().map(|t| 1e-3 * (5.0 * t).sin()).collect();
+        let zeros = vec![0.0; 60];
+        let restart = Restart {
+            range: 0..60,
+            angles_rad: zeros.clone(),
+            velocities_rad_s: zeros,
+            residuals_rad: residuals_rad.clone(),
+            ahead_rad: Vec::new(),
+        };
+        let found = window(&times_s, &restart, &PENDULUM, 5e-4, 0.3, 0.1).unwrap();
+        let torque = |t: f64| {
+            let (r, slope, curve) = (1e-3 * (5.0 * t).sin(), 5e-3 * (5.0 * t).cos(), -25e-3 * (5.0 * t).sin());
+            PENDULUM.pivot_inertia_kg_m2() * curve + 5e-4 * slope + PENDULUM.gravity_torque_nm() * r.sin()
+        };
+        let expected: f64 = found.range.clone().zip(&found.bump).map(|(i, share)| share * torque(times_s[i])).sum();
+        let error = found.torque(&residuals_rad) - expected;
+        assert!(error.abs() < 2e-3 * expected.abs(), "{error:e} of {expected:e}");
+    }
+}

@@ -1,0 +1,234 @@
+//! Pictures as SVG.
+
+use super::{Axis, Content, Curve, Heat, Picture, Style, colour, diverging};
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use std::ops::Range;
+
+/// Size in pixels.
+const SIZE: (u32, u32) = (860, 480);
+
+/// A drawing that failed: cannot happen on a string, but the library says it may.
+type Failed = Box<dyn std::error::Error>;
+
+const FONT: &str = "sans-serif";
+
+/// Draws a picture; an empty one stays empty.
+pub fn svg(picture: &Picture) -> String {
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+        // Drawing on a string has no way to fail.
+        let _ = draw(&area, picture).and_then(|()| area.present().map_err(Failed::from));
+    }
+    text
+}
+
+fn draw(area: &DrawingArea<SVGBackend, Shift>, picture: &Picture) -> Result<(), Failed> {
+    area.fill(&WHITE)?;
+    let area = area.titled(&picture.title, (FONT, 20).into_font())?;
+    match &picture.content {
+        Content::Curves(curves) => draw_curves(&area, picture, curves),
+        Content::Heat(heat) => draw_heat(&area, picture, heat),
+    }
+}
+
+/// The range of all values with some room, in the axis' own measure.
+fn range<'a>(axis: &Axis, values: impl Iterator<Item = &'a f64>) -> Range<f64> {
+    let measured = values.map(|value| measure(axis, *value)).filter(|value| value.is_finite());
+    let (low, high) = measured.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
+    if low > high {
+        return 0.0..1.0;
+    }
+    let room = (0.05 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
+    low - room..high + room
+}
+
+/// Logarithmic axes are drawn as linear ones of the logarithm.
+fn measure(axis: &Axis, value: f64) -> f64 {
+    if axis.is_logarithmic { value.max(1e-300).log10() } else { value }
+}
+
+fn draw_curves<'a>(
+    area: &DrawingArea<SVGBackend<'a>, Shift>,
+    picture: &Picture,
+    curves: &[Curve],
+) -> Result<(), Failed> {
+    let x_range = range(&picture.x, curves.iter().flat_map(|curve| &curve.x));
+    // Error bars may leave the picture where they are much longer than everything else.
+    let y_range = range(&picture.y, curves.iter().flat_map(|curve| &curve.y));
+    let mut chart = ChartBuilder::on(area)
+        .margin(12)
+        .x_label_area_size(46)
+        .y_label_area_size(74)
+        .build_cartesian_2d(x_range.clone(), y_range.clone())?;
+    let (x_size, y_size) = (x_range.end - x_range.start, y_range.end - y_range.start);
+    chart
+        .configure_mesh()
+        .light_line_style(WHITE)
+        .bold_line_style(RGBColor(225, 225, 225))
+        .x_desc(&picture.x.label)
+        .y_desc(&picture.y.label)
+        .axis_desc_style((FONT, 15))
+        .label_style((FONT, 13))
+        .x_label_formatter(&|value| label(&picture.x, *value, x_size))
+        .y_label_formatter(&|value| label(&picture.y, *value, y_size))
+        .draw()?;
+    for curve in curves {
+        let (red, green, blue) = colour(curve.colour);
+        let paint = RGBColor(red, green, blue);
+        let point = |(x, y): (&f64, &f64)| (measure(&picture.x, *x), measure(&picture.y, *y));
+        let points: Vec<(f64, f64)> = curve.x.iter().zip(&curve.y).map(point).collect();
+        let annotated = match curve.style {
+            Style::Line => chart.draw_series(LineSeries::new(points, paint.stroke_width(2)))?,
+            Style::Dashed => chart.draw_series(DashedLineSeries::new(points, 6, 4, paint.stroke_width(1)))?,
+            Style::Dots => chart.draw_series(points.into_iter().map(|point| Circle::new(point, 3, paint.filled())))?,
+            Style::Cloud => {
+                chart.draw_series(points.into_iter().map(|point| Circle::new(point, 1, paint.mix(0.35).filled())))?
+            }
+        };
+        if !curve.name.is_empty() {
+            let dot = matches!(curve.style, Style::Dots | Style::Cloud);
+            annotated.label(&curve.name).legend(move |(x, y)| legend_mark(x, y, paint, dot));
+        }
+        if let Some(bars) = &curve.bars {
+            let bar = |((x, y), bar): ((&f64, &f64), &f64)| {
+                let clip = |value: f64| measure(&picture.y, value).clamp(y_range.start, y_range.end);
+                let x = measure(&picture.x, *x);
+                PathElement::new(vec![(x, clip(y - bar)), (x, clip(y + bar))], paint.stroke_width(1))
+            };
+            chart.draw_series(curve.x.iter().zip(&curve.y).zip(bars).map(bar))?;
+        }
+    }
+    if curves.iter().any(|curve| !curve.name.is_empty()) {
+        chart
+            .configure_series_labels()
+            .position(emptiest_corner(picture, curves, &x_range, &y_range))
+            .background_style(WHITE.mix(0.85))
+            .border_style(RGBColor(200, 200, 200))
+            .label_font((FONT, 13))
+            .draw()?;
+    }
+    Ok(())
+}
+
+/// A short line or a dot beside a name.
+fn legend_mark<'a>(x: i32, y: i32, paint: RGBColor, dot: bool) -> DynElement<'static, SVGBackend<'a>, (i32, i32)> {
+    if dot {
+        Circle::new((x + 9, y), 3, paint.filled()).into_dyn()
+    } else {
+        PathElement::new(vec![(x, y), (x + 18, y)], paint.stroke_width(2)).into_dyn()
+    }
+}
+
+/// A number beside an axis, with as many digits as its range needs.
+fn label(axis: &Axis, value: f64, size: f64) -> String {
+    if axis.is_logarithmic {
+        return logarithmic_label(10f64.powf(value));
+    }
+    if axis.is_count {
+        return if value.fract().abs() < 1e-6 { format!("{value:.0}") } else { String::new() };
+    }
+    let digits = (1.3 - size.max(1e-12).log10()).ceil().clamp(0.0, 9.0) as usize;
+    let value = if value.abs() < 1e-9 * size { 0.0 } else { value };
+    if size < 1e-4 { format!("{value:.1e}") } else { format!("{value:.digits$}") }
+}
+
+/// Two digits are enough beside a logarithmic axis.
+fn logarithmic_label(value: f64) -> String {
+    let digits = (1 - value.log10().floor() as i32).max(0) as usize;
+    if !(0.01..10_000.0).contains(&value) {
+        return format!("{value:.0e}");
+    }
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// The corner with the fewest points under the legend.
+fn emptiest_corner(picture: &Picture, curves: &[Curve], x: &Range<f64>, y: &Range<f64>) -> SeriesLabelPosition {
+    let share = |value: f64, range: &Range<f64>| (value - range.start) / (range.end - range.start);
+    let mut counts = [0; 4];
+    for (px, py) in curves.iter().flat_map(|curve| curve.x.iter().zip(&curve.y)) {
+        let (right, up) = (share(measure(&picture.x, *px), x), share(measure(&picture.y, *py), y));
+        let under =
+            [right > 0.7 && up > 0.7, right < 0.3 && up > 0.7, right < 0.3 && up < 0.3, right > 0.7 && up < 0.3];
+        counts.iter_mut().zip(under).for_each(|(count, under)| *count += i32::from(under));
+    }
+    let corners = [
+        SeriesLabelPosition::UpperRight,
+        SeriesLabelPosition::UpperLeft,
+        SeriesLabelPosition::LowerLeft,
+        SeriesLabelPosition::LowerRight,
+    ];
+    let best = (0..4).min_by_key(|corner| counts[*corner]).unwrap_or(0);
+    corners.into_iter().nth(best).unwrap_or(SeriesLabelPosition::UpperRight)
+}
+
+fn draw_heat(area: &DrawingArea<SVGBackend, Shift>, picture: &Picture, heat: &Heat) -> Result<(), Failed> {
+    let (area, scale) = area.split_horizontally(SIZE.0 - 120);
+    let edges = |middles: &[f64]| {
+        let half = if middles.len() > 1 { 0.5 * (middles[1] - middles[0]) } else { 0.5 };
+        (middles.first().map_or(0.0, |first| first - half), middles.last().map_or(1.0, |last| last + half), half)
+    };
+    let ((x0, x1, x_half), (y0, y1, y_half)) = (edges(&heat.x), edges(&heat.y));
+    let mut chart = ChartBuilder::on(&area)
+        .margin(12)
+        .x_label_area_size(46)
+        .y_label_area_size(74)
+        .build_cartesian_2d(x0..x1, y0..y1)?;
+    let name = |value: &f64, size: f64| match &heat.names {
+        Some(names) => {
+            names.get(value.round() as usize).filter(|_| value.fract().abs() < 1e-6).cloned().unwrap_or_default()
+        }
+        None => label(&picture.x, *value, size),
+    };
+    let (x_size, y_size) = (x1 - x0, y1 - y0);
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .x_desc(&picture.x.label)
+        .y_desc(&picture.y.label)
+        .axis_desc_style((FONT, 15))
+        .label_style((FONT, 13))
+        .x_label_formatter(&|value| name(value, x_size))
+        .y_label_formatter(&|value| name(value, y_size))
+        .draw()?;
+    let cells = heat.values.iter().zip(&heat.y).flat_map(|(row, y)| {
+        row.iter().zip(&heat.x).filter_map(move |(value, x)| {
+            let (red, green, blue) = diverging((*value)? / heat.limit);
+            let corners = [(x - x_half, y - y_half), (x + x_half, y + y_half)];
+            Some(Rectangle::new(corners, RGBColor(red, green, blue).filled()))
+        })
+    });
+    chart.draw_series(cells)?;
+    draw_scale(&scale, heat)
+}
+
+/// The bar that tells which colour means what.
+fn draw_scale(area: &DrawingArea<SVGBackend, Shift>, heat: &Heat) -> Result<(), Failed> {
+    let mut chart = ChartBuilder::on(area)
+        .margin_top(12)
+        .margin_bottom(58)
+        .margin_right(10)
+        .y_label_area_size(66)
+        .build_cartesian_2d(0.0..1.0, -heat.limit..heat.limit)?;
+    let size = 2.0 * heat.limit;
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .disable_x_axis()
+        .y_desc(&heat.label)
+        .axis_desc_style((FONT, 13))
+        .label_style((FONT, 12))
+        .y_label_formatter(&|value| label(&Axis::linear(""), *value, size))
+        .draw()?;
+    const STEPS: usize = 64;
+    let step = |k: usize| {
+        let from = heat.limit * (2.0 * k as f64 / STEPS as f64 - 1.0);
+        let to = from + 2.0 * heat.limit / STEPS as f64;
+        let (red, green, blue) = diverging(0.5 * (from + to) / heat.limit);
+        Rectangle::new([(0.0, from), (1.0, to)], RGBColor(red, green, blue).filled())
+    };
+    chart.draw_series((0..STEPS).map(step))?;
+    Ok(())
+}

@@ -1,0 +1,95 @@
+//! The tables of a report: recordings, parameters, swings.
+
+use crate::compare::Comparison;
+use crate::compare::knowledge::Known;
+use crate::compare::per_swing::Row;
+use crate::compare::recording::Judged;
+use crate::compare::text::words;
+use crate::compare::verdict::in_mrad;
+use maud::{Markup, html};
+
+pub(super) fn recordings(comparison: &Comparison) -> Markup {
+    let or_dash = |error: Option<f64>| error.map_or("–".to_owned(), in_mrad);
+    let row = |judged: &Judged, held_out: bool| {
+        html! {
+            tr {
+                td { (judged.name) @if held_out { " (held out)" } }
+                td { (format!("{:.1}", judged.duration_s)) }
+                td { (in_mrad(judged.noise.level_rad())) }
+                td { (in_mrad(judged.predictions.free_run_rad)) }
+                td { (or_dash(judged.predictions.swing_ahead_rad)) }
+                td { (or_dash(judged.predictions.step_ahead_rad)) }
+                td { (in_mrad(judged.start.offset_rad)) }
+            }
+        }
+    };
+    html! {
+        h2 { "Recordings" }
+        table {
+            tr { th { "recording" } th { "length, s" } th { "noise, mrad" } th { "free run, mrad" }
+                 th { "a swing ahead, mrad" } th { "a step ahead, mrad" } th { "sensor's zero, mrad" } }
+            @for judged in &comparison.recordings { (row(judged, false)) }
+            @for judged in &comparison.held_out { (row(judged, true)) }
+        }
+    }
+}
+
+pub(super) fn parameters(comparison: &Comparison) -> Markup {
+    let Some(knowledge) = &comparison.knowledge else { return html! {} };
+    let row = |known: &Known| {
+        let interval = known.chosen.interval();
+        html! {
+            tr {
+                td { (known.symbol) " (" (known.name) ")" }
+                td { (format!("{:.4e}", known.given)) }
+                td { (format!("{:.4e}", known.chosen.value)) }
+                td { @if let Some((low, high)) = interval { (format!("{low:.4e} … {high:.4e}")) } @else { "–" } }
+                td { (known.unit) }
+                td { (words(known.verdict)) @if known.disagrees() { ", recordings disagree" } }
+            }
+        }
+    };
+    html! {
+        h2 { "Parameters" }
+        table {
+            tr { th { "parameter" } th { "in the model" } th { "these recordings want" } th { "95 % interval" }
+                 th { "unit" } th { "verdict" } }
+            @for known in &knowledge.parameters { (row(known)) }
+        }
+        @if knowledge.coloured {
+            p { "The residuals are coloured; the intervals allow for it." }
+        }
+        @for known in &knowledge.parameters {
+            @if let Some(advice) = &known.advice { p { (known.symbol) ": " (advice) } }
+        }
+    }
+}
+
+pub(super) fn swings(comparison: &Comparison) -> Markup {
+    let optional = |value: Option<f64>, factor: f64, digits: usize| {
+        value.map_or("–".to_owned(), |value| format!("{:.digits$}", factor * value))
+    };
+    let row = |row: &Row| {
+        html! {
+            tr {
+                td { (format!("{:.2}", row.from_s)) }
+                td { (format!("{:.4}", row.amplitude_rad)) }
+                td { (optional(row.period_s, 1.0, 4)) }
+                td { (optional(row.lost_j, 1e3, 4)) }
+                td { (in_mrad(row.residual_rad)) }
+            }
+        }
+    };
+    html! {
+        @for judged in &comparison.recordings {
+            details {
+                summary { "Every swing of " (judged.name) }
+                table {
+                    tr { th { "from, s" } th { "amplitude, rad" } th { "period, s" } th { "energy lost, mJ" }
+                         th { "residual, mrad rms" } }
+                    @for each in &judged.swings { (row(each)) }
+                }
+            }
+        }
+    }
+}

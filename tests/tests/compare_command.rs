@@ -1,0 +1,41 @@
+//! `host compare` on the command line.
+
+use serde_json::Value;
+use tests::program::host;
+
+const INIT: &str = "init --mass 0.1466084 --length 0.1562177 --inertia 0.00270676";
+
+#[test]
+fn a_fresh_rig_is_fitted_first_and_a_fitted_one_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    host(path, INIT).succeeded();
+    host(path, "simulate --seconds 25 --rate 200 -o swing.csv").succeeded();
+    host(path, "simulate --seconds 25 --rate 200 --start 1.0 --seed 2 -o other.csv").succeeded();
+    let text = host(path, "compare swing.csv --hold-out other.csv");
+    let text = text.succeeded();
+    assert!(text.contains("fitted to these recordings first") && text.contains("Nothing is missing"), "{text}");
+    assert!(text.contains("(held out)"));
+
+    host(path, "fit swing.csv --method least-squares -o rig.toml").succeeded();
+    let stdout = host(path, "compare swing.csv --json --report report.html --plot pictures");
+    let result: Value = serde_json::from_str(stdout.succeeded()).unwrap();
+    assert_eq!(result["command"], "compare");
+    assert_eq!(result["fitted_first"], false);
+    assert_eq!(result["answer"], "nothing-missing");
+    let page = std::fs::read_to_string(path.join("report.html")).unwrap();
+    assert!(page.len() < 8_000_000 && page.contains("Plotly.newPlot"));
+    let outside_script = page.split("</script>").filter(|part| part.len() < 1_000_000);
+    assert!(outside_script.into_iter().all(|part| !part.contains("https://") && !part.contains("MathJax")));
+    let n_pictures = std::fs::read_dir(path.join("pictures")).unwrap().count();
+    assert!(n_pictures >= 15, "{n_pictures}");
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    host(path, INIT).succeeded();
+    host(path, "simulate --seconds 10 --rate 200 -o swing.csv").succeeded();
+    host(path, "compare swing.csv --report nowhere/report.html").failed(1, &["nowhere/report.html"]);
+}
