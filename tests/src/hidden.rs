@@ -204,7 +204,7 @@ impl Rig {
             self.stiction_nm = self.coulomb_nm;
         }
         if matches!(name, "asymmetric-coulomb" | "angle-dependent-friction") {
-            self.coulomb_nm = self.coulomb_nm.max(5e-4);
+            self.coulomb_nm = self.coulomb_nm.max(8e-4);
             self.stiction_nm = self.stiction_nm.max(1.1 * self.coulomb_nm);
         }
         let hidden = Hidden::random(name, self.coulomb_nm, &mut random);

@@ -10,7 +10,7 @@ use shared::motion::Motion;
 use shared::parameters::{Parameters, base};
 
 /// Friction may be negative by this share of its largest value: the numbers have uncertainties.
-const TOLERANCE: f64 = 0.15;
+const TOLERANCE: f64 = 0.05;
 
 /// Angles looked at on either side, and speeds at each.
 const N_GRID: i32 = 6;

@@ -33,6 +33,9 @@ const COMMON: f64 = 0.5;
 /// The offset may leave this share of the excess that is there without it.
 const MOST_LEFT: f64 = 0.6;
 
+/// Sums of squares closer than this share mean predictions closer than 0.05 × the noise.
+const ALIKE: f64 = 0.0025;
+
 /// What shifts the swings.
 #[derive(Clone, Debug)]
 pub struct Zero {
@@ -52,13 +55,13 @@ pub fn decide(problem: &Problem, claimed: Trial, indistinguishable: f64) -> Zero
         return keep(claimed, None);
     }
     let Some(asymmetric) = with_asymmetry(problem, &claimed) else { return keep(claimed, None) };
-    let is_better = asymmetric.cost < claimed.cost - indistinguishable;
-    if is_better && mean_offset(&asymmetric).abs() < LSB_RAD {
-        return Zero { model: asymmetric, offset_is_missing: false, alike: None };
-    }
     // Half a step of the converter is no finding.
     let without = cost_with_offsets_within(problem, &asymmetric, 0.5 * LSB_RAD);
-    let is_alike = without < claimed.cost + indistinguishable;
+    let is_sound = mean_offset(&asymmetric).abs() < LSB_RAD && asymmetric.cost < claimed.cost - indistinguishable;
+    if is_sound || without < claimed.cost - indistinguishable {
+        return Zero { model: asymmetric, offset_is_missing: false, alike: None };
+    }
+    let is_alike = without < claimed.cost + indistinguishable.max(ALIKE * claimed.cost);
     keep(claimed, is_alike.then_some(ASYMMETRIC))
 }
 
@@ -80,7 +83,7 @@ pub fn cost_with_offsets_within(problem: &Problem, trial: &Trial, limit_rad: f64
     fixed.offsets_are_free = false;
     let mut point = trial.point.clone();
     point.starts.iter_mut().for_each(|start| start.offset_rad = start.offset_rad.clamp(-limit_rad, limit_rad));
-    descend(&fixed, &point, Window::Whole, Patience::ROUGH, Steps::new(&fixed)).cost
+    descend(&fixed, &point, Window::Whole, Patience::FINE, Steps::new(&fixed)).cost
 }
 
 fn mean_offset(trial: &Trial) -> f64 {

@@ -156,7 +156,7 @@ impl<'a> Plant<'a> {
         let [angle, ..] = self.phase;
         let edge = direction * self.rig.velocity_band;
         let sliding = -direction * self.friction_nm(angle, edge, direction, self.time_s);
-        let level_nm = sliding + (self.rig.stiction_nm - self.rig.coulomb_nm).max(0.0);
+        let level_nm = sliding.max(if self.law.bristle_rad > 0.0 { 0.0 } else { self.rig.stiction_nm });
         if drive.abs() <= level_nm {
             self.stop();
         } else if self.rig.velocity_band > 0.0 {
