@@ -3,11 +3,15 @@
 //! The base model is fitted first. If it leaves more than the noise, every effect of the list is tried: a score test
 //! ([`score`]) tells in one linearised step what each could gain, the promising ones are fitted in earnest
 //! ([`trial`]), and [`search`] goes on with pairs until nothing significant is left. [`verdict`] says what may be
-//! claimed, what can't be told apart, and what stays unexplained.
+//! claimed, what can't be told apart ([`replacement`]), what is only a shifted zero of the sensor ([`zero`]), and what
+//! stays unexplained.
 
+pub mod physical;
+pub mod replacement;
 pub mod score;
 pub mod search;
 pub mod trial;
 pub mod verdict;
+pub mod zero;
 
 pub use verdict::{Candidate, Diagnosis, Step, Value, diagnose};

@@ -3,6 +3,7 @@
 pub mod chance;
 #[cfg(target_os = "linux")]
 pub mod device;
+pub mod hidden;
 pub mod image;
 pub mod innovation;
 pub mod link;

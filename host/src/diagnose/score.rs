@@ -53,7 +53,7 @@ fn promise(
     let linear = linearise_added(&problem, &point, Window::Whole, known);
     let (step, cost) = bounded_step(&problem, &point, &linear);
     let point = stepped(&point, &step, problem.unknowns.len());
-    (cost.is_finite()).then(|| Promise { effect, gain: trial.cost - cost, point })
+    cost.is_finite().then_some(Promise { effect, gain: trial.cost - cost, point })
 }
 
 /// The step and the cost it promises; numbers that would leave their bounds are held on them.

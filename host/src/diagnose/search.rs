@@ -1,5 +1,6 @@
 //! The search through models: one effect at a time, the most promising few kept at each level.
 
+use super::physical::brakes_everywhere;
 use super::score::{Promise, promises};
 use super::trial::{Trial, better, finish, finish_with_band, fit_from};
 use crate::fit::descent::{Patience, descend};
@@ -19,8 +20,11 @@ const EXCESS_LEFT: f64 = 0.045;
 /// At most this many effects are added.
 const MAX_ADDED: usize = 3;
 
+/// From the second effect on, one that leaves more than this share of the excess is the last.
+const WORTH_ANOTHER: f64 = 0.4;
+
 /// Models kept from one level to the next.
-const BEAM: usize = 3;
+const BEAM: usize = 2;
 
 /// Models that cost this much more than the best are not gone on with.
 const BEAM_REACH: f64 = 2.0;
@@ -32,7 +36,10 @@ const SHARE_OF_BEST_PROMISE: f64 = 0.15;
 const MAX_FITTED: usize = 6;
 
 /// Costs within this factor of the best are worth a fit to the last digit.
-const NEAR: f64 = 1.3;
+const NEAR: f64 = 1.15;
+
+/// A base with a velocity band is gone on with, beside the one without, if its cost is below this share.
+const WORTH_KEEPING_THE_BAND: f64 = 0.8;
 
 /// Models of one level that are finished, at most.
 const MAX_FINISHED: usize = 4;
@@ -62,23 +69,39 @@ pub fn search(problem: &Problem, base: &Settled, candidates: &[&'static Effect<f
         return found;
     }
     let mut beam = vec![none];
+    let with_band = found.base.clone();
+    if with_band.cost < WORTH_KEEPING_THE_BAND * beam[0].cost {
+        beam.push(with_band);
+    }
     for _ in 0..MAX_ADDED {
         let level = next_level(problem, &beam, candidates);
         if level.is_empty() {
             break;
         }
         let explained = is_explained(problem, &level[0]);
-        let lowers = level[0].cost < found.best(found.levels.len()).cost;
-        beam = level.iter().take(BEAM).take_while(|trial| trial.cost < BEAM_REACH * level[0].cost).cloned().collect();
+        let n_added = found.levels.len();
+        let before = found.best(n_added).cost;
+        let share_left = excess(problem, level[0].cost) / excess(problem, before);
+        let lowers = level[0].cost < before;
+        beam = kept(&level);
         if !lowers {
             break;
         }
         found.levels.push(level);
-        if explained {
+        if explained || (n_added > 0 && share_left > WORTH_ANOTHER) {
             break;
         }
     }
     found
+}
+
+/// The models to go on with: the best few, and the best of those with the fewest numbers.
+fn kept(level: &[Trial]) -> Vec<Trial> {
+    let near = || level.iter().filter(|trial| trial.cost < BEAM_REACH * level[0].cost);
+    let mut beam: Vec<Trial> = near().take(BEAM).cloned().collect();
+    let simplest = near().min_by_key(|trial| trial.n_added());
+    beam.extend(simplest.filter(|simple| beam.iter().all(|other| other.n_added() > simple.n_added())).cloned());
+    beam
 }
 
 /// The base without a velocity band: a band that only imitates the missing effect would hide it.
@@ -105,6 +128,7 @@ pub fn excess(problem: &Problem, cost: f64) -> f64 {
 /// All models with one more effect than those of the beam that are worth fitting, the lowest cost first.
 fn next_level(problem: &Problem, beam: &[Trial], candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
     let mut level: Vec<Trial> = beam.iter().flat_map(|trial| extensions(problem, trial, candidates)).collect();
+    level.retain(|trial| brakes_everywhere(problem, trial));
     sort(&mut level);
     drop_doubles(&mut level);
     let Some(lowest) = level.first().map(|best| best.cost) else { return level };
@@ -122,7 +146,7 @@ fn next_level(problem: &Problem, beam: &[Trial], candidates: &[&'static Effect<f
 }
 
 /// A model with one more effect, each of the promising ones in turn: first the best start of each, then, if none
-/// explains the swings, the next best.
+/// explains the swings, the next best and the wider forms.
 fn extensions(problem: &Problem, trial: &Trial, candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
     let fresh: Vec<&'static Effect<f64>> =
         candidates.iter().copied().filter(|effect| !trial.has(effect.name)).collect();
@@ -139,38 +163,43 @@ fn extensions(problem: &Problem, trial: &Trial, candidates: &[&'static Effect<f6
     level
 }
 
-/// The best start of each effect that promises enough, and the second best ones.
+/// The best start of each effect that promises enough; and the second best ones, with the generalisations that promise
+/// hardly more than their special case: if that does not suffice, they may still do after some steps.
 fn worth_fitting(promises: Vec<Promise>) -> (Vec<Promise>, Vec<Promise>) {
     let best = promises.first().map_or(0.0, |promise| promise.gain);
-    let promises = without_needless_generalisations(promises);
+    let needless = needless_generalisations(&promises);
     let (mut first, mut second): (Vec<Promise>, Vec<Promise>) = (Vec::new(), Vec::new());
     for promise in promises.into_iter().filter(|promise| promise.gain > SHARE_OF_BEST_PROMISE * best) {
         let has = |kept: &[Promise]| kept.iter().any(|other| other.effect.id == promise.effect.id);
-        if !has(&first) && first.len() < MAX_FITTED {
+        let waits = needless.contains(&promise.effect.id);
+        if !waits && !has(&first) && first.len() < MAX_FITTED {
             first.push(promise);
-        } else if has(&first) && !has(&second) {
+        } else if (waits || has(&first)) && !has(&second) {
             second.push(promise);
         }
     }
     (first, second)
 }
 
-/// A wider form of an effect is only worth its numbers if it promises visibly more.
-fn without_needless_generalisations(promises: Vec<Promise>) -> Vec<Promise> {
+/// A wider form of an effect is at first only worth its numbers if it promises visibly more.
+fn needless_generalisations(promises: &[Promise]) -> Vec<u16> {
     let gain_of = |name: &str| {
         promises.iter().filter(|promise| promise.effect.name == name).map(|promise| promise.gain).fold(0.0, f64::max)
     };
-    let is_needed = |promise: &Promise| {
-        promise.effect.generalises.is_none_or(|special| promise.gain > GENERALISATION_GAIN * gain_of(special))
+    let is_needless = |promise: &&Promise| {
+        promise
+            .effect
+            .generalises
+            .is_some_and(|special| gain_of(promise.effect.name) <= GENERALISATION_GAIN * gain_of(special))
     };
-    let needed: Vec<bool> = promises.iter().map(is_needed).collect();
-    promises.into_iter().zip(needed).filter_map(|(promise, needed)| needed.then_some(promise)).collect()
+    promises.iter().filter(is_needless).map(|promise| promise.effect.id).collect()
 }
 
-/// A generalisation is fitted if it promises so many times the gain of its special case.
+/// A generalisation is fitted at once if it promises so many times the gain of its special case.
 const GENERALISATION_GAIN: f64 = 1.05;
 
-fn fit_promise(problem: &Problem, trial: &Trial, promise: &Promise) -> Option<Trial> {
+/// Fits what a promise leads to.
+pub(super) fn fit_promise(problem: &Problem, trial: &Trial, promise: &Promise) -> Option<Trial> {
     let n_before = trial.unknowns.len();
     let (unknowns, template) = trial.with(problem, promise.effect, &promise.point.values[n_before..])?;
     let enlarged = Problem { unknowns, template, ..problem.clone() };

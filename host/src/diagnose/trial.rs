@@ -81,17 +81,18 @@ pub fn fit_from(problem: &Problem, effects: Vec<&'static Effect<f64>>, point: &P
 
 /// Fits on until nothing moves, and searches Ms; no velocity band is sought.
 pub fn finish(of: &Problem, trial: &Trial) -> Trial {
-    finish_with(of, trial, |problem, descent| stiction::without_band(problem, descent))
+    finish_with(of, trial, stiction::without_band)
 }
 
 /// The same with a velocity band, where the noise is not reached without.
 pub fn finish_with_band(of: &Problem, trial: &Trial) -> Trial {
-    finish_with(of, trial, |problem, descent| stiction::settle(problem, descent))
+    finish_with(of, trial, stiction::settle)
 }
 
 fn finish_with(of: &Problem, trial: &Trial, settle: impl Fn(&Problem, &Descent) -> Settled) -> Trial {
     let problem = with_stiction(&trial.problem(of), trial.stiction);
-    let descent = descend(&problem, &trial.point, Window::Whole, Patience::FINE, Steps::new(&problem));
+    // The search for Ms ends with a descent to the last digit.
+    let descent = descend(&problem, &trial.point, Window::Whole, Patience::ROUGH, Steps::new(&problem));
     let settled = settle(&problem, &descent);
     let effects = || trial.effects.clone();
     better(Trial::of(&problem, effects(), trial.stiction, descent), Trial::settled(&problem, effects(), settled))

@@ -1,12 +1,13 @@
 //! What may be claimed: which effects are missing, which can't be told apart, what stays unexplained.
 
+use super::replacement::replacements;
 use super::search::{EXCESS_WORTH_EXPLAINING, Found, excess, is_explained, search};
 use super::trial::{Trial, finish, fit_from};
+use super::zero::{self, ANGLE_OFFSET, Zero};
 use crate::fit::covariance::covariance;
-use crate::fit::descent::{Patience, descend};
 use crate::fit::identify::{held_out_rmse, problem_of, smooth};
 use crate::fit::linear::{Steps, linearise};
-use crate::fit::problem::{PER_SWING, Point, Problem, Unknown};
+use crate::fit::problem::{Point, Problem, Unknown};
 use crate::fit::stiction::{self, Settled, Stiction, with_stiction};
 use crate::fit::{start, windows};
 use crate::swing::{Swing, Window};
@@ -16,20 +17,23 @@ use shared::parameters::{Parameters, base};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// An effect must remove this share of the excess that was there before it.
-const SUBSTANTIAL_SHARE: f64 = 0.4;
+/// An effect may leave this share of the excess that was there before it …
+const MOST_LEFT: f64 = 0.6;
+
+/// … and less where the noise is not reached even so: then nobody knows what else is in the swings.
+const MOST_LEFT_UNEXPLAINED: f64 = 0.4;
+
+/// Where the noise is not reached, a simpler model is taken that leaves no more than so many times the excess.
+const SIMPLER_MAY_LEAVE: f64 = 3.0;
 
 /// Sums of squares closer than this, in noise variances, are no reason to prefer one effect over another.
 const INDISTINGUISHABLE: f64 = 25.0;
 
+/// Predictions that differ by less than this many noises are called alike.
+const ALIKE_NOISES: f64 = 0.05;
+
 /// A residual above this many noises is called unexplained.
 const UNEXPLAINED_NOISES: f64 = 1.10;
-
-/// A common offset is claimed from this many standard errors …
-const OFFSET_SIGNIFICANT: f64 = 5.0;
-
-/// … and from this angle on, if the converter's step is not known: one step of 12 bits over 340°.
-const LSB_RAD: f64 = 340.0 * std::f64::consts::PI / 180.0 / 4096.0;
 
 /// A number of a candidate effect.
 #[derive(Clone, Debug, Serialize)]
@@ -113,22 +117,29 @@ pub fn diagnose(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>) -> 
     let count = AtomicUsize::new(0);
     let problem = base_problem(swings, rig, &count);
     let base = fit_base(&problem);
-    let candidates = candidates();
+    let candidates = candidates(swings);
     let found = search(&problem, &base, &candidates);
     let judge = Judge { problem: &problem, found: &found, candidates: &candidates };
-    let claimed = judge.claimed();
-    let undecided = judge.undecided(&claimed);
-    let offset_is_missing = judge.offset_is_missing(&claimed);
+    let (claimed, others) = judge.refined(judge.claimed());
+    let mut undecided = judge.undecided(&claimed, &others);
+    let Zero { model: claimed, offset_is_missing, alike } =
+        zero::decide(&problem, claimed, INDISTINGUISHABLE * judge.unit());
+    undecided.extend(alike);
     Summary { judge, claimed, undecided, offset_is_missing, held_out, began, count: &count }.build()
 }
 
-/// The effects that may be found missing: all but the base effects and the offset, which is fitted anyway.
-fn candidates() -> Vec<&'static Effect<f64>> {
-    Effect::ALL.iter().filter(|effect| !effect.is_base() && effect.name != ANGLE_OFFSET).collect()
+/// The effects that may be found missing: all but the base effects and the offset, which is fitted anyway. In a single
+/// swing the amplitude falls as time goes by, so that no drift can be told from a law of speed or angle.
+fn candidates(swings: &[Swing]) -> Vec<&'static Effect<f64>> {
+    let is_candidate = |effect: &&Effect<f64>| {
+        let needs_more = effect.name == DRIFTING && swings.len() < 2;
+        !effect.is_base() && effect.name != ANGLE_OFFSET && !needs_more
+    };
+    Effect::ALL.iter().filter(is_candidate).collect()
 }
 
-/// The offset is a free number of every fit; it is claimed by its value, not by its gain.
-const ANGLE_OFFSET: &str = "angle-offset";
+/// Only several releases tell it from the rest.
+const DRIFTING: &str = "drifting-friction";
 
 fn base_problem<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a AtomicUsize) -> Problem<'a> {
     let mut bare = rig.clone();
@@ -176,23 +187,70 @@ impl Judge<'_, '_> {
         let mut claimed = self.found.base.clone();
         for level in &self.found.levels {
             let chosen = self.preferred(level);
-            let left = excess(self.problem, claimed.cost);
-            let removed = left - excess(self.problem, chosen.cost);
-            let substantial = left > EXCESS_WORTH_EXPLAINING && removed > SUBSTANTIAL_SHARE * left;
-            if substantial {
+            if self.is_worth_it(&claimed, chosen) {
                 claimed = chosen.clone();
             }
         }
         self.pruned(claimed)
     }
 
+    /// Does each effect that a model has more than another remove a substantial part of what that one leaves?
+    fn is_worth_it(&self, before: &Trial, after: &Trial) -> bool {
+        let left = self.excess(before);
+        let removed = left - self.excess(after);
+        let visible = removed * self.problem.n_samples(Window::Whole) as f64 > 2.0 * INDISTINGUISHABLE;
+        let most_left = if self.is_unexplained(after) { MOST_LEFT_UNEXPLAINED } else { MOST_LEFT };
+        let n_more = after.effects.len() - before.effects.len();
+        left > EXCESS_WORTH_EXPLAINING && visible && left - removed < most_left.powi(n_more as i32) * left
+    }
+
+    fn excess(&self, trial: &Trial) -> f64 {
+        excess(self.problem, trial.cost)
+    }
+
+    fn is_unexplained(&self, trial: &Trial) -> bool {
+        self.excess(trial) > UNEXPLAINED_NOISES.powi(2) - 1.0
+    }
+
     fn preferred<'t>(&self, level: &'t [Trial]) -> &'t Trial {
         let best = level.iter().min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b))).unwrap_or(&level[0]);
+        if self.is_unexplained(best) {
+            return self.simplest(level, best);
+        }
         let simpler = |trial: &&Trial| {
             let close = trial.cost - best.cost < INDISTINGUISHABLE * self.unit();
             close && best.effects.iter().any(|effect| effect.generalises.is_some_and(|special| trial.has(special)))
         };
         level.iter().find(simpler).unwrap_or(best)
+    }
+
+    /// Residuals that are no noise are correlated over many swings, so that sums of squares overrate what more numbers
+    /// achieve; of models that leave about as much as the best one, the one with the fewest numbers is taken.
+    fn simplest<'t>(&self, level: &'t [Trial], best: &'t Trial) -> &'t Trial {
+        let near = |trial: &&Trial| self.excess(trial) < SIMPLER_MAY_LEAVE * self.excess(best);
+        let order = |a: &&Trial, b: &&Trial| a.n_added().cmp(&b.n_added()).then(a.cost.total_cmp(&b.cost));
+        level.iter().filter(near).min_by(order).unwrap_or(best)
+    }
+
+    /// The claimed model, after each of several effects had to stand against its replacements; and these.
+    fn refined(&self, claimed: Trial) -> (Trial, Vec<Trial>) {
+        if claimed.effects.len() < 2 {
+            return (claimed, Vec::new());
+        }
+        let without = |id: u16| self.without(&claimed, id);
+        let mut others = replacements(self.problem, &claimed, self.candidates, without);
+        let better = others.iter().position(|other| {
+            claimed.cost - other.cost > INDISTINGUISHABLE * self.unit()
+                && self.criterion(other) < self.criterion(&claimed)
+        });
+        match better {
+            Some(best) => {
+                let best = others.remove(best);
+                others.push(claimed);
+                (self.pruned(best), others)
+            }
+            None => (claimed, others),
+        }
     }
 
     /// Without effects that became unnecessary once others were in.
@@ -234,28 +292,22 @@ impl Judge<'_, '_> {
         finish(self.problem, &fit_from(&problem, effects, &point, trial.stiction))
     }
 
-    /// Effects that could stand for one of the claimed ones without any visible loss.
-    fn undecided(&self, claimed: &Trial) -> Vec<&'static str> {
-        let Some(level) = claimed.effects.len().checked_sub(1).and_then(|level| self.found.levels.get(level)) else {
-            return Vec::new();
-        };
-        let close = |trial: &&Trial| trial.cost - claimed.cost < INDISTINGUISHABLE * self.unit();
-        let mut names: Vec<&'static str> = level.iter().filter(close).flat_map(Trial::names).collect();
-        names.retain(|name| !claimed.has(name));
-        names.dedup();
+    /// Effects that could stand for one of the claimed ones without any visible loss; `others` are models beside those
+    /// of the search.
+    fn undecided(&self, claimed: &Trial, others: &[Trial]) -> Vec<&'static str> {
+        let n_effects = claimed.effects.len();
+        let Some(level) = n_effects.checked_sub(1) else { return Vec::new() };
+        let n_samples = self.problem.n_samples(Window::Whole) as f64;
+        let reach = (ALIKE_NOISES.powi(2) * n_samples).max(INDISTINGUISHABLE) * self.unit();
+        let close = |trial: &&Trial| trial.effects.len() == n_effects && trial.cost - claimed.cost < reach;
+        let of_search = self.found.levels.get(level).into_iter().flatten();
+        let mut names: Vec<&'static str> = Vec::new();
+        for name in of_search.chain(others).filter(close).flat_map(Trial::names) {
+            if !claimed.has(name) && !names.contains(&name) {
+                names.push(name);
+            }
+        }
         names
-    }
-
-    /// Is the sensor's zero off by the same angle in all swings, visibly?
-    fn offset_is_missing(&self, claimed: &Trial) -> bool {
-        let offsets: Vec<f64> = claimed.point.starts.iter().map(|start| start.offset_rad).collect();
-        let mean = offsets.iter().sum::<f64>() / offsets.len() as f64;
-        let spread = offsets.iter().map(|offset| (offset - mean).abs()).fold(0.0, f64::max);
-        let problem = claimed.problem(self.problem);
-        let linear = linearise(&problem, &claimed.point, Window::Whole, &mut Steps::new(&problem));
-        let n_unknowns = problem.unknowns.len();
-        let std = covariance(&linear).and_then(|covariance| covariance.std(n_unknowns + PER_SWING - 1)).unwrap_or(0.0);
-        mean.abs() > LSB_RAD && mean.abs() > OFFSET_SIGNIFICANT * std && spread < 0.5 * mean.abs()
     }
 
     fn ranked(&self, claimed: &Trial) -> Vec<&'static str> {
@@ -273,7 +325,6 @@ impl Judge<'_, '_> {
                 ranked.push(name);
             }
         }
-        let _ = self.candidates;
         ranked
     }
 
@@ -326,7 +377,7 @@ impl Summary<'_, '_, '_> {
         let base = &self.judge.found.base;
         let rmse = |cost: f64| (cost / n_samples).sqrt();
         let noise = problem.noise_rad();
-        let rmse_before = rmse(cost_without_offset(problem, base));
+        let rmse_before = rmse(zero::cost_with_offsets_within(problem, base, 0.0));
         let rmse_after = rmse(self.claimed.cost);
         let held_out = |parameters: &Parameters<f64>| {
             (!self.held_out.is_empty()).then(|| held_out_rmse(self.held_out, parameters, self.count))
@@ -388,12 +439,3 @@ impl Summary<'_, '_, '_> {
 
 /// At most this many models are listed.
 const MAX_LISTED: usize = 12;
-
-/// The base model's error if the sensor's zero were perfect.
-fn cost_without_offset(problem: &Problem, base: &Trial) -> f64 {
-    let mut fixed = base.problem(problem);
-    fixed.offsets_are_free = false;
-    let mut point = base.point.clone();
-    point.starts.iter_mut().for_each(|start| start.offset_rad = 0.0);
-    descend(&fixed, &point, Window::Whole, Patience::ROUGH, Steps::new(&fixed)).cost
-}

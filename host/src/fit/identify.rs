@@ -177,8 +177,9 @@ pub fn fit(
             (outcome.on(&problem), sequence.stages)
         }
         Method::Both => {
-            let sequence = surfaces(&designed, &ranges, progress);
-            let from_surfaces = polish(&problem, &sequence, progress);
+            let mut sequence = surfaces(&designed, &ranges, progress);
+            let ended = finish_surfaces(&designed, &mut sequence);
+            let from_surfaces = polish(&problem, &sequence, &ended, progress);
             // Surfaces from poor ranges may end in a wrong valley; least squares from the first guess then decides.
             let noise = problem.noise_rad();
             let good = from_surfaces.rmse_rad(&problem) < GOOD_NOISES * noise;
@@ -404,15 +405,20 @@ fn pair_of(problem: &Problem, point: &Point) -> Stiction {
     Stiction { level_nm: value(0), velocity_band: value(1) }
 }
 
-/// Least squares from where the response surfaces ended.
-fn polish(problem: &Problem, sequence: &Sequence, progress: &(dyn Fn(Progress) + Sync)) -> Outcome {
+/// Least squares from where the response surfaces ended: with the Ms and DV they found, and with a search of their own
+/// that begins without a band. A band has to earn its place.
+fn polish(problem: &Problem, sequence: &Sequence, ended: &Outcome, progress: &(dyn Fn(Progress) + Sync)) -> Outcome {
     progress(Progress::Descent);
     let smooth = smooth(problem);
     let from = smooth_point(problem, &sequence.point);
     let free = with_stiction(&smooth, Stiction { level_nm: 0.0, velocity_band: 0.0 });
     let grown = descend(&free, &from, Window::Lively, Patience::ROUGH, Steps::new(&free));
     progress(Progress::Stiction);
-    Outcome::settled(stiction::settle(&free, &grown))
+    let searched = Outcome::settled(stiction::settle(&free, &grown));
+    let refined = Outcome::settled(stiction::refine(&smooth, &ended.point, ended.stiction));
+    let needless = searched.stiction.velocity_band == 0.0
+        && searched.cost < refined.cost + stiction::GAIN_WORTH_A_BAND * problem.noise_rad().powi(2);
+    if needless { searched } else { searched.better(refined) }
 }
 
 /// Puts the result together.

@@ -36,7 +36,7 @@ const MAX_STOPS: usize = 10;
 const EXCESS_WORTH_A_BAND: f64 = 0.005;
 
 /// A band is only kept when it lowers the cost by this many noise variances more than none.
-const GAIN_WORTH_A_BAND: f64 = 12.0;
+pub const GAIN_WORTH_A_BAND: f64 = 12.0;
 
 /// Rounds of search and descent.
 const MAX_ROUNDS: usize = 3;
@@ -194,6 +194,17 @@ pub fn with_band(problem: &Problem, none: &Settled) -> Settled {
     for tried in promising(problem, none, gravity) {
         best = better(best, descended(problem, &none.descent.point, tried));
     }
+    narrowed(problem, best)
+}
+
+/// Goes on from a guess at everything, Ms and DV included.
+pub fn refine(problem: &Problem, point: &Point, stiction: Stiction) -> Settled {
+    narrowed(problem, descended(problem, point, stiction))
+}
+
+/// Searches ever finer around the best pair.
+fn narrowed(problem: &Problem, best: Settled) -> Settled {
+    let mut best = best;
     for _ in 0..MAX_ROUNDS {
         if best.stiction.velocity_band == 0.0 {
             break;

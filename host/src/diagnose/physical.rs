@@ -1,0 +1,52 @@
+//! Friction takes energy out of the swing: a model in which it drives the pendulum somewhere on its way is refused.
+//!
+//! Effects that are added to Coulomb and viscous friction may be negative (less friction here than there), and each is
+//! within its own range; only their sum tells whether the bearing still brakes.
+
+use super::trial::Trial;
+use crate::fit::problem::Problem;
+use shared::effect::{Action, Effect, MAX_VALUES};
+use shared::motion::Motion;
+use shared::parameters::{Parameters, base};
+
+/// Friction may be negative by this share of its largest value: the numbers have uncertainties.
+const TOLERANCE: f64 = 0.05;
+
+/// Angles looked at on either side, and speeds at each.
+const N_GRID: i32 = 6;
+
+/// Does friction brake everywhere on the way?
+pub fn brakes_everywhere(problem: &Problem, trial: &Trial) -> bool {
+    let angles = problem.swings.iter().flat_map(|swing| &swing.angles_rad);
+    let amplitude_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+    let pendulum = trial.parameters.pendulum;
+    let natural = (pendulum.gravity_torque_nm() / pendulum.pivot_inertia_kg_m2()).sqrt();
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    for time_s in [0.0, 0.3 * problem.longest_s()] {
+        for place in -N_GRID..=N_GRID {
+            let angle_rad = 0.9 * amplitude_rad * f64::from(place) / f64::from(N_GRID);
+            let fastest = natural * (amplitude_rad.powi(2) - angle_rad.powi(2)).sqrt();
+            for share in [-1.0, -0.5, -0.02, 0.02, 0.5, 1.0_f64] {
+                let velocity_rad_s = share * fastest;
+                let motion = Motion { angle_rad, velocity_rad_s, direction: share.signum(), time_s, pendulum };
+                let braking = -friction_nm(&trial.parameters, &motion) * share.signum();
+                least = least.min(braking);
+                most = most.max(braking);
+            }
+        }
+    }
+    least > -TOLERANCE * most
+}
+
+fn friction_nm(parameters: &Parameters<f64>, motion: &Motion<f64>) -> f64 {
+    let base_value = |id| parameters.values(id).map_or(0.0, |values| values[0]);
+    let base_nm = base_value(base::VISCOUS) * motion.velocity_rad_s + base_value(base::COULOMB) * motion.direction;
+    let added = parameters.effects.iter().filter_map(|present| match Effect::<f64>::by_id(present.id)?.action {
+        Action::Friction(torque) => {
+            let values: [f64; MAX_VALUES] = std::array::from_fn(|i| present.values.get(i).copied().unwrap_or(0.0));
+            Some(torque(motion, &values))
+        }
+        _ => None,
+    });
+    added.sum::<f64>() - base_nm
+}

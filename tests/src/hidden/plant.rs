@@ -1,0 +1,246 @@
+//! The pendulum itself: an integrator that shares no code with the product.
+//!
+//! Runge and Kutta's fourth-order steps of at most 0.2 ms with the platform's sine; dry friction as a set: the direction
+//! of sliding is fixed within a step, the end of sliding is located by bisection, and there the balance of torques
+//! decides between rest and sliding back. A velocity band (D. Karnopp, J. Dyn. Sys. Meas. Control 107 (1985) 100) is
+//! there only where a rig has one. Pre-sliding and the yielding support are integrated as states of their own.
+
+use super::Rig;
+
+/// The longest step, s.
+pub(super) const STEP_S: f64 = 2e-4;
+
+/// Halvings of a step in search of its end of sliding: to the last digit.
+const HALVINGS: usize = 48;
+
+/// The support's own mass and damping, as shares of the bob's mass and of critical damping.
+const SUPPORT_MASS: f64 = 0.2;
+const SUPPORT_DAMPING: f64 = 0.05;
+
+/// θ, ω, deflection of the bristle, position and speed of the support.
+type Phase = [f64; 5];
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Regime {
+    Sliding { direction: f64 },
+    Band { push: f64, level_nm: f64 },
+    Rest,
+}
+
+/// A pendulum in motion.
+pub(super) struct Plant<'a> {
+    rig: &'a Rig,
+    phase: Phase,
+    time_s: f64,
+    regime: Regime,
+    gravity_nm: f64,
+    inertia: f64,
+    law: Laws,
+}
+
+/// Size and shape numbers of all hidden torques; zero where there is none.
+struct Laws {
+    quadratic: f64,
+    power: [f64; 2],
+    stribeck: [f64; 2],
+    load: f64,
+    asymmetric: f64,
+    angle_friction: [f64; 3],
+    brake: [f64; 3],
+    drift: [f64; 3],
+    spring: [f64; 2],
+    detent: [f64; 3],
+    compliance: f64,
+    bristle_rad: f64,
+}
+
+impl Laws {
+    fn of(rig: &Rig) -> Self {
+        let three = |name: &str| rig.hidden(name).map_or([0.0; 3], |h| [h.size, h.shape[0], h.shape[1]]);
+        let two = |name: &str| [three(name)[0], three(name)[1]];
+        let one = |name: &str| three(name)[0];
+        Self {
+            quadratic: one("quadratic-drag"),
+            power: two("power-law-drag"),
+            stribeck: two("stribeck"),
+            load: one("load-dependent-coulomb"),
+            asymmetric: one("asymmetric-coulomb"),
+            angle_friction: three("angle-dependent-friction"),
+            brake: three("eddy-brake"),
+            drift: three("drifting-friction"),
+            spring: two("torsional-spring"),
+            detent: three("detent"),
+            compliance: one("pivot-compliance"),
+            bristle_rad: one("presliding"),
+        }
+    }
+}
+
+impl<'a> Plant<'a> {
+    /// Lets a rig go at rest from an angle, time zero.
+    pub(super) fn release(rig: &'a Rig, angle_rad: f64) -> Self {
+        let gravity_nm = rig.mass_kg * rig.gravity_m_s2 * rig.length_m;
+        let inertia = rig.mass_kg * rig.length_m.powi(2) + rig.inertia_kg_m2;
+        let phase = [angle_rad, 0.0, 0.0, 0.0, 0.0];
+        let law = Laws::of(rig);
+        let mut plant = Self { rig, phase, time_s: 0.0, regime: Regime::Rest, gravity_nm, inertia, law };
+        plant.settle();
+        plant
+    }
+
+    pub(super) fn angle_rad(&self) -> f64 {
+        self.phase[0]
+    }
+
+    pub(super) fn rests(&self) -> bool {
+        let still = self.phase[1].abs() < 1e-3 && self.drive_nm(&self.phase).abs() < 1e-5;
+        self.regime == Regime::Rest || (self.law.bristle_rad > 0.0 && still)
+    }
+
+    /// Goes on for at most [`STEP_S`].
+    pub(super) fn advance(&mut self, seconds: f64) {
+        let mut left_s = seconds;
+        for _ in 0..50 {
+            if self.regime == Regime::Rest {
+                self.time_s += left_s;
+                self.settle();
+                return;
+            }
+            let end = self.stepped(left_s);
+            if self.lasts(&end) {
+                self.phase = end;
+                self.time_s += left_s;
+                return;
+            }
+            left_s -= self.advance_to_change(left_s);
+        }
+    }
+
+    fn advance_to_change(&mut self, step_s: f64) -> f64 {
+        let (mut lasting, mut over) = (0.0, step_s);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (lasting + over);
+            if self.lasts(&self.stepped(middle)) { lasting = middle } else { over = middle }
+        }
+        self.phase = self.stepped(over);
+        self.time_s += over;
+        match self.regime {
+            Regime::Band { .. } if self.phase[1].abs() > self.rig.velocity_band => {
+                self.regime = Regime::Sliding { direction: self.phase[1].signum() };
+            }
+            Regime::Band { .. } => self.stop(),
+            _ => self.settle(),
+        }
+        over
+    }
+
+    fn stop(&mut self) {
+        self.regime = Regime::Rest;
+        self.phase[1] = 0.0;
+    }
+
+    fn lasts(&self, phase: &Phase) -> bool {
+        match self.regime {
+            Regime::Sliding { direction } => direction * phase[1] >= self.rig.velocity_band,
+            Regime::Band { push, level_nm } => {
+                phase[1].abs() <= self.rig.velocity_band && push * self.drive_nm(phase) >= level_nm
+            }
+            Regime::Rest => true,
+        }
+    }
+
+    /// Slow enough to stick: does friction hold?
+    fn settle(&mut self) {
+        let drive = self.drive_nm(&self.phase);
+        let direction = if drive < 0.0 { -1.0 } else { 1.0 };
+        let [angle, ..] = self.phase;
+        let edge = direction * self.rig.velocity_band;
+        let sliding = -direction * self.friction_nm(angle, edge, direction, self.time_s);
+        let level_nm = sliding.max(if self.law.bristle_rad > 0.0 { 0.0 } else { self.rig.stiction_nm });
+        if drive.abs() <= level_nm {
+            self.stop();
+        } else if self.rig.velocity_band > 0.0 {
+            self.regime = Regime::Band { push: direction, level_nm };
+        } else {
+            self.regime = Regime::Sliding { direction };
+            self.phase[1] = 0.0;
+            // A moving support may push the other way at this instant.
+            if direction * self.slope(&self.phase, self.time_s)[1] <= 0.0 {
+                self.stop();
+            }
+        }
+    }
+
+    /// What acts at rest too.
+    fn drive_nm(&self, phase: &Phase) -> f64 {
+        let [angle, _, bristle, ..] = *phase;
+        let law = &self.law;
+        let spring = -law.spring[0] * (angle - law.spring[1]);
+        let detent = law.detent[0] * (law.detent[1] * angle + law.detent[2]).sin();
+        let held = if law.bristle_rad > 0.0 { -self.rig.coulomb_nm * bristle / law.bristle_rad } else { 0.0 };
+        -self.gravity_nm * angle.sin() + spring + detent + held
+    }
+
+    fn friction_nm(&self, angle: f64, velocity: f64, direction: f64, time_s: f64) -> f64 {
+        let (rig, law) = (self.rig, &self.law);
+        let drift = if law.drift[0] == 0.0 { 0.0 } else { law.drift[0] * (-time_s / law.drift[1]).exp() };
+        let mut dry = if law.bristle_rad > 0.0 { 0.0 } else { rig.coulomb_nm * (1.0 + drift) };
+        if law.stribeck[0] != 0.0 {
+            dry += law.stribeck[0] * (-(velocity / law.stribeck[1]).powi(2)).exp();
+        }
+        if law.load != 0.0 {
+            dry += law.load * rig.mass_kg * (rig.gravity_m_s2 * angle.cos() + rig.length_m * velocity * velocity).abs();
+        }
+        if law.angle_friction[0] != 0.0 {
+            dry += law.angle_friction[0] * (law.angle_friction[1] * angle + law.angle_friction[2]).cos();
+        }
+        dry += law.asymmetric * direction;
+        let mut smooth = rig.viscous * (1.0 + law.drift[2] * drift) * velocity;
+        smooth += law.quadratic * velocity * velocity.abs();
+        if law.power[0] != 0.0 {
+            smooth += law.power[0] * velocity.abs().powf(law.power[1]) * velocity.signum();
+        }
+        if law.brake[0] != 0.0 {
+            smooth += law.brake[0] * velocity * (-((angle - law.brake[1]) / law.brake[2]).powi(2)).exp();
+        }
+        -dry * direction - smooth
+    }
+
+    fn slope(&self, phase: &Phase, time_s: f64) -> Phase {
+        let [angle, velocity, bristle, support, support_speed] = *phase;
+        let torque = match self.regime {
+            Regime::Sliding { direction } => {
+                self.drive_nm(phase) + self.friction_nm(angle, velocity, direction, time_s)
+            }
+            Regime::Band { push, level_nm } => self.drive_nm(phase) - push * level_nm,
+            Regime::Rest => return [0.0; 5],
+        };
+        let bending = match self.law.bristle_rad {
+            0.0 => 0.0,
+            range => velocity - velocity.abs() * bristle / range,
+        };
+        if self.law.compliance == 0.0 {
+            return [velocity, torque / self.inertia, bending, 0.0, 0.0];
+        }
+        // Two bodies: (M + m)·x″ + m·l·cos θ·θ″ = m·l·sin θ·ω² − k·x − d·x′; m·l·cos θ·x″ + J·θ″ = torque.
+        let mass = self.rig.mass_kg * (1.0 + SUPPORT_MASS);
+        let stiffness = 1.0 / self.law.compliance;
+        let damping = 2.0 * SUPPORT_DAMPING * (stiffness * mass).sqrt();
+        let moment = self.rig.mass_kg * self.rig.length_m;
+        let force = moment * angle.sin() * velocity * velocity - stiffness * support - damping * support_speed;
+        let coupling = moment * angle.cos();
+        let determinant = mass * self.inertia - coupling * coupling;
+        let turning = (mass * torque - coupling * force) / determinant;
+        let shift = (self.inertia * force - coupling * torque) / determinant;
+        [velocity, turning, bending, support_speed, shift]
+    }
+
+    fn stepped(&self, step_s: f64) -> Phase {
+        let moved = |slope: &Phase, by: f64| -> Phase { std::array::from_fn(|i| self.phase[i] + by * slope[i]) };
+        let k1 = self.slope(&self.phase, self.time_s);
+        let k2 = self.slope(&moved(&k1, 0.5 * step_s), self.time_s + 0.5 * step_s);
+        let k3 = self.slope(&moved(&k2, 0.5 * step_s), self.time_s + 0.5 * step_s);
+        let k4 = self.slope(&moved(&k3, step_s), self.time_s + step_s);
+        std::array::from_fn(|i| self.phase[i] + step_s / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
+    }
+}

@@ -1,0 +1,64 @@
+//! From the shaft's angle to a code: play, an uneven characteristic, gain, zero, lag, noise, steps.
+
+use super::{LSB_RAD, Random, Rig};
+
+/// The measuring chain of one recording.
+pub(super) struct Sensor {
+    play_rad: f64,
+    gain: f64,
+    bend: [f64; 2],
+    offset_rad: f64,
+    lag_s: f64,
+    wiper_rad: f64,
+    before_rad: f64,
+    lagging_rad: f64,
+}
+
+impl Sensor {
+    /// On a pendulum that is held still at an angle.
+    pub(super) fn held(rig: &Rig, angle_rad: f64) -> Self {
+        let size = |name: &str| rig.hidden(name).map_or(0.0, |hidden| hidden.size);
+        let uneven = rig.hidden("sensor-nonlinearity").map_or([0.0; 3], |h| [h.size, h.shape[0], h.shape[1]]);
+        let place = rig.hidden("backlash").map_or(0.0, |hidden| hidden.shape[0]);
+        let play_rad = size("backlash");
+        let mut sensor = Self {
+            play_rad,
+            gain: 1.0 + size("sensor-gain") + uneven[0] * GAIN_OF_UNEVENNESS,
+            bend: [uneven[0] * uneven[1], uneven[0] * uneven[2]],
+            offset_rad: rig.offset_rad + size("angle-offset"),
+            lag_s: size("sensor-lag"),
+            wiper_rad: angle_rad + 0.5 * play_rad * place,
+            before_rad: 0.0,
+            lagging_rad: 0.0,
+        };
+        sensor.before_rad = sensor.undelayed(angle_rad);
+        sensor.lagging_rad = sensor.before_rad;
+        sensor
+    }
+
+    fn undelayed(&mut self, angle_rad: f64) -> f64 {
+        let half = 0.5 * self.play_rad;
+        self.wiper_rad = self.wiper_rad.clamp(angle_rad - half, angle_rad + half);
+        let x = self.wiper_rad;
+        x * self.gain + self.bend[0] * x * x + self.bend[1] * x * x * x + self.offset_rad
+    }
+
+    /// Follows the shaft for a short while.
+    pub(super) fn follow(&mut self, angle_rad: f64, seconds: f64) {
+        let now = self.undelayed(angle_rad);
+        let middle = 0.5 * (now + self.before_rad);
+        self.lagging_rad = match self.lag_s {
+            0.0 => now,
+            lag_s => middle + (self.lagging_rad - middle) * (-seconds / lag_s).exp(),
+        };
+        self.before_rad = now;
+    }
+
+    /// The reading in rad, with noise and in steps of the converter.
+    pub(super) fn read(&self, noise_rad: f64, random: &mut Random) -> f64 {
+        ((self.lagging_rad + noise_rad * random.normal()) / LSB_RAD).round() * LSB_RAD
+    }
+}
+
+/// An uneven characteristic of size 1 has this much gain with it.
+const GAIN_OF_UNEVENNESS: f64 = 0.05;
