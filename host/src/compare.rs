@@ -180,9 +180,8 @@ fn torque_of(recordings: &[Judged], parameters: &Parameters<f64>) -> Option<Torq
         let step_s = recording.duration_s / (recording.times_s.len() - 1) as f64;
         let width_s = weak::half_width_s(half_swing_s, step_s);
         let noise_rad = recording.noise.level_rad();
-        let bin_of = |angle, velocity| grid.bin_of(angle, velocity);
         let of = |restart: &restart::Restart| {
-            weak::windows(&recording.times_s, restart, &parameters.pendulum, viscous, noise_rad, width_s, &bin_of)
+            weak::windows(&recording.times_s, restart, &parameters.pendulum, viscous, noise_rad, width_s, &grid)
         };
         recording.restarts.iter().filter_map(of).collect()
     };

@@ -11,6 +11,9 @@ use std::sync::atomic::AtomicUsize;
 /// The window grows in these steps, s. With the parameters fixed only a start can be wrong, so few steps suffice.
 const WINDOWS_S: [f64; 3] = [1.5, 6.0, 20.0];
 
+/// A free swing that lasts longer has a wrong clock; its start is not worth the time, s.
+const LONGEST_S: f64 = 7200.0;
+
 /// A start is known far better than its effect on the residual.
 const PATIENCE: Patience = Patience { max_iterations: 10, least_gain: 0.1, least_share: 0.0 };
 
@@ -36,6 +39,9 @@ pub fn follow(swing: &Swing, parameters: &Parameters<f64>) -> Followed {
     let swings = std::slice::from_ref(swing);
     let problem = starts_only(swings, parameters, &count);
     let first = Point { values: Vec::new(), starts: start::starts(swings) };
+    if swing.duration_s() > LONGEST_S {
+        return run(&problem, first.starts[0]);
+    }
     let windows = WINDOWS_S.into_iter().filter(|seconds| *seconds < 0.8 * swing.duration_s()).map(Window::First);
     let point = windows.fold(first, |point, window| descended(&problem, &point, window));
     run(&problem, descended(&problem, &point, Window::Whole).starts[0])

@@ -44,6 +44,9 @@ pub struct Cuts {
 /// Fewer samples than this tell nothing beyond a start.
 const MIN_SAMPLES: usize = 8;
 
+/// Nothing on a bench swings this slowly; the clock must be wrong, s.
+const SLOWEST_S: f64 = 10.0;
+
 /// Start angle and velocity are first read off a parabola of this half width, in half swings.
 const GUESS_WIDTH: f64 = 0.15;
 
@@ -52,7 +55,7 @@ const PATIENCE: Patience = Patience { max_iterations: 4, least_gain: 1e-2, least
 /// Cuts a swing at every other crossing of its hanging position; `None` when it hardly swings.
 pub fn cuts(swing: &Swing, offset_rad: f64) -> Option<Cuts> {
     let (times_s, angles_rad) = (&swing.times_s, &swing.angles_rad);
-    let half_swing_s = turning::half_swing_s(times_s, angles_rad, swing.noise_rad)?;
+    let half_swing_s = turning::half_swing_s(times_s, angles_rad, swing.noise_rad).filter(|s| *s < SLOWEST_S)?;
     let crossings = turning::crossings(times_s, angles_rad, offset_rad, swing.noise_rad);
     let index = |time_s: f64| times_s.partition_point(|t| *t < time_s).min(swing.len() - 1);
     let mut at = vec![0];

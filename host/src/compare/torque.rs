@@ -1,8 +1,8 @@
 //! Missing torque over the plane of angle and velocity: where in state space does the model lack something, and how
 //! much?
 //!
-//! The windows of [`super::weak`] average over several bins each; which torque by bin explains them best is a linear
-//! least-squares problem with the windows' known noise. A smooth torque is preferred: second differences of bins in a
+//! The windows of [`super::weak`] average over several bins each; which torques at the middles of the bins, interpolated
+//! linearly between them, explain the windows best is a linear least-squares problem with the windows' known noise. A smooth torque is preferred: second differences of bins in a
 //! row, along the angle and along the velocity on one side of ω = 0, have prior spreads that are chosen by the evidence
 //! (D. J. C. MacKay, Neural Comput. 4 (1992) 415).
 //! Standard errors are the larger of the posterior's and the scatter between swings.
@@ -57,6 +57,24 @@ impl Grid {
         place(velocity_rad_s / self.velocity_rad_s) * N_BINS + place(angle_rad / self.angle_rad)
     }
 
+    /// The four bins between whose middles a state lies, with the weights of linear interpolation; outside and next to
+    /// ω = 0, which is not crossed because friction jumps there, the line goes on beyond the last two.
+    pub fn corners(&self, angle_rad: f64, velocity_rad_s: f64) -> [(usize, f64); 4] {
+        let x = (angle_rad / self.angle_rad + 1.0) * HALF_BINS as f64 - 0.5;
+        let y = (velocity_rad_s / self.velocity_rad_s + 1.0) * HALF_BINS as f64 - 0.5;
+        let column = (x.floor().max(0.0) as usize).min(N_BINS - 2);
+        let (lowest, highest) = if velocity_rad_s < 0.0 { (0, HALF_BINS - 2) } else { (HALF_BINS, N_BINS - 2) };
+        let row = (y.floor().max(0.0) as usize).clamp(lowest, highest);
+        let (u, v) = (x - column as f64, y - row as f64);
+        let bin = row * N_BINS + column;
+        [
+            (bin, (1.0 - u) * (1.0 - v)),
+            (bin + 1, u * (1.0 - v)),
+            (bin + N_BINS, (1.0 - u) * v),
+            (bin + N_BINS + 1, u * v),
+        ]
+    }
+
     /// Angle (rad) and velocity (rad/s) at the middle of a bin.
     pub fn centre(&self, bin: usize) -> (f64, f64) {
         let middle = |k: usize| (k as f64 + 0.5) / HALF_BINS as f64 - 1.0;
@@ -69,9 +87,9 @@ impl Grid {
 pub struct Bin {
     /// Number in the grid, angle running fastest.
     pub place: usize,
-    /// Mean θ of its samples, rad.
+    /// θ at its middle, rad.
     pub angle_rad: f64,
-    /// Mean ω of its samples, rad/s.
+    /// ω at its middle, rad/s.
     pub velocity_rad_s: f64,
     /// Torque that the model lacks, N·m, counter-clockwise positive.
     pub torque_nm: f64,
@@ -132,7 +150,6 @@ struct Normal {
     n_windows: usize,
     n_visits: Vec<usize>,
     n_samples: Vec<usize>,
-    sums: Vec<(f64, f64)>,
 }
 
 /// Finds the torque map from the windows of all stretches; `None` without data.
@@ -151,11 +168,11 @@ pub fn torque_map(grid: Grid, stretches: &[Windows], coulomb_nm: f64) -> Option<
     let best = Posterior::new(&normal, &prior.precision(spreads), inflation)?;
     let scatter = best.scatter(&normal, stretches);
     let bin = |(k, bin): (usize, &usize)| {
-        let n_samples = normal.n_samples[k].max(1) as f64;
+        let (angle_rad, velocity_rad_s) = grid.centre(*bin);
         Bin {
             place: *bin,
-            angle_rad: normal.sums[k].0 / n_samples,
-            velocity_rad_s: normal.sums[k].1 / n_samples,
+            angle_rad,
+            velocity_rad_s,
             torque_nm: best.torques[k],
             spread_nm: best.covariance[(k, k)].max(scatter[k]).sqrt(),
             n_visits: normal.n_visits[k],
@@ -184,7 +201,6 @@ impl Normal {
             n_windows: 0,
             n_visits: vec![0; size],
             n_samples: vec![0; size],
-            sums: vec![(0.0, 0.0); size],
             bins,
         };
         stretches.iter().for_each(|windows| normal.add(windows));
@@ -197,10 +213,8 @@ impl Normal {
         let right = windows.shares.transpose() * &windows.torques;
         for (i, place) in places.iter().enumerate() {
             self.right[*place] += right[i];
-            self.n_visits[*place] += 1;
+            self.n_visits[*place] += usize::from(windows.n_samples[i] > 0);
             self.n_samples[*place] += windows.n_samples[i];
-            self.sums[*place].0 += windows.sums[i].0;
-            self.sums[*place].1 += windows.sums[i].1;
             for (j, other) in places.iter().enumerate() {
                 self.matrix[(*place, *other)] += product[(i, j)];
             }

@@ -8,6 +8,7 @@
 //! Weak forms for finding equations: D. A. Messenger, D. M. Bortz, Multiscale Model. Simul. 19 (2021) 1474.
 
 use super::restart::Restart;
+use super::torque::Grid;
 use nalgebra::{DMatrix, DVector};
 use shared::motion::Pendulum;
 use std::ops::Range;
@@ -35,8 +36,6 @@ pub struct Windows {
     pub bins: Vec<usize>,
     /// Samples by touched bin.
     pub n_samples: Vec<usize>,
-    /// Sums of their angles (rad) and velocities (rad/s).
-    pub sums: Vec<(f64, f64)>,
 }
 
 /// Half width of the windows, s.
@@ -52,7 +51,7 @@ struct Window {
     bump: Vec<f64>,
 }
 
-/// The windows of a stretch; `bin_of` names the bin of a sample. `None` when there are too few samples.
+/// The windows of a stretch, for torques at the middles of a grid's bins. `None` when there are too few samples.
 pub fn windows(
     times_s: &[f64],
     restart: &Restart,
@@ -60,7 +59,7 @@ pub fn windows(
     viscous: f64,
     noise_rad: f64,
     width_s: f64,
-    bin_of: &dyn Fn(f64, f64) -> usize,
+    grid: &Grid,
 ) -> Option<Windows> {
     let times_s = &times_s[restart.range.clone()];
     let (first_s, last_s) = (*times_s.first()?, *times_s.last()?);
@@ -71,36 +70,29 @@ pub fn windows(
     if windows.is_empty() {
         return None;
     }
-    let at: Vec<usize> =
-        restart.angles_rad.iter().zip(&restart.velocities_rad_s).map(|(a, v)| bin_of(*a, *v)).collect();
-    let mut bins = at.clone();
+    let states = || restart.angles_rad.iter().zip(&restart.velocities_rad_s);
+    let corners: Vec<[(usize, f64); 4]> = states().map(|(angle, velocity)| grid.corners(*angle, *velocity)).collect();
+    let mut bins: Vec<usize> = corners.iter().flatten().map(|(bin, _)| *bin).collect();
     bins.sort_unstable();
     bins.dedup();
-    let (n_samples, sums) = contents(restart, &at, &bins);
+    let mut n_samples = vec![0; bins.len()];
+    for (angle, velocity) in states() {
+        // The bin of a sample is one of its corners, so it is there.
+        n_samples[bins.binary_search(&grid.bin_of(*angle, *velocity)).unwrap_or(0)] += 1;
+    }
     let torques = DVector::from_iterator(windows.len(), windows.iter().map(|w| w.torque(&restart.residuals_rad)));
     let mut shares = DMatrix::zeros(windows.len(), bins.len());
     for (row, window) in windows.iter().enumerate() {
         for (i, share) in window.range.clone().zip(&window.bump) {
-            let column = bins.binary_search(&at[i]).unwrap_or(0);
-            shares[(row, column)] += share;
+            for (bin, weight) in corners[i] {
+                shares[(row, bins.binary_search(&bin).unwrap_or(0))] += share * weight;
+            }
         }
     }
     let root = covariance(&windows, noise_rad).cholesky()?;
     let torques = root.l().solve_lower_triangular(&torques)?;
     let shares = root.l().solve_lower_triangular(&shares)?;
-    Some(Windows { torques, shares, bins, n_samples, sums })
-}
-
-/// Number of samples in each bin, and sums of their angles and velocities.
-fn contents(restart: &Restart, at: &[usize], bins: &[usize]) -> (Vec<usize>, Vec<(f64, f64)>) {
-    let (mut n_samples, mut sums) = (vec![0; bins.len()], vec![(0.0, 0.0); bins.len()]);
-    for (i, bin) in at.iter().enumerate() {
-        let k = bins.binary_search(bin).unwrap_or(0);
-        n_samples[k] += 1;
-        sums[k].0 += restart.angles_rad[i];
-        sums[k].1 += restart.velocities_rad_s[i];
-    }
-    (n_samples, sums)
+    Some(Windows { torques, shares, bins, n_samples })
 }
 
 impl Window {
