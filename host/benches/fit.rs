@@ -2,8 +2,8 @@
 //! fastest column, on a busy machine the median tells of the neighbours.
 //!
 //! The program as a process, with its peak memory: `cargo build --release -p host`, `target/release/host init --mass
-//! 0.1466084 --length 0.1562177 --inertia 0.00284252 -o /tmp/rig.toml`, then `/usr/bin/time -v target/release/host fit
-//! --rig /tmp/rig.toml host/data/paper/reconstructed_recording_noisy.csv`: look at "Elapsed" and "Maximum resident".
+//! 0.1466084 --length 0.1562177 --inertia 0.00284252 -o rig.toml`, then `/usr/bin/time -v target/release/host fit
+//! --rig rig.toml host/data/paper/reconstructed_recording_noisy.csv`: look at "Elapsed" and "Maximum resident".
 
 use divan::Bencher;
 use host::fit::identify::{Method, Options, fit};
