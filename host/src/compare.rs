@@ -129,10 +129,7 @@ pub fn compare(
         totals: Totals::of(&recordings),
         held_out_totals: (!held_out.is_empty()).then(|| Totals::of(&held_out)),
         places: per_swing::places(&tables),
-        energy: energy::energy(
-            &recordings.iter().map(Judged::pair).collect::<Vec<_>>(),
-            parameters.pendulum.gravity_torque_nm(),
-        ),
+        energy: energy::energy(&recordings.iter().map(Judged::pair).collect::<Vec<_>>()),
         torque: mismatches.is_empty().then(|| torque_of(&recordings, &parameters)).flatten(),
         knowledge,
         mismatches,

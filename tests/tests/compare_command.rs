@@ -15,7 +15,10 @@ fn a_fresh_rig_is_fitted_first_and_a_fitted_one_is_not() {
     let text = host(path, "compare swing.csv --hold-out other.csv");
     let text = text.succeeded();
     assert!(text.contains("fitted to these recordings first") && text.contains("Nothing is missing"), "{text}");
-    assert!(text.contains("(held out)"));
+    assert!(text.contains("(held out)") && text.contains("the model carries over to them"));
+    host(path, "simulate --seconds 25 --rate 200 --with Cq=1e-4 --seed 3 -o strange.csv").succeeded();
+    let strange = host(path, "compare swing.csv --hold-out strange.csv");
+    assert!(strange.succeeded().contains("does not carry over"));
 
     host(path, "fit swing.csv --method least-squares -o rig.toml").succeeded();
     let stdout = host(path, "compare swing.csv --json --report report.html --plot pictures");

@@ -1,9 +1,8 @@
 //! Pictures without a model beside the modelled ones: energy lost per path, period, and the difference between both
 //! sides, against amplitude.
 
-use super::binned::{Mean, Sample, binned};
+use super::binned::{Mean, Sample, binned, mean};
 use super::halves::{Halves, Period, read_off};
-use nalgebra::{Matrix2, Vector2};
 use serde::Serialize;
 
 /// A difference this many standard errors from zero is a finding …
@@ -47,7 +46,7 @@ pub struct Pair {
 }
 
 /// Compares loss and period of all recordings.
-pub fn energy(pairs: &[Pair], gravity_nm: f64) -> Energy {
+pub fn energy(pairs: &[Pair]) -> Energy {
     let modelled = pairs.iter().flat_map(|pair| pair.modelled.losses());
     let curve = sorted(modelled.map(|loss| (loss.amplitude_rad, loss.loss_nm)).collect());
     let measured: Vec<Sample> = pairs
@@ -61,7 +60,7 @@ pub fn energy(pairs: &[Pair], gravity_nm: f64) -> Energy {
     };
     let loss_measured = binned(&measured);
     Energy {
-        side_difference: side_difference(pairs, gravity_nm),
+        side_difference: side_difference(pairs),
         loss_missing: binned(&measured.iter().filter_map(missing).collect::<Vec<_>>()),
         period_off: binned(&pairs.iter().flat_map(|pair| periods_off(pair, pairs)).collect::<Vec<_>>()),
         bump_rad: bump(&loss_measured),
@@ -97,38 +96,36 @@ fn sorted(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points
 }
 
-/// Rising minus falling loss beyond the model's. An error of the sensor's zero also makes sides differ, by
-/// m·g·l·sin A/A at the amplitude A; both are fitted together, so that only what is no such error is told.
-fn side_difference(pairs: &[Pair], gravity_nm: f64) -> Option<Mean> {
-    let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-    let mut rows = Vec::new();
+/// Rising minus falling loss beyond the model's, at small and at large amplitudes; the smaller of both counts, because
+/// friction that differs between the directions does so at every amplitude.
+fn side_difference(pairs: &[Pair]) -> Option<Mean> {
+    let mut sides: [Vec<Sample>; 2] = [Vec::new(), Vec::new()];
     for pair in pairs {
         let curves = [false, true].map(|rising| side_curve(&pair.modelled, rising));
         for half in &pair.measured.halves {
-            let Some(modelled) = read_off(&curves[usize::from(half.is_rising)], half.amplitude_rad) else { continue };
-            let sign = if half.is_rising { 0.5 } else { -0.5 };
-            let a = half.amplitude_rad;
-            rows.push((
-                sign,
-                Vector2::new(1.0, gravity_nm * a.sin() / a),
-                half.loss_nm - modelled,
-                half.loss_spread_nm,
-            ));
+            let side = usize::from(half.is_rising);
+            let Some(modelled) = read_off(&curves[side], half.amplitude_rad) else { continue };
+            let value = half.loss_nm - modelled;
+            sides[side].push(Sample { x: half.amplitude_rad, value, spread: half.loss_spread_nm });
         }
     }
-    let common = rows.iter().map(|row| row.2).sum::<f64>() / rows.len().max(1) as f64;
-    for (sign, columns, value, spread) in &rows {
-        let columns = columns * *sign / spread.max(1e-300);
-        normal += columns * columns.transpose();
-        right += columns * (value - common) / spread.max(1e-300);
+    sides.iter_mut().for_each(|side| side.sort_by(|a, b| a.x.total_cmp(&b.x)));
+    let n = sides[0].len().min(sides[1].len());
+    if n < 2 * FEWEST_HALVES {
+        return None;
     }
-    let inverse = normal.try_inverse().filter(|_| rows.len() >= 6)?;
-    let fit = inverse * right;
-    let error =
-        |row: &(f64, Vector2<f64>, f64, f64)| ((row.2 - common - row.0 * row.1.dot(&fit)) / row.3.max(1e-300)).powi(2);
-    let scatter = (rows.iter().map(error).sum::<f64>() / (rows.len() - 2) as f64).max(1.0);
-    Some(Mean { x: 0.0, value: fit[0], spread: (inverse[(0, 0)] * scatter).sqrt(), n: rows.len() })
+    let difference = |range: fn(&[Sample]) -> &[Sample]| {
+        let (down, up) = (mean(range(&sides[0])), mean(range(&sides[1])));
+        Mean { x: up.x, value: up.value - down.value, spread: up.spread.hypot(down.spread), n: up.n + down.n }
+    };
+    let small = difference(|side| &side[..side.len() / 2]);
+    let large = difference(|side| &side[side.len() / 2..]);
+    let smaller = if small.z().abs() < large.z().abs() { small } else { large };
+    (small.value * large.value > 0.0).then_some(smaller)
 }
+
+/// Half swings that a mean needs.
+const FEWEST_HALVES: usize = 4;
 
 fn side_curve(halves: &Halves, rising: bool) -> Vec<(f64, f64)> {
     let of_side = halves.halves.iter().filter(|half| half.is_rising == rising);

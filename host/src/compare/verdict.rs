@@ -212,9 +212,14 @@ fn torque(comparison: &Comparison) -> Option<String> {
 
 fn held_out(comparison: &Comparison) -> Option<String> {
     let totals = comparison.held_out_totals.as_ref()?;
+    let conclusion = if comparison.held_out.iter().any(|recording| recording.more_than_noise) {
+        ", so the model does not carry over to them: the rig has changed, or they show physics that the others hide"
+    } else {
+        ": the model carries over to them"
+    };
+    let residual = in_mrad(totals.residual_rad);
     Some(format!(
-        "On held-out recordings the residual is {} mrad, {:.1} times the noise.",
-        in_mrad(totals.residual_rad),
+        "On held-out recordings the residual is {residual} mrad, {:.1} times the noise{conclusion}.",
         totals.ratio
     ))
 }

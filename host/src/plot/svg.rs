@@ -55,8 +55,8 @@ fn draw_curves<'a>(
     curves: &[Curve],
 ) -> Result<(), Failed> {
     let x_range = range(&picture.x, curves.iter().flat_map(|curve| &curve.x));
-    // Error bars may leave the picture where they are much longer than everything else.
-    let y_range = range(&picture.y, curves.iter().flat_map(|curve| &curve.y));
+    let ends: Vec<f64> = curves.iter().flat_map(with_usual_bars).collect();
+    let y_range = range(&picture.y, ends.iter());
     let mut chart = ChartBuilder::on(area)
         .margin(12)
         .x_label_area_size(46)
@@ -112,6 +112,14 @@ fn draw_curves<'a>(
     Ok(())
 }
 
+/// A curve's values with error bars of middle length to either side; much longer ones may leave the picture.
+fn with_usual_bars(curve: &Curve) -> Vec<f64> {
+    let mut bars = curve.bars.clone().unwrap_or_default();
+    bars.sort_by(f64::total_cmp);
+    let bar = bars.get(bars.len() / 2).copied().unwrap_or(0.0);
+    curve.y.iter().flat_map(|y| [y - bar, y + bar]).collect()
+}
+
 /// A short line or a dot beside a name.
 fn legend_mark<'a>(x: i32, y: i32, paint: RGBColor, dot: bool) -> DynElement<'static, SVGBackend<'a>, (i32, i32)> {
     if dot {
@@ -124,7 +132,7 @@ fn legend_mark<'a>(x: i32, y: i32, paint: RGBColor, dot: bool) -> DynElement<'st
 /// A number beside an axis, with as many digits as its range needs.
 fn label(axis: &Axis, value: f64, size: f64) -> String {
     if axis.is_logarithmic {
-        return logarithmic_label(10f64.powf(value));
+        return logarithmic_label(10f64.powf(value), size);
     }
     if axis.is_count {
         return if value.fract().abs() < 1e-6 { format!("{value:.0}") } else { String::new() };
@@ -134,9 +142,10 @@ fn label(axis: &Axis, value: f64, size: f64) -> String {
     if size < 1e-4 { format!("{value:.1e}") } else { format!("{value:.digits$}") }
 }
 
-/// Two digits are enough beside a logarithmic axis.
-fn logarithmic_label(value: f64) -> String {
-    let digits = (1 - value.log10().floor() as i32).max(0) as usize;
+/// Two digits are enough beside a logarithmic axis, unless it spans next to nothing.
+fn logarithmic_label(value: f64, decades: f64) -> String {
+    let more = if decades < 0.3 { 2 } else { 0 };
+    let digits = (1 + more - value.log10().floor() as i32).max(0) as usize;
     if !(0.01..10_000.0).contains(&value) {
         return format!("{value:.0e}");
     }

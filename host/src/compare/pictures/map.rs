@@ -50,13 +50,21 @@ fn significance(map: &TorqueMap) -> Picture {
     }
 }
 
-/// Colours go as far as nine of ten well-visited fields: a few uncertain ones must not bleach the rest.
+/// Colours go as far as nine of ten well-visited fields, so that a few uncertain ones do not bleach the rest, and at
+/// least as far as chance goes, so that nothing looks like something.
 fn limit(map: &TorqueMap) -> f64 {
-    let mut sizes: Vec<f64> =
-        map.bins.iter().filter(|bin| bin.n_visits >= WELL_VISITED).map(|bin| bin.torque_nm.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    sizes.get(9 * sizes.len() / 10).copied().unwrap_or(map.largest_nm()).max(1e-12)
+    let well_visited = || map.bins.iter().filter(|bin| bin.n_visits >= WELL_VISITED);
+    let at_share = |mut values: Vec<f64>, share: f64| {
+        values.sort_by(f64::total_cmp);
+        values.get((share * values.len() as f64) as usize).copied().unwrap_or(map.largest_nm())
+    };
+    let size_nm = at_share(well_visited().map(|bin| bin.torque_nm.abs()).collect(), 0.9);
+    let chance_nm = CHANCE * at_share(well_visited().map(|bin| bin.spread_nm).collect(), 0.5);
+    size_nm.max(chance_nm).max(1e-12)
 }
+
+/// Chance reaches about this many standard errors somewhere.
+const CHANCE: f64 = 4.0;
 
 /// Swings through a field from which on its colour counts.
 const WELL_VISITED: usize = 5;
