@@ -457,8 +457,7 @@ fn check_settings(settings: &Settings) -> Result<(), u8> {
 
 /// The filter of checked settings.
 fn filter_of(settings: &Settings) -> Butterworth<f32> {
-    Butterworth::new(f64::from(settings.cutoff_hz), f64::from(settings.rate_hz))
-        .expect("settings are checked before use")
+    Butterworth::new(settings.cutoff_hz, settings.rate_hz).expect("settings are checked before use")
 }
 
 #[cfg(test)]
