@@ -5,6 +5,7 @@
 
 mod columns;
 mod compare;
+mod comparison;
 mod diagnose;
 mod effects;
 mod evidence;
