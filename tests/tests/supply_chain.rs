@@ -24,7 +24,8 @@ fn allowed() -> Vec<String> {
 }
 
 fn is_allowed(licence: &str, allowed: &[String]) -> bool {
-    let expression = Expression::parse_mode(licence, ParseMode::LAX).unwrap_or_else(|error| panic!("{licence}: {error}"));
+    let expression =
+        Expression::parse_mode(licence, ParseMode::LAX).unwrap_or_else(|error| panic!("{licence}: {error}"));
     expression.evaluate(|wanted| wanted.license.id().is_some_and(|id| allowed.iter().any(|name| name == id.name)))
 }
 
