@@ -6,6 +6,7 @@ use crate::fit::identify::{held_out_rmse, problem_of, smooth};
 use crate::fit::problem::{Point, Problem, Quantity};
 use crate::fit::stiction::{self, Stiction, with_stiction};
 use crate::fit::{start, windows};
+use crate::formula::effect_of;
 use crate::swing::{Swing, Window};
 use serde::Serialize;
 use shared::effect::Effect;
@@ -98,7 +99,8 @@ pub fn change(
 
 fn fitted_as_it_is(problem: &Problem) -> Trial {
     let effects = problem.template.effects.iter().filter(|effect| effect.id > base::STICTION);
-    let effects: Vec<&'static Effect<f64>> = effects.filter_map(|effect| Effect::by_id(effect.id)).collect();
+    let effects: Vec<&'static Effect<f64>> =
+        effects.filter_map(|effect| effect_of(&problem.template, effect.id)).collect();
     let free = with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
     let grown = windows::grow(&free, &start::guess(&free));
     Trial::settled(&free, effects, stiction::settle(&free, &grown))

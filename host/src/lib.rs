@@ -5,6 +5,7 @@ pub mod compare;
 pub mod diagnose;
 pub mod error;
 pub mod fit;
+pub mod formula;
 pub mod improve;
 pub mod lanes;
 pub mod link;

@@ -15,6 +15,7 @@ pub use error::RigFileError;
 pub use quantity::Quantity;
 
 use crate::error::Failure;
+use shared::effect::CUSTOM_FORMULA_ID;
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
 use shared::potentiometer::Potentiometer;
@@ -176,7 +177,9 @@ impl RigFile {
         let new = parameters.map(exactly);
         new.check().map_err(RigFileError::Model)?;
         let gone: Vec<u16> = self.parameters.effects.iter().map(|effect| effect.id).collect();
-        gone.into_iter().filter(|id| new.values(*id).is_none()).for_each(|id| self.remove_effect(id));
+        let other_law = |id: u16| id == CUSTOM_FORMULA_ID && new.formula != self.parameters.formula;
+        let gone: Vec<u16> = gone.into_iter().filter(|id| new.values(*id).is_none() || other_law(*id)).collect();
+        gone.into_iter().for_each(|id| self.remove_effect(id));
         for quantity in Quantity::all(&new) {
             let value = quantity.get(&new).unwrap_or_default();
             let same = quantity.get(&self.parameters).is_some_and(|old| old as f32 == value as f32);

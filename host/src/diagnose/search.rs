@@ -9,7 +9,7 @@ use crate::fit::problem::Problem;
 use crate::fit::stiction::{self, Settled};
 use crate::swing::Window;
 use rayon::prelude::*;
-use shared::effect::Effect;
+use shared::effect::{CUSTOM_FORMULA_NAME, Effect};
 
 /// A residual this far above the noise variance is worth an explanation; the noise itself is known to about 2 %.
 pub const EXCESS_WORTH_EXPLAINING: f64 = 0.03;
@@ -134,7 +134,9 @@ fn next_level(problem: &Problem, beam: &[Trial], candidates: &[&'static Effect<f
     let Some(lowest) = level.first().map(|best| best.cost) else { return level };
     // Models far above the best one stay as they are: nothing that follows depends on their last digit.
     let near = level.iter().take(MAX_FINISHED).take_while(|trial| trial.cost < NEAR * lowest).count();
-    let rest = level.split_off(near);
+    let mut rest = level.split_off(near);
+    // What somebody typed deserves its last digit anyway.
+    level.extend(rest.extract_if(.., |trial| trial.has(CUSTOM_FORMULA_NAME)));
     level = level.par_iter().map(|trial| finish(problem, trial)).collect();
     sort(&mut level);
     if !is_explained(problem, &level[0]) {

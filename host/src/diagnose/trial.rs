@@ -4,6 +4,7 @@ use crate::fit::descent::{Descent, Patience, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Point, Problem, Unknown};
 use crate::fit::stiction::{self, Settled, Stiction, with_stiction};
+use crate::formula::add;
 use crate::swing::Window;
 use shared::effect::Effect;
 use shared::parameters::Parameters;
@@ -65,7 +66,7 @@ impl Trial {
         values: &[f64],
     ) -> Option<(Vec<Unknown>, Parameters<f64>)> {
         let mut parameters = self.parameters.clone();
-        parameters.set(effect.id, values).ok()?;
+        add(&mut parameters, effect, values).ok()?;
         let mut unknowns = self.unknowns.clone();
         unknowns.extend(Unknown::all_of_effect(effect, &of.template));
         Some((unknowns, parameters))

@@ -10,9 +10,10 @@ use crate::fit::linear::{Steps, linearise};
 use crate::fit::problem::{Point, Problem, Unknown};
 use crate::fit::stiction::{self, Settled, Stiction, with_stiction};
 use crate::fit::{start, windows};
+use crate::formula::effect_of;
 use crate::swing::{Swing, Window};
 use serde::Serialize;
-use shared::effect::Effect;
+use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::parameters::{Parameters, base};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -113,11 +114,22 @@ pub struct Step {
 
 /// Finds what is missing from the base model of a rig.
 pub fn diagnose(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>) -> Diagnosis {
+    diagnose_with(swings, held_out, rig, None)
+}
+
+/// The same with an effect that somebody typed beside those of the list; one that the rig has already is tried as well.
+pub fn diagnose_with(
+    swings: &[Swing],
+    held_out: &[Swing],
+    rig: &Parameters<f64>,
+    typed: Option<&'static Effect<f64>>,
+) -> Diagnosis {
     let began = Instant::now();
     let count = AtomicUsize::new(0);
     let problem = base_problem(swings, rig, &count);
     let base = fit_base(&problem);
-    let candidates = candidates(swings);
+    let mut candidates = candidates(swings);
+    candidates.extend(typed.or(effect_of(rig, CUSTOM_FORMULA_ID)));
     let found = search(&problem, &base, &candidates);
     let judge = Judge { problem: &problem, found: &found, candidates: &candidates };
     let (claimed, others) = judge.refined(judge.claimed());
@@ -144,6 +156,7 @@ const DRIFTING: &str = "drifting-friction";
 fn base_problem<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a AtomicUsize) -> Problem<'a> {
     let mut bare = rig.clone();
     bare.effects.retain(|effect| effect.id <= base::STICTION);
+    bare.formula = None;
     let mut problem = smooth(&problem_of(swings, &bare, count));
     for (unknown, start) in problem.unknowns.clone().iter().zip(problem.template_values()) {
         if unknown.name != "inertia" && start <= unknown.low {
