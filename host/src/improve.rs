@@ -1,7 +1,7 @@
 //! Adding and removing effects by hand, one step at a time, with the error before and after each.
 
 use crate::diagnose::score::promises;
-use crate::diagnose::trial::{Trial, finish, finish_with_band, fit_from};
+use crate::diagnose::trial::{Trial, Value, finish, finish_with_band, fit_from, values};
 use crate::fit::identify::{held_out_rmse, problem_of, smooth};
 use crate::fit::problem::{Point, Problem, Quantity};
 use crate::fit::stiction::{self, Stiction, with_stiction};
@@ -33,6 +33,8 @@ pub struct Step {
     pub held_out: Option<f64>,
     /// Noise, rad.
     pub noise: f64,
+    /// All numbers of the model but Ms and DV.
+    pub values: Vec<Value>,
     /// The model, refitted.
     #[serde(skip)]
     pub parameters: Parameters<f64>,
@@ -78,6 +80,7 @@ pub fn change(
         rmse: (trial.cost / problem.n_samples(Window::Whole) as f64).sqrt(),
         held_out: (!held_out.is_empty()).then(|| held_out_rmse(held_out, &trial.parameters, &count)),
         noise: problem.noise_rad(),
+        values: values(&problem, trial),
         parameters: trial.parameters.clone(),
     };
     let mut steps = vec![report("as it is".to_owned(), &trial)];

@@ -11,6 +11,7 @@ pub mod lanes;
 pub mod link;
 pub mod noise;
 pub mod paper;
+pub mod plan;
 pub mod plot;
 pub mod record;
 pub mod recording;

@@ -240,8 +240,7 @@ fn refit(swings: &[Swing], held_out: &[Swing], found: &Diagnosis) -> Result<Fit,
 
 /// Puts what was found into the model file.
 fn take_over(model: &mut RigFile, fit: &Fit, method: Method, recordings: &[PathBuf]) -> Result<(), Failure> {
-    let recordings = recordings.iter().map(|path| path.display().to_string()).collect();
-    let source = Source { method: method.words().to_owned(), recordings };
+    let source = Source::new(method.words(), recordings);
     let quantities = Quantity::all(&fit.parameters);
     for found in &fit.identified {
         let is_meant = |quantity: &&Quantity| match found.name {

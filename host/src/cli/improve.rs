@@ -3,6 +3,7 @@
 use super::columns::Reading;
 use super::values::custom_effect;
 use super::{evidence, output, rig};
+use crate::diagnose::Value;
 use crate::diagnose::diagnose_with;
 use crate::error::Failure;
 use crate::formula::effect_of;
@@ -67,17 +68,18 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     let swings = options.reading.swings(&options.recordings)?;
     let held_out = options.reading.swings(&options.hold_out)?;
-    let parameters = if changes.is_empty() {
+    let (parameters, values) = if changes.is_empty() {
         let diagnosis = diagnose_with(&swings, &held_out, model.parameters(), options.effect);
         show(options, &diagnosis, || evidence::in_words(&diagnosis));
-        diagnosis.parameters
+        (diagnosis.parameters, diagnosis.values)
     } else {
         let steps = change(&swings, &held_out, model.parameters(), &changes).map_err(Failure::failed)?;
         show(options, &Steps { steps: &steps }, || in_words(&steps));
-        steps.last().map_or_else(|| model.parameters().clone(), |step| step.parameters.clone())
+        let last = steps.into_iter().next_back();
+        last.map_or_else(|| (model.parameters().clone(), Vec::new()), |step| (step.parameters, step.values))
     };
     if let Some(path) = &options.output {
-        take_over(&mut model, &parameters, options)?;
+        take_over(&mut model, &parameters, &values, options)?;
         model.save(path)?;
         output::say(&format!("wrote {}", path.display()));
     }
@@ -119,16 +121,31 @@ fn in_words(steps: &[Step]) -> String {
 }
 
 /// Puts the enlarged model into the file, with where its numbers came from.
-fn take_over(model: &mut RigFile, parameters: &Parameters<f64>, options: &Options) -> Result<(), Failure> {
-    let recordings = options.recordings.iter().map(|path| path.display().to_string()).collect();
-    let source = Source { method: "least squares, effects added".to_owned(), recordings };
+fn take_over(
+    model: &mut RigFile,
+    parameters: &Parameters<f64>,
+    values: &[Value],
+    options: &Options,
+) -> Result<(), Failure> {
+    let source = Source::new("least squares, effects added", &options.recordings);
     let gone: Vec<u16> = model.parameters().effects.iter().map(|effect| effect.id).collect();
-    gone.into_iter().filter(|id| parameters.values(*id).is_none()).for_each(|id| model.remove_effect(id));
+    let other_law = |id: u16| id == CUSTOM_FORMULA_ID && parameters.formula != model.parameters().formula;
+    let gone: Vec<u16> = gone.into_iter().filter(|id| parameters.values(*id).is_none() || other_law(*id)).collect();
+    gone.into_iter().for_each(|id| model.remove_effect(id));
     for quantity in Quantity::all(parameters) {
         let value = quantity.get(parameters).unwrap_or_default();
         if quantity.get(model.parameters()) != Some(value) {
-            model.set(quantity, value, Knowledge { std: None, source: Some(source.clone()) })?;
+            let owner = if quantity == Quantity::Inertia { "inertia" } else { quantity.owner() };
+            let known = values.iter().find(|known| known.effect == owner && known.symbol == quantity.symbol());
+            let std = known.and_then(|known| known.std);
+            let value = if std.is_none() { four_digits(value) } else { value };
+            model.set(quantity, value, Knowledge { std, source: Some(source.clone()) })?;
         }
     }
     Ok(())
+}
+
+/// No value without a standard deviation is known to more.
+fn four_digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
 }
