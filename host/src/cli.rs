@@ -16,6 +16,7 @@ mod interrupt;
 mod now;
 mod number;
 mod output;
+mod plan;
 mod port;
 mod pull;
 mod push;
@@ -49,6 +50,7 @@ Example:
   host fit swing.csv --rig rig.toml -o rig.toml
   host compare swing.csv --rig rig.toml --report report.html
   host diagnose swing*.csv --rig rig.toml                which physical effect is missing?
+  host plan swing*.csv --rig rig.toml                    which experiment next?
   host push --rig rig.toml --port /dev/ttyACM0
 
 Ports are serial devices, sim (the simulated rig), or sim:NAME (one of its scenarios).
@@ -62,6 +64,7 @@ enum Command {
     Compare(compare::Options),
     Diagnose(diagnose::Options),
     Improve(improve::Options),
+    Plan(plan::Options),
     Effects(effects::Options),
     Push(push::Options),
     Pull(pull::Options),
@@ -89,6 +92,7 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
         Command::Compare(options) => compare::run(&options),
         Command::Diagnose(options) => diagnose::run(&options),
         Command::Improve(options) => improve::run(&options),
+        Command::Plan(options) => plan::run(&options),
         Command::Effects(options) => effects::run(&options),
         Command::Push(options) => push::run(&options),
         Command::Pull(options) => pull::run(&options),

@@ -9,6 +9,7 @@ use super::quality::Responses;
 use super::sequential::{self, Ranges, Sequence, Stage, responses_at};
 use super::stiction::{self, Settled, Stiction, smooth_unknowns, with_stiction};
 use super::{ranges, start, windows};
+use crate::formula::effect_of;
 use crate::swing::{Swing, Window};
 use serde::Serialize;
 use shared::effect::Effect;
@@ -250,7 +251,8 @@ pub fn problem_of<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a Ato
             let _ = template.set(id, &vec![0.0; n_values]);
         }
     }
-    let of_effect = |id: u16| Effect::by_id(id).map_or(Vec::new(), |effect| Unknown::all_of_effect(effect, &template));
+    let of_effect =
+        |id: u16| effect_of(&template, id).map_or(Vec::new(), |effect| Unknown::all_of_effect(effect, &template));
     let added = template.effects.iter().map(|effect| effect.id).filter(|id| *id > base::STICTION);
     let ids = [base::VISCOUS, base::COULOMB, base::STICTION].into_iter().chain(added);
     let mut unknowns: Vec<Unknown> = ids.flat_map(of_effect).collect();
