@@ -6,7 +6,9 @@ use super::descent::{Descent, Patience, descend};
 use super::linear::{Steps, linearise};
 use super::problem::{Point, Problem, Start, Unknown};
 use super::quality::Responses;
-use super::sequential::{self, Ranges, Sequence, Stage, responses_at};
+use super::region::Region;
+use super::runs::responses_at;
+use super::sequential::{self, Ranges, Sequence, Stage};
 use super::stiction::{self, Settled, Stiction, smooth_unknowns, with_stiction};
 use super::{ranges, start, windows};
 use crate::swing::{Swing, Window};
@@ -331,6 +333,9 @@ fn finish_surfaces(problem: &Problem, sequence: &mut Sequence) -> Outcome {
         converged: true,
     };
     for _ in 0..FINISHING_ROUNDS {
+        if best.rmse_rad(problem) < GOOD_END_NOISES * problem.noise_rad() {
+            break;
+        }
         let pair = stiction::best_pair(&smooth, &best.point, Some(best.stiction));
         let next = finishing_round(problem, &smooth, sequence, &best.point, pair);
         let gain = best.cost - next.cost;
@@ -353,21 +358,21 @@ fn finishing_round(
 ) -> Outcome {
     let fixed = with_stiction(smooth, pair);
     let keep = |(unknown, range): (&Unknown, &(f64, f64))| (!unknown.is_stiction()).then_some(*range);
-    let ranges = Ranges(problem.unknowns.iter().zip(&sequence.ranges.0).filter_map(keep).collect());
-    let from = Sequence { point: point.clone(), stages: Vec::new(), ranges };
+    let ranges = Ranges(problem.unknowns.iter().zip(&sequence.region.ranges().0).filter_map(keep).collect());
+    let from = Sequence { point: point.clone(), stages: Vec::new(), region: Region::of_ranges(&ranges) };
     let smooth_end = sequential::in_window(&fixed, from, Window::Whole);
     sequence.stages.extend(smooth_end.stages.iter().cloned());
 
     // Near the truth Ms and DV have smooth effects too.
     let values = full_values(problem, &smooth_end.point, pair);
-    let mut smooth_ranges = smooth_end.ranges.0.iter();
+    let mut smooth_ranges = smooth_end.region.ranges().0.into_iter();
     let range = |(unknown, value): (&Unknown, &f64)| {
         let beside = (value - STICTION_REACH * value, value + STICTION_REACH * value);
-        if unknown.is_stiction() { beside } else { smooth_ranges.next().copied().unwrap_or(beside) }
+        if unknown.is_stiction() { beside } else { smooth_ranges.next().unwrap_or(beside) }
     };
     let ranges = Ranges(problem.unknowns.iter().zip(&values).map(range).collect());
-    let from =
-        Sequence { point: Point { values, starts: smooth_end.point.starts.clone() }, stages: Vec::new(), ranges };
+    let point = Point { values, starts: smooth_end.point.starts.clone() };
+    let from = Sequence { point, stages: Vec::new(), region: Region::of_ranges(&ranges) };
     let end = if pair.velocity_band > 0.0 { sequential::in_window(problem, from, Window::Whole) } else { from };
     sequence.stages.extend(end.stages.iter().cloned());
     let stiction = pair_of(problem, &end.point);
@@ -379,6 +384,9 @@ fn finishing_round(
         converged: true,
     }
 }
+
+/// Surfaces that come this near to the noise need no search.
+const GOOD_END_NOISES: f64 = 1.1;
 
 /// Rounds of stiction search and designs at the end.
 const FINISHING_ROUNDS: usize = 4;
