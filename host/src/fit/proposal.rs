@@ -20,10 +20,9 @@ pub fn proposals(surfaces: &[Surface], runs: &[Run]) -> Vec<Vec<f64>> {
     all.map(|optimum| optimum.coded).into_iter().chain(least_error(&surfaces[0])).collect()
 }
 
-/// By how much the surface of mseA says that the error falls from the box's centre to its best point.
-pub fn promised_gain(error: &Surface) -> f64 {
-    let centre = vec![0.0; error.factors().len()];
-    least_error(error).map_or(0.0, |best| error.predict(&centre) - error.predict(&best))
+/// By how much the surface of mseA says that the error falls from a point of the box to its best one.
+pub fn promised_gain(error: &Surface, from_coded: &[f64]) -> f64 {
+    least_error(error).map_or(0.0, |best| error.predict(from_coded) - error.predict(&best))
 }
 
 /// The point of the box with the least predicted error: damped Newton steps on the quadratic, held in the box.
@@ -66,4 +65,3 @@ pub fn positive(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     eigen.eigenvalues.iter_mut().for_each(|value| *value = value.max(floor));
     eigen.recompose()
 }
-

@@ -93,9 +93,10 @@ impl Region {
         values.iter().zip(unknowns).map(|(value, unknown)| value.clamp(unknown.low, unknown.high)).collect()
     }
 
-    /// Where values lie in the box.
-    fn coded(&self, values: &[f64]) -> Option<DVector<f64>> {
-        self.reach.clone().lu().solve(&(DVector::from_column_slice(values) - &self.centre))
+    /// Where values lie in the box; its centre if that can't be told.
+    pub fn coded(&self, values: &[f64]) -> Vec<f64> {
+        let coded = self.reach.clone().lu().solve(&(DVector::from_column_slice(values) - &self.centre));
+        coded.map_or_else(|| vec![0.0; values.len()], |coded| coded.as_slice().to_vec())
     }
 
     /// All sides halved, when the surface can't be believed.
@@ -110,7 +111,7 @@ impl Region {
     /// from the surface's own error, which tilts it.
     pub fn canonical(&self, error: &Surface, values: &[f64], mse: f64, n_samples: f64) -> Self {
         let eigen = positive(&curvature(error)).symmetric_eigen();
-        let chosen = self.coded(values).unwrap_or_else(|| DVector::zeros(values.len()));
+        let chosen = DVector::from_vec(self.coded(values));
         let tilt = error.residual_standard_error().unwrap_or(0.0);
         let mut axes = eigen.eigenvectors;
         for (mut axis, curvature) in axes.column_iter_mut().zip(&eigen.eigenvalues) {

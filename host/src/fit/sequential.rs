@@ -5,9 +5,8 @@
 //! is no parabola and the next box shuts the truth out. Three things cure that: the time window grows, so that early
 //! stages see a smooth error; a move is accepted only if the simulated error falls; a box is re-centred before its
 //! width changes, and shrinks only when its optimum lies inside or its surface cannot be believed (it predicts runs
-//! that were left out badly, or the simulation does not keep what it promised): a trust region of surfaces.
-//!
-//! Start angle, velocity and offset of each swing are solved for in every run, to first order.
+//! that were left out badly, or the simulation does not keep what it promised): a trust region of surfaces. The box
+//! itself is in [`super::region`].
 
 use super::problem::{Point, Problem, Start};
 use super::proposal::{promised_gain, proposals};
@@ -36,9 +35,6 @@ const LITTLE_GAIN: f64 = 5.0;
 pub struct Stage {
     /// Seconds of the swings it looked at; absent for all of them.
     pub window_s: Option<f64>,
-    /// dbg
-    #[serde(skip)]
-    pub window: Window,
     /// Symbols, low and high ends.
     pub ranges: Vec<(&'static str, f64, f64)>,
     /// Values after the move, in the order of the ranges.
@@ -128,7 +124,7 @@ fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Seque
 
     let noises = problem.n_samples(window) as f64 / problem.noise_rad().powi(2);
     let gain = (here.responses.mse_angle - chosen.responses.mse_angle) * noises;
-    let promised = promised_gain(&surfaces[0]) * noises;
+    let promised = promised_gain(&surfaces[0], &region.coded(&now.point.values)) * noises;
     let kept_promise = gain > KEPT_PROMISE * promised || promised < LITTLE_GAIN;
     let r_squared_predicted = goodness(&surfaces[0]).r_squared_predicted;
     let is_credible = kept_promise && r_squared_predicted.is_some_and(|r| r > CREDIBLE_R_SQUARED);
@@ -137,7 +133,6 @@ fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Seque
             Window::First(seconds) => Some(seconds),
             _ => None,
         },
-        window,
         ranges: symbols(problem).zip(region.ranges().0).map(|(symbol, (low, high))| (symbol, low, high)).collect(),
         values: chosen.point.values.clone(),
         before: here.responses,
