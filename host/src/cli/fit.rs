@@ -84,7 +84,9 @@ Example:
   host fit --port sim:mystery-1 --discover             the same on a rig with something hidden
   host fit swing.csv --rig rig.toml -o rig.toml
   host fit a.csv --effect 'torque = -k*omega*abs(omega)^p; k in 0..1e-3 N·m; p in 0..3' -o rig.toml
-  host fit a.csv b.csv --hold-out c.csv --range Mw=1e-4..1e-3 --json";
+  host fit a.csv b.csv --hold-out c.csv --range Mw=1e-4..1e-3 --json
+
+With --port the rig gets the new model. From files: next `host push --rig rig.toml --port PORT`.";
 
 /// `--method`; without words of their own, or the help would not fit a screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
