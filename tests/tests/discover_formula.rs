@@ -15,7 +15,7 @@ fn a_law_outside_the_list_is_offered_as_a_formula() {
     let rig = Rig {
         hidden: vec![Hidden { name: "outside", size: STRENGTH, shape: [PLACE_RAD, WIDTH_RAD], largest: STRENGTH }],
         releases_rad: vec![1.4, -1.0, 0.6],
-        rate_hz: 200.0,
+        rate_hz: 125.0,
         ..Rig::random(5)
     };
     let (swings, held_out) = (rig.swings(), Rig { releases_rad: vec![-1.2], seed: 77, ..rig.clone() }.swings());
