@@ -8,6 +8,20 @@ use crate::formula::Formula;
 use crate::motion::Motion;
 use crate::real::Real;
 
+/// A text for people: nobody reads on the board, and all of them would take 1 kB of its flash.
+#[cfg(not(target_os = "none"))]
+macro_rules! prose {
+    ($text:literal) => {
+        $text
+    };
+}
+#[cfg(target_os = "none")]
+macro_rules! prose {
+    ($text:literal) => {
+        ""
+    };
+}
+
 pub mod angle_dependent_friction;
 pub mod angle_offset;
 pub mod asymmetric_coulomb;

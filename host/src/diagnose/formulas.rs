@@ -9,8 +9,8 @@
 use super::physical::brakes_everywhere;
 use super::score::{Promise, promises};
 use super::search::{excess, fit_promise};
-use super::trial::{Trial, finish};
-use crate::fit::problem::Problem;
+use super::trial::{Trial, finish, fit_from, refined};
+use crate::fit::problem::{Point, Problem};
 use crate::formula::read;
 use crate::swing::Window;
 use rayon::prelude::*;
@@ -115,9 +115,10 @@ pub fn formulas(problem: &Problem, trial: &Trial, score: impl Fn(&Trial) -> f64,
     all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     all.truncate(FITTED);
     let mut found: Vec<Found> =
-        all.par_iter().filter_map(|(guess, promise)| fitted(problem, trial, guess, promise)).collect();
+        all.par_iter().flat_map(|(guess, promise)| fitted(problem, trial, guess, promise)).collect();
     let rank = |found: &Found| score(&found.trial) + weight * found.length as f64;
     found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+    found.dedup_by(|a, b| a.typed == b.typed);
     found.truncate(OFFERED);
     found
 }
@@ -189,16 +190,50 @@ fn short(value: f64) -> String {
     if plain { format!("{rounded}") } else { format!("{value:.1e}") }
 }
 
-fn fitted(problem: &Problem, before: &Trial, guess: &Guess, promise: &Promise) -> Option<Found> {
-    let trial = finish(problem, &fit_promise(problem, before, promise)?);
-    let (left, right) = (excess(problem, trial.cost), excess(problem, before.cost));
-    if !brakes_everywhere(problem, &trial) || left > (1.0 - WORTH_A_WORD) * right {
+/// A formula fitted in earnest, and its special case where that is near; none of those that explain little.
+fn fitted(problem: &Problem, before: &Trial, guess: &Guess, promise: &Promise) -> Vec<Found> {
+    let Some(screened) = fit_promise(problem, before, promise) else { return Vec::new() };
+    let general = found(problem, guess, &screened);
+    let special = general.as_ref().and_then(|general| special_case(problem, before, guess, &general.trial));
+    general.into_iter().chain(special).filter(|found| is_worth_a_word(problem, before, &found.trial)).collect()
+}
+
+fn found(problem: &Problem, guess: &Guess, start: &Trial) -> Option<Found> {
+    let trial = finish(problem, &refined(problem, start));
+    let words = guess.words(trial.parameters.values(guess.effect.id)?);
+    Some(Found { words, typed: guess.effect.formula, length: guess.length(), trial })
+}
+
+/// The same with ω in place of a power of it whose exponent came out near 1.
+fn special_case(problem: &Problem, before: &Trial, guess: &Guess, general: &Trial) -> Option<Found> {
+    let values = general.parameters.values(guess.effect.id)?;
+    let is_power = guess.laws[0].typed == OF_SPEED[POWER].typed;
+    if !is_power || (values[1] - 1.0).abs() > NEARLY_LINEAR {
         return None;
     }
-    let values = trial.parameters.values(guess.effect.id)?;
-    let (words, typed) = (guess.words(values), guess.effect.formula);
-    Some(Found { words, typed, length: guess.length(), trial })
+    let laws = [&[OF_SPEED[LINEAR]], &guess.laws[1..]].concat();
+    let linear = self::guess(problem, laws, &[])?;
+    let values = [&values[..1], &values[2..]].concat();
+    let (unknowns, template) = before.with(problem, linear.effect, &values)?;
+    let n_known = before.unknowns.len();
+    let point =
+        Point { values: [&general.point.values[..n_known], &values].concat(), starts: general.point.starts.clone() };
+    let effects = [before.effects.as_slice(), &[linear.effect]].concat();
+    let start = fit_from(&Problem { unknowns, template, ..problem.clone() }, effects, &point, general.stiction);
+    found(problem, &linear, &start)
 }
+
+fn is_worth_a_word(problem: &Problem, before: &Trial, trial: &Trial) -> bool {
+    let left = excess(problem, trial.cost) / excess(problem, before.cost);
+    brakes_everywhere(problem, trial) && left < 1.0 - WORTH_A_WORD
+}
+
+/// Places in [`OF_SPEED`].
+const LINEAR: usize = 1;
+const POWER: usize = 2;
+
+/// An exponent this near to 1 may be 1.
+const NEARLY_LINEAR: f64 = 0.3;
 
 #[cfg(test)]
 mod tests {

@@ -114,6 +114,13 @@ pub fn fit_from(problem: &Problem, effects: Vec<&'static Effect<f64>>, point: &P
     Trial::of(&fixed, effects, stiction, descent)
 }
 
+/// Fits on to the last digit, Ms and DV fixed.
+pub fn refined(of: &Problem, trial: &Trial) -> Trial {
+    let problem = with_stiction(&trial.problem(of), trial.stiction);
+    let descent = descend(&problem, &trial.point, Window::Whole, Patience::FINE, Steps::new(&problem));
+    Trial::of(&problem, trial.effects.clone(), trial.stiction, descent)
+}
+
 /// Fits on until nothing moves, and searches Ms; no velocity band is sought.
 pub fn finish(of: &Problem, trial: &Trial) -> Trial {
     finish_with(of, trial, stiction::without_band)
