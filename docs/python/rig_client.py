@@ -88,6 +88,10 @@ class Rig:
     def __init__(self, port):
         self.port = os.open(port, os.O_RDWR | os.O_NOCTTY)
         tty.setraw(self.port, termios.TCSANOW)
+        attributes = termios.tcgetattr(self.port)
+        # For a rig on a UART; USB ignores it, and some systems have no name for it.
+        attributes[4] = attributes[5] = getattr(termios, "B921600", attributes[5])
+        termios.tcsetattr(self.port, termios.TCSANOW, attributes)
         self.unread, self.number = b"", 0
         os.write(self.port, b"\0")
         hello = bytes([HELLO]) + b"PNDL" + varint(PROTOCOL) + varint(0) + bytes([0, 1, 0]) + varint(6) + b"python"

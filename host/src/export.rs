@@ -1,9 +1,9 @@
 //! The model in another language: one C header or Python module that needs nothing else.
 //!
 //! The physics is not written a second time. The model is generic over its number type, so it is run once with numbers
-//! that write down what is done to them ([`symbol`]); what they wrote is printed in the other language ([`print`]).
+//! that write down what is done to them (`symbol.rs`); what they wrote is printed in the other language (`print.rs`).
 //! Every effect in the list is exported that way, those added later too. Only the loop over the pieces of a step is
-//! written by hand, in [`c`] and [`python`].
+//! written by hand, in `c.rs` and `python.rs`.
 
 mod c;
 mod print;
