@@ -7,6 +7,7 @@ mod calibrate;
 mod columns;
 mod compare;
 mod completions;
+mod comparison;
 mod diagnose;
 mod doctor;
 mod effects;

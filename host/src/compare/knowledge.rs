@@ -38,6 +38,18 @@ pub enum Identifiability {
     Zero,
 }
 
+impl Identifiability {
+    /// For a person.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Identified => "identified",
+            Self::Weak => "weak",
+            Self::Not => "not identifiable",
+            Self::Zero => "zero",
+        }
+    }
+}
+
 /// A value with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
