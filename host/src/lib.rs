@@ -1,9 +1,12 @@
 //! The pendulum rig on the PC.
 
+pub mod calibrate;
 pub mod cli;
 pub mod compare;
 pub mod diagnose;
+pub mod doctor;
 pub mod error;
+pub mod export;
 pub mod fit;
 pub mod formula;
 pub mod improve;

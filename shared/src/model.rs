@@ -24,7 +24,10 @@ pub const MAX_MEMORIES: usize = 2;
 pub const MAX_SENSORS: usize = 5;
 
 /// A step is cut at most this often; the rest of it is then taken without looking.
-const MAX_CUTS: usize = 6;
+pub const MAX_CUTS: usize = 6;
+
+const STATE_NUMBERS: usize = 6 + MEMORY * MAX_MEMORIES;
+const SENSOR_NUMBERS: usize = SENSOR_MEMORY * MAX_SENSORS;
 
 /// Secant steps to where friction takes hold in the band.
 const HOLD_STEPS: usize = 4;
@@ -69,9 +72,47 @@ pub struct State<R> {
     memories: [[R; MEMORY]; MAX_MEMORIES],
 }
 
+impl<R: Real> State<R> {
+    /// How many numbers a state is.
+    pub const N_NUMBERS: usize = STATE_NUMBERS;
+
+    /// The state as numbers: angle, velocity, time, direction of sliding, direction of the drive in the band, breakaway
+    /// torque, memories.
+    pub fn numbers(&self) -> [R; STATE_NUMBERS] {
+        let Contact { slide, push, level_nm } = self.contact;
+        let first = [self.angle_rad, self.velocity_rad_s, self.time_s, slide, push, level_nm];
+        core::array::from_fn(|i| match first.get(i) {
+            Some(number) => *number,
+            None => self.memories.as_flattened()[i - first.len()],
+        })
+    }
+
+    /// The state that [`State::numbers`] gave.
+    pub fn from_numbers(numbers: &[R; STATE_NUMBERS]) -> Self {
+        let [angle_rad, velocity_rad_s, time_s, slide, push, level_nm, ..] = *numbers;
+        let memories = core::array::from_fn(|m| core::array::from_fn(|i| numbers[6 + MEMORY * m + i]));
+        Self { angle_rad, velocity_rad_s, time_s, contact: Contact { slide, push, level_nm }, memories }
+    }
+}
+
 /// What the sensor effects remember between two readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorState<R>([[R; SENSOR_MEMORY]; MAX_SENSORS]);
+
+impl<R: Real> SensorState<R> {
+    /// How many numbers it is.
+    pub const N_NUMBERS: usize = SENSOR_NUMBERS;
+
+    /// It as numbers, effect by effect.
+    pub fn numbers(&self) -> [R; SENSOR_NUMBERS] {
+        core::array::from_fn(|i| self.0.as_flattened()[i])
+    }
+
+    /// What [`SensorState::numbers`] gave.
+    pub fn from_numbers(numbers: &[R; SENSOR_NUMBERS]) -> Self {
+        Self(core::array::from_fn(|m| core::array::from_fn(|i| numbers[SENSOR_MEMORY * m + i])))
+    }
+}
 
 /// The coefficients of the base model in the present contact: which of them act, divided by the inertia.
 #[derive(Clone, Copy)]
@@ -205,8 +246,9 @@ impl<R: Real> Model<R> {
         self.accept(state, self.trial(state, left_s), left_s);
     }
 
-    /// Steps until the contact changes, at most `dt_s`; gives what is left of it.
-    fn step_to_change(&self, state: &mut State<R>, dt_s: R) -> R {
+    /// Steps until the contact changes, at most `dt_s`; gives what is left of it. A part of [`Model::step`], which is
+    /// what simulations call; alone it serves whoever writes the step in another language.
+    pub fn step_to_change(&self, state: &mut State<R>, dt_s: R) -> R {
         let before = state.contact;
         let trial = self.trial(state, dt_s);
         let (sliding, in_band, resting) = (before.is_sliding(), before.is_in_band(), before.is_resting());

@@ -11,5 +11,6 @@ pub mod measured;
 pub mod paper_data;
 pub mod plant;
 pub mod program;
+pub mod protocol_page;
 #[cfg(unix)]
 pub mod qemu;

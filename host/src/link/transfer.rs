@@ -6,6 +6,7 @@ use crate::rigfile::Quantity;
 use shared::effect::{Action, CUSTOM_FORMULA_ID};
 use shared::formula::Formula;
 use shared::parameters::Parameters;
+use shared::potentiometer::Potentiometer;
 use shared::wire::{Answer, Command, Settings, Statistics};
 
 impl Session {
@@ -72,6 +73,25 @@ impl Session {
         self.tell(&Command::Load)?;
         let got = self.parameters()?;
         compare(&sent, &got)
+    }
+
+    /// Sets the sensor's calibration, saves it to flash with everything else in use, loads it from there and compares.
+    ///
+    /// # Errors
+    /// A refusal, no answer, or a value that came back different.
+    pub fn calibrate(&mut self, potentiometer: &Potentiometer) -> Result<(), LinkError> {
+        let settings = Settings { potentiometer: *potentiometer, ..self.settings()? };
+        self.tell(&Command::SetSettings(settings))?;
+        self.tell(&Command::Save)?;
+        self.tell(&Command::Load)?;
+        let got = self.settings()?.potentiometer;
+        let numbers = |of: &Potentiometer| [of.zero_code, of.radian_per_code];
+        let names = ["the zero code", "the angle per code"];
+        let pairs = names.into_iter().zip(numbers(potentiometer)).zip(numbers(&got));
+        match pairs.into_iter().find(|((_, sent), got)| sent != got) {
+            None => Ok(()),
+            Some(((what, sent), got)) => Err(LinkError::NotKept { what: what.to_owned(), sent, got }),
+        }
     }
 }
 

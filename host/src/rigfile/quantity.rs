@@ -119,7 +119,7 @@ impl Quantity {
     }
 
     /// The key in the model file.
-    pub(super) fn key(self) -> &'static str {
+    pub fn key(self) -> &'static str {
         self.described().1
     }
 
