@@ -113,3 +113,43 @@ fn compared(effect: &'static str, amplitude_rad: f64, with: &Period, without: &P
     };
     Evidence { effect, amplitude_rad, loss_share, period_share, reading_rad, words, picture }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::identify::problem_of;
+    use crate::swing::Swing;
+    use shared::effect::Effect;
+    use std::sync::atomic::AtomicUsize;
+
+    fn of(name: &str, values: &[f64], viscous: f64) -> Evidence {
+        let mut parameters = Parameters::paper();
+        parameters.set_friction(viscous, 0.0, 0.0, 0.0);
+        parameters.set(Effect::<f64>::by_name(name).unwrap().id, values).unwrap();
+        let swings = [Swing::new("wide", &[0.0, 0.1, 0.2], &[1.4, 1.3, 1.1], 1e-3)];
+        let count = AtomicUsize::new(0);
+        evidence(&problem_of(&swings, &parameters, &count), &parameters).remove(0)
+    }
+
+    #[test]
+    fn a_drag_beside_viscous_friction_takes_its_share_of_the_energy() {
+        // Over a small swing of speed v the losses are as (8/3π)·Cq·v to Mw; at 1 rad the swing is still nearly sine.
+        let (viscous, drag) = (5e-4, 1e-4);
+        let p = Parameters::paper().pendulum;
+        let fastest = (2.0 * p.gravity_torque_nm() * (1.0 - 1.0_f64.cos()) / p.pivot_inertia_kg_m2()).sqrt();
+        let ratio = 8.0 / (3.0 * std::f64::consts::PI) * drag * fastest / viscous;
+        let found = of("quadratic-drag", &[drag], viscous);
+        assert!((found.loss_share - ratio / (1.0 + ratio)).abs() < 0.03, "{found:?} for {ratio}");
+        assert!(found.words.contains("of the energy lost") && found.picture.starts_with("Energy lost"), "{found:?}");
+    }
+
+    #[test]
+    fn a_spring_shortens_the_period_and_a_gain_moves_the_reading() {
+        let spring = of("torsional-spring", &[5e-3, 0.0], 1e-4);
+        let stiffer = 5e-3 / Parameters::paper().pendulum.gravity_torque_nm();
+        assert!((spring.period_share / (-0.5 * stiffer) - 1.0).abs() < 0.25, "{spring:?}");
+        assert!(spring.words.contains("shorter") && spring.picture == "Period against amplitude", "{spring:?}");
+        let gain = of("sensor-gain", &[0.02], 1e-4);
+        assert!((gain.reading_rad - 0.02).abs() < 1e-3 && gain.words.contains("mrad"), "{gain:?}");
+    }
+}

@@ -84,7 +84,7 @@ const OF_ANGLE: [Law; 5] = [
 
 /// A formula that was tried.
 #[derive(Clone, Debug)]
-pub struct Guess {
+struct Guess {
     laws: Vec<Law>,
     effect: &'static Effect<f64>,
 }
@@ -92,6 +92,7 @@ pub struct Guess {
 /// A formula that was fitted.
 #[derive(Clone, Debug)]
 pub struct Found {
+    guess: Guess,
     /// The law as it is said, with its numbers: `3.1e-5·|ω|^2.3·sgn ω`.
     pub words: String,
     /// The law as `--effect` takes it.
@@ -120,6 +121,8 @@ pub fn formulas(problem: &Problem, trial: &Trial, score: impl Fn(&Trial) -> f64,
     found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     found.dedup_by(|a, b| a.typed == b.typed);
     found.truncate(OFFERED);
+    let mut found: Vec<Found> = found.par_iter().map(|found| found.finished(problem)).collect();
+    found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     found
 }
 
@@ -199,9 +202,19 @@ fn fitted(problem: &Problem, before: &Trial, guess: &Guess, promise: &Promise) -
 }
 
 fn found(problem: &Problem, guess: &Guess, start: &Trial) -> Option<Found> {
-    let trial = finish(problem, &refined(problem, start));
-    let words = guess.words(trial.parameters.values(guess.effect.id)?);
-    Some(Found { words, typed: guess.effect.formula, length: guess.length(), trial })
+    let trial = refined(problem, start);
+    let values = trial.parameters.values(guess.effect.id)?;
+    let (words, typed) = (guess.words(values), guess.effect.formula);
+    Some(Found { guess: guess.clone(), words, typed, length: guess.length(), trial })
+}
+
+impl Found {
+    /// With Ms searched and every number at its last digit.
+    fn finished(&self, problem: &Problem) -> Self {
+        let trial = finish(problem, &self.trial);
+        let words = trial.parameters.values(self.guess.effect.id).map(|values| self.guess.words(values));
+        Self { words: words.unwrap_or_default(), trial, ..self.clone() }
+    }
 }
 
 /// The same with ω in place of a power of it whose exponent came out near 1.

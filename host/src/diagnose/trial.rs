@@ -114,10 +114,10 @@ pub fn fit_from(problem: &Problem, effects: Vec<&'static Effect<f64>>, point: &P
     Trial::of(&fixed, effects, stiction, descent)
 }
 
-/// Fits on to the last digit, Ms and DV fixed.
+/// Fits on, Ms and DV fixed, also where the numbers depend on each other.
 pub fn refined(of: &Problem, trial: &Trial) -> Trial {
     let problem = with_stiction(&trial.problem(of), trial.stiction);
-    let descent = descend(&problem, &trial.point, Window::Whole, Patience::FINE, Steps::new(&problem));
+    let descent = descend(&problem, &trial.point, Window::Whole, Patience::LONG, Steps::new(&problem));
     Trial::of(&problem, trial.effects.clone(), trial.stiction, descent)
 }
 
