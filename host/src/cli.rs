@@ -6,8 +6,8 @@
 mod calibrate;
 mod columns;
 mod compare;
-mod completions;
 mod comparison;
+mod completions;
 mod diagnose;
 mod doctor;
 mod effects;
