@@ -20,6 +20,7 @@ mod interrupt;
 mod now;
 mod number;
 mod output;
+mod plan;
 mod port;
 mod pull;
 mod push;
@@ -54,6 +55,7 @@ Example:
   host fit swing.csv --rig rig.toml -o rig.toml
   host compare swing.csv --rig rig.toml --report report.html
   host diagnose swing*.csv --rig rig.toml                which physical effect is missing?
+  host plan swing*.csv --rig rig.toml                    which experiment next?
   host push --rig rig.toml --port /dev/ttyACM0
 
 Ports are serial devices, sim (the simulated rig), or sim:NAME (one of its scenarios).
@@ -70,6 +72,7 @@ enum Command {
     Compare(compare::Options),
     Diagnose(diagnose::Options),
     Improve(improve::Options),
+    Plan(plan::Options),
     Effects(effects::Options),
     Doctor(doctor::Options),
     Calibrate(calibrate::Options),
@@ -103,6 +106,7 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
         Command::Compare(options) => compare::run(&options),
         Command::Diagnose(options) => diagnose::run(&options),
         Command::Improve(options) => improve::run(&options),
+        Command::Plan(options) => plan::run(&options),
         Command::Effects(options) => effects::run(&options),
         Command::Doctor(options) => doctor::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),

@@ -80,6 +80,7 @@ fn acts_on(effect: &Effect<f64>) -> &'static str {
         Action::Drive(_) | Action::Friction(_) => "torque",
         Action::State(_) => "torque with memory",
         Action::Sensor(_) => "sensor",
+        Action::Formula(_) => "formula",
     }
 }
 

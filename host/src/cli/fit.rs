@@ -8,11 +8,12 @@ mod stages;
 
 use super::columns::Reading;
 use super::record::{Patience, in_words, take};
-use super::values::Range;
+use super::values::{Range, custom_effect};
 use super::{now, output, port, rig};
-use crate::diagnose::{Diagnosis, diagnose};
+use crate::diagnose::{Diagnosis, diagnose_with};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit};
+use crate::improve::{Change, change};
 use crate::link::Session;
 use crate::recording::Existing;
 use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
@@ -20,6 +21,7 @@ use crate::swing::Swing;
 use clap::{Args, ValueEnum};
 use progress::Screen;
 use result::{Check, Outcome};
+use shared::effect::Effect;
 use shared::observer::Observer;
 use shared::parameters::Parameters;
 use std::path::PathBuf;
@@ -43,6 +45,9 @@ pub(super) struct Options {
     /// Search within this range instead of one found from the recording (may be repeated)
     #[arg(long, value_name = "NAME=LOW..HIGH")]
     range: Vec<Range>,
+    /// Add a torque of your own to the model, with parameters to be found
+    #[arg(long, value_name = "FORMULA", value_parser = custom_effect, allow_hyphen_values = true, conflicts_with = "paper")]
+    effect: Option<&'static Effect<f64>>,
     /// A recording that takes no part and shows how well the model predicts (may be repeated)
     #[arg(long, value_name = "FILE")]
     hold_out: Vec<PathBuf>,
@@ -78,6 +83,7 @@ Example:
   host fit --port sim                                  record, fit, push, check; without hardware
   host fit --port sim:mystery-1 --discover             the same on a rig with something hidden
   host fit swing.csv --rig rig.toml -o rig.toml
+  host fit a.csv --effect 'torque = -k*omega*abs(omega)^p; k in 0..1e-3 N·m; p in 0..3' -o rig.toml
   host fit a.csv b.csv --hold-out c.csv --range Mw=1e-4..1e-3 --json";
 
 /// `--method`; without words of their own, or the help would not fit a screen.
@@ -124,8 +130,9 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let swings = swings(options, &recordings)?;
     let held_out = swings_quietly(options, &options.hold_out)?;
 
-    let plain = identify(options, &swings, &held_out, model.parameters())?;
-    let discovery = options.discover.then(|| discover(&swings, &held_out, &plain)).flatten();
+    let rig = with_effect(options, &swings, model.parameters())?;
+    let plain = identify(options, &swings, &held_out, &rig)?;
+    let discovery = options.discover.then(|| discover(&swings, &held_out, &plain, options.effect)).flatten();
     let fit = match &discovery {
         Some(found) => refit(&swings, &held_out, found)?,
         None => plain,
@@ -175,6 +182,14 @@ fn record(session: &mut Session, options: &Options, suffix: &str) -> Result<Path
     Ok(path)
 }
 
+/// The model with the effect that was typed, fitted well enough to begin with: a formula may need several starts.
+fn with_effect(options: &Options, swings: &[Swing], rig: &Parameters<f64>) -> Result<Parameters<f64>, Failure> {
+    let Some(effect) = options.effect else { return Ok(rig.clone()) };
+    output::say("looking where the formula's parameters may lie …");
+    let steps = change(swings, &[], rig, &[Change::Add(effect)]).map_err(Failure::failed)?;
+    Ok(steps.last().map_or_else(|| rig.clone(), |step| step.parameters.clone()))
+}
+
 /// Reads swings and says what was noticed.
 fn swings(options: &Options, recordings: &[PathBuf]) -> Result<Vec<Swing>, Failure> {
     let read = |path: &PathBuf| {
@@ -201,12 +216,12 @@ fn identify(options: &Options, swings: &[Swing], held_out: &[Swing], rig: &Param
 }
 
 /// What is missing, if the base model leaves more than the noise and something can be named.
-fn discover(swings: &[Swing], held_out: &[Swing], fit: &Fit) -> Option<Diagnosis> {
+fn discover(swings: &[Swing], held_out: &[Swing], fit: &Fit, typed: Option<&'static Effect<f64>>) -> Option<Diagnosis> {
     if fit.rmse_rad < NOTHING_MISSING * fit.noise_rad {
         return None;
     }
     output::say("physics is missing: trying every effect …");
-    let found = diagnose(swings, held_out, &fit.parameters);
+    let found = diagnose_with(swings, held_out, &fit.parameters, typed);
     let named = found.parameters.effects.len() > found.base_parameters.effects.len();
     if !named {
         output::warn("no effect of the list explains what is left");
@@ -225,12 +240,14 @@ fn refit(swings: &[Swing], held_out: &[Swing], found: &Diagnosis) -> Result<Fit,
 
 /// Puts what was found into the model file.
 fn take_over(model: &mut RigFile, fit: &Fit, method: Method, recordings: &[PathBuf]) -> Result<(), Failure> {
-    let recordings = recordings.iter().map(|path| path.display().to_string()).collect();
-    let source = Source { method: method.words().to_owned(), recordings };
+    let source = Source::new(method.words(), recordings);
+    let quantities = Quantity::all(&fit.parameters);
     for found in &fit.identified {
-        let name =
-            if found.name == "inertia" { found.symbol.to_owned() } else { format!("{}.{}", found.name, found.symbol) };
-        let Some(quantity) = Quantity::by_name(&name) else { continue };
+        let is_meant = |quantity: &&Quantity| match found.name {
+            "inertia" => **quantity == Quantity::Inertia,
+            name => quantity.owner() == name && quantity.symbol() == found.symbol,
+        };
+        let Some(quantity) = quantities.iter().copied().find(|quantity| is_meant(&quantity)) else { continue };
         model.set(quantity, found.value, Knowledge { std: found.std, source: Some(source.clone()) })?;
     }
     Ok(())

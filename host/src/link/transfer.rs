@@ -1,7 +1,10 @@
 //! Parameters, settings and counters from and to the rig.
 
 use super::{LinkError, Session};
+use crate::formula;
 use crate::rigfile::Quantity;
+use shared::effect::{Action, CUSTOM_FORMULA_ID};
+use shared::formula::Formula;
 use shared::parameters::Parameters;
 use shared::potentiometer::Potentiometer;
 use shared::wire::{Answer, Command, Settings, Statistics};
@@ -13,9 +16,23 @@ impl Session {
     /// As [`Session::ask`].
     pub fn parameters(&mut self) -> Result<Parameters<f32>, LinkError> {
         match self.ask(&Command::GetParameters)? {
-            Answer::Parameters(parameters) => Ok(parameters),
+            Answer::Parameters(parameters) => self.with_formula(parameters),
             _ => Err(LinkError::WrongAnswer { command: "give its parameters" }),
         }
+    }
+
+    /// The custom effect's law, if there is such an effect.
+    fn with_formula(&mut self, mut parameters: Parameters<f32>) -> Result<Parameters<f32>, LinkError> {
+        if parameters.values(CUSTOM_FORMULA_ID).is_some() {
+            let held = self.exchange_formula(&[])?;
+            parameters.formula = Formula::from_bytes(&held);
+            let understood = formula::effect_of(&parameters, CUSTOM_FORMULA_ID).map(|effect| effect.action);
+            let same = matches!(understood, Some(Action::Formula(law)) if Some(law) == parameters.formula.as_ref());
+            if !same {
+                return Err(LinkError::UnknownFormula);
+            }
+        }
+        Ok(parameters)
     }
 
     /// The settings in use.
@@ -46,6 +63,11 @@ impl Session {
     /// A refusal, no answer, or a value that came back different.
     pub fn push(&mut self, parameters: &Parameters<f64>) -> Result<(), LinkError> {
         let sent = parameters.map(|value| value as f32);
+        if let Some(formula) = &sent.formula {
+            // First a question: firmware that knows no formulas can say so.
+            self.exchange_formula(&[])?;
+            self.exchange_formula(formula.bytes())?;
+        }
         self.tell(&Command::SetParameters(sent.clone()))?;
         self.tell(&Command::Save)?;
         self.tell(&Command::Load)?;
@@ -77,6 +99,9 @@ impl Session {
 fn compare(sent: &Parameters<f32>, got: &Parameters<f32>) -> Result<(), LinkError> {
     if sent == got {
         return Ok(());
+    }
+    if sent.formula != got.formula {
+        return Err(LinkError::UnknownFormula);
     }
     let (sent, got) = (sent.map(f64::from), got.map(f64::from));
     let quantities = [Quantity::all(&sent), Quantity::all(&got)].concat();
