@@ -1,8 +1,8 @@
 //! Runs the model with symbols: one function of the model, one list of formulas.
 
 use super::symbol::{Graph, Node, Symbol, Truth, written_by};
+use crate::formula::effect_of;
 use crate::rigfile::Quantity;
-use shared::effect::Effect;
 use shared::model::{Model, SensorState, State};
 use shared::motion::Pendulum;
 use shared::parameters::{EffectValues, Parameters};
@@ -90,19 +90,19 @@ fn model(parameters: &Parameters<f64>) -> Model<Symbol> {
         inertia_kg_m2: named(Quantity::Inertia),
         gravity_m_s2: named(Quantity::Gravity),
     };
-    let with_names = |effect: &EffectValues<f64>| {
-        let value = |index| named(Quantity::Effect { id: effect.id, index });
-        EffectValues { id: effect.id, values: (0..effect.values.len()).map(value).collect() }
+    let with_names = |present: &EffectValues<f64>| {
+        let quantities = effect_of(parameters, present.id).into_iter().flat_map(Quantity::all_of_effect);
+        EffectValues { id: present.id, values: quantities.map(named).collect() }
     };
-    Model::new(&Parameters { pendulum, effects: parameters.effects.iter().map(with_names).collect() })
+    let effects = parameters.effects.iter().map(with_names).collect();
+    Model::new(&Parameters { pendulum, effects, formula: parameters.formula.clone() })
 }
 
 /// `MASS`, or `VISCOUS_Mw`.
 pub(super) fn name_of(quantity: Quantity) -> String {
     match quantity {
-        Quantity::Effect { id, .. } => {
-            let effect = Effect::<f64>::by_id(id).map_or("effect", |effect| effect.name);
-            format!("{}_{}", effect.replace('-', "_").to_uppercase(), quantity.symbol())
+        Quantity::Effect { .. } | Quantity::Custom { .. } => {
+            format!("{}_{}", quantity.owner().replace('-', "_").to_uppercase(), quantity.symbol())
         }
         _ => quantity.key().to_uppercase(),
     }
