@@ -148,11 +148,11 @@ fn the_compared_swing_begins_fast_and_ends_at_rest() {
     assert!(rows.iter().any(|row| row[1].abs() > 5.0) && rows.last().is_some_and(|row| row[1] == 0.0));
 }
 
-/// Of every kind: a part that acts at rest, one that opposes sliding, a power, a quotient that has no value at zero.
+/// Of every kind: a part that acts at rest, one that opposes sliding, a power, a quotient.
 #[test]
 fn a_typed_formula_goes_the_same_way() {
     let folder = tempfile::tempdir().unwrap();
-    let law = "\"torque = -k*omega*abs(omega)^1.5 - s*theta + 1e-6/theta*sin(theta); k in 0..1e-3, s in 0..1e-2\"";
+    let law = "\"torque = -k*omega*abs(omega)^1.5 - s*theta + 1e-6*sin(theta)/(1.5 + cos(theta)); k in 0..1e-3; s in 0..1e-2\"";
     let custom = format!("\n[effect.custom]\nformula = {law}\nk = 2e-5\ns = 3e-3\n");
     let file = RigFile::parse("rig.toml", &(dry().to_string() + &custom)).unwrap();
     check("custom", &file, &c(folder.path(), &file));
