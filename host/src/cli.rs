@@ -12,7 +12,6 @@ mod fit;
 mod improve;
 mod init;
 mod interrupt;
-mod now;
 mod number;
 mod output;
 mod port;
@@ -20,6 +19,7 @@ mod pull;
 mod push;
 mod record;
 mod rig;
+mod serve;
 mod simulate;
 mod statistics;
 mod table;
@@ -49,6 +49,7 @@ Example:
   host compare swing.csv --rig rig.toml --report report.html
   host diagnose swing*.csv --rig rig.toml                which physical effect is missing?
   host push --rig rig.toml --port /dev/ttyACM0
+  host serve --port sim                                  all of it in the browser
 
 Ports are serial devices, sim (the simulated rig), or sim:NAME (one of its scenarios).
 `host COMMAND --help` explains a command.";
@@ -66,6 +67,7 @@ enum Command {
     Pull(pull::Options),
     Statistics(statistics::Options),
     Simulate(simulate::Options),
+    Serve(serve::Options),
 }
 
 /// Reads the command line; on wrong use and for help the program ends here, as clap does it.
@@ -93,6 +95,7 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
         Command::Pull(options) => pull::run(&options),
         Command::Statistics(options) => statistics::run(&options),
         Command::Simulate(options) => simulate::run(&options),
+        Command::Serve(options) => serve::run(&options),
     }
 }
 

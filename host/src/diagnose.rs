@@ -14,4 +14,4 @@ pub mod trial;
 pub mod verdict;
 pub mod zero;
 
-pub use verdict::{Candidate, Diagnosis, Step, Value, diagnose};
+pub use verdict::{Candidate, Diagnosis, Step, Value, diagnose, diagnose_counted};

@@ -7,15 +7,17 @@ mod result;
 mod stages;
 
 use super::columns::Reading;
-use super::record::{Patience, in_words, take};
+use super::record::{Patience, take};
 use super::values::Range;
-use super::{now, output, port, rig};
+use super::{output, port, rig};
 use crate::diagnose::{Diagnosis, diagnose};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit};
 use crate::link::Session;
+use crate::now;
+use crate::record::in_words;
 use crate::recording::Existing;
-use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
+use crate::rigfile::{RigFile, Source};
 use crate::swing::Swing;
 use clap::{Args, ValueEnum};
 use progress::Screen;
@@ -130,7 +132,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         Some(found) => refit(&swings, &held_out, found)?,
         None => plain,
     };
-    take_over(&mut model, &fit, options.method, &recordings)?;
+    let names = recordings.iter().map(|path| path.display().to_string()).collect();
+    model.adopt_fit(&fit, &Source { method: options.method.words().to_owned(), recordings: names })?;
     if let Some(path) = &options.output {
         model.save(path)?;
     }
@@ -155,7 +158,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 /// The named file, `rig.toml` here, or what the rig reports.
 fn model(options: &Options, session: Option<&mut Session>) -> Result<RigFile, Failure> {
     match (rig::chosen_path(options.rig.as_deref()), session) {
-        (None, Some(session)) => rig::reported(session),
+        (None, Some(session)) => session.model_file(),
         (path, _) => rig::load(path.as_deref()),
     }
 }
@@ -221,19 +224,6 @@ const NOTHING_MISSING: f64 = 1.03;
 fn refit(swings: &[Swing], held_out: &[Swing], found: &Diagnosis) -> Result<Fit, Failure> {
     let settings = identify::Options { method: identify::Method::LeastSquares, ranges: Vec::new() };
     identify::fit(swings, held_out, &found.parameters, &settings, &|_| {}).map_err(Failure::failed)
-}
-
-/// Puts what was found into the model file.
-fn take_over(model: &mut RigFile, fit: &Fit, method: Method, recordings: &[PathBuf]) -> Result<(), Failure> {
-    let recordings = recordings.iter().map(|path| path.display().to_string()).collect();
-    let source = Source { method: method.words().to_owned(), recordings };
-    for found in &fit.identified {
-        let name =
-            if found.name == "inertia" { found.symbol.to_owned() } else { format!("{}.{}", found.name, found.symbol) };
-        let Some(quantity) = Quantity::by_name(&name) else { continue };
-        model.set(quantity, found.value, Knowledge { std: found.std, source: Some(source.clone()) })?;
-    }
-    Ok(())
 }
 
 /// Pushes the model, then lets the observer judge old and new parameters by a second swing.

@@ -5,11 +5,10 @@ use super::{evidence, output, rig};
 use crate::diagnose::diagnose;
 use crate::error::Failure;
 use crate::improve::{Change, Step, change};
-use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
+use crate::rigfile::Source;
 use clap::Args;
 use serde::Serialize;
 use shared::effect::Effect;
-use shared::parameters::Parameters;
 use std::path::PathBuf;
 
 /// Add the missing effects to the model, refit everything, and show how the error falls.
@@ -72,7 +71,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         steps.last().map_or_else(|| model.parameters().clone(), |step| step.parameters.clone())
     };
     if let Some(path) = &options.output {
-        take_over(&mut model, &parameters, options)?;
+        let recordings = options.recordings.iter().map(|path| path.display().to_string()).collect();
+        model.adopt(&parameters, &Source { method: "least squares, effects added".to_owned(), recordings })?;
         model.save(path)?;
         output::say(&format!("wrote {}", path.display()));
     }
@@ -106,19 +106,4 @@ fn in_words(steps: &[Step]) -> String {
         format!("  {:<32}{:>9.3} mrad  {noises:>6.2} noises{held_out}", step.words, 1e3 * step.rmse)
     };
     std::iter::once("Error after each step".to_owned()).chain(steps.iter().map(line)).collect::<Vec<_>>().join("\n")
-}
-
-/// Puts the enlarged model into the file, with where its numbers came from.
-fn take_over(model: &mut RigFile, parameters: &Parameters<f64>, options: &Options) -> Result<(), Failure> {
-    let recordings = options.recordings.iter().map(|path| path.display().to_string()).collect();
-    let source = Source { method: "least squares, effects added".to_owned(), recordings };
-    let gone: Vec<u16> = model.parameters().effects.iter().map(|effect| effect.id).collect();
-    gone.into_iter().filter(|id| parameters.values(*id).is_none()).for_each(|id| model.remove_effect(id));
-    for quantity in Quantity::all(parameters) {
-        let value = quantity.get(parameters).unwrap_or_default();
-        if quantity.get(model.parameters()) != Some(value) {
-            model.set(quantity, value, Knowledge { std: None, source: Some(source.clone()) })?;
-        }
-    }
-    Ok(())
 }

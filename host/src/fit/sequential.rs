@@ -62,6 +62,9 @@ pub struct Stage {
     /// How far each surface can be believed, in the order of [`Responses::NAMES`].
     #[serde(skip)]
     pub goodness: Vec<Goodness>,
+    /// The surfaces themselves, in the same order.
+    #[serde(skip)]
+    pub surfaces: Vec<Surface>,
     /// R² of the mseA surface, predicted by leaving runs out.
     pub r_squared_predicted: Option<f64>,
 }
@@ -161,6 +164,7 @@ fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Seque
         before: here.responses,
         after: chosen.responses,
         goodness: fits,
+        surfaces: surfaces.clone(),
         r_squared_predicted,
     };
     let mut stages = now.stages.clone();
