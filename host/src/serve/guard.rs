@@ -49,7 +49,7 @@ impl Access {
         }
         let own = self.address.ip();
         match name.parse::<IpAddr>() {
-            Ok(ip) if own.is_unspecified() => !ip.is_unspecified(),
+            Ok(_) if own.is_unspecified() => true,
             Ok(ip) => ip == own || (own.is_loopback() && ip.is_loopback()),
             Err(_) => name.eq_ignore_ascii_case("localhost") && (own.is_loopback() || own.is_unspecified()),
         }

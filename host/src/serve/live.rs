@@ -108,6 +108,12 @@ impl Rig {
         let _ = self.sender.send(wish);
     }
 
+    /// Asks for a recording, whatever ended the last one.
+    pub(super) fn wish_recording(&self) {
+        self.stop_recording.store(false, Ordering::SeqCst);
+        self.wish(Wish::Record);
+    }
+
     /// Lets go of the rig; a recording that goes on is kept as far as it is.
     pub(super) fn leave(&self) {
         self.stop_recording.store(true, Ordering::SeqCst);

@@ -231,12 +231,12 @@ async fn upload_model(State(app): Shared, Query(Name { name }): Query<Name>, bod
 
 async fn remove(State(app): Shared, Path(id): Path<u32>) -> Done {
     app.change(|state| {
-        let before = state.recordings.len();
-        state.recordings.retain(|recording| recording.id != id);
+        let place = state.recordings.iter().position(|recording| recording.id == id);
+        state.recordings.remove(place.ok_or_else(|| unknown_recording(id))?);
         state.runs.remove(&id);
         state.comparison = None;
         state.data_changed();
-        if state.recordings.len() == before { Err(unknown_recording(id)) } else { Ok(()) }
+        Ok::<(), Failure>(())
     })?;
     app.jobs.ask_for_a_look();
     DONE
@@ -334,6 +334,9 @@ async fn change(State(app): Shared, Sent(changes): Sent<Changes>) -> Done {
     let added = changes.add.iter().map(|name| effect(name).map(Change::Add));
     let removed = changes.remove.iter().map(|name| effect(name).map(Change::Remove));
     let all: Vec<Change> = added.chain(removed).collect::<Result<_, Failure>>()?;
+    if all.is_empty() {
+        return Err(Failure::wrong_use("no effect was named").next("name one to add or to remove").into());
+    }
     let names = [changes.add.join(" and "), changes.remove.join(" and ")].concat();
     let name = if changes.remove.is_empty() { format!("adding {names}") } else { format!("removing {names}") };
     app.jobs.ask(&name, work::change_model(all))?;
@@ -396,7 +399,7 @@ async fn pause(State(app): Shared) -> Done {
 }
 
 async fn record(State(app): Shared) -> Done {
-    app.rig.wish(Wish::Record);
+    app.rig.wish_recording();
     DONE
 }
 

@@ -11,7 +11,6 @@ use crate::serve::state::App;
 use shared::wire;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 /// Give up if the pendulum was not let go within so many seconds.
 const WAIT_S: f64 = 120.0;
@@ -23,7 +22,6 @@ impl Owner<'_> {
     /// Records a swing into the folder the server was started in, and adds it to the list.
     pub(super) fn record(&mut self) -> Result<(), Failure> {
         let app = self.app.clone();
-        app.rig.stop_recording.store(self.is_leaving, Ordering::SeqCst);
         let path = unused_path(&app);
         let session = self.session()?;
         let rate_hz = session.settings()?.rate_hz;

@@ -86,7 +86,7 @@ export class Chart {
   axes(pen, box, px, py, low, high, em) {
     pen.font = `${0.8 * em}px system-ui, sans-serif`;
     pen.lineWidth = 1;
-    const vertical = ticks(low * this.scale, high * this.scale, (box.bottom - box.top) / (2.6 * em));
+    const vertical = ticks(low * this.scale, high * this.scale, (box.bottom - box.top) / (1.5 * em));
     pen.textAlign = 'right'; pen.textBaseline = 'middle';
     for (const tick of vertical.at) {
       const y = py(tick / this.scale);
@@ -100,15 +100,14 @@ export class Chart {
     for (const tick of across.at) {
       pen.strokeStyle = colour('grid');
       pen.beginPath(); pen.moveTo(px(tick), box.top); pen.lineTo(px(tick), box.bottom); pen.stroke();
-      const last = px(tick) > box.right - 2.2 * em;
-      pen.fillText(`${tick.toFixed(across.digits)}${last ? '' : ''}`, px(tick), box.bottom + 4);
+      pen.fillText(tick.toFixed(across.digits), px(tick), box.bottom + 4);
     }
     pen.textAlign = 'left'; pen.textBaseline = 'top';
     pen.save();
     pen.translate(2, (box.top + box.bottom) / 2); pen.rotate(-Math.PI / 2); pen.textAlign = 'center';
     pen.fillText(this.unit, 0, 0);
     pen.restore();
-    pen.textAlign = 'right'; pen.fillText('s', box.left - 6, box.bottom + 4);
+    pen.textAlign = 'right'; pen.fillText('s', box.left - 0.9 * em, box.bottom + 4);
   }
 
   line(pen, curve, px, py) {

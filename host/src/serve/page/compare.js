@@ -1,9 +1,12 @@
 // Measured over model, the verdict, the list of recordings, and sliders to feel what each number does.
 
 import { Chart } from './chart.js';
-import { byId, element, mrad, number } from './numbers.js';
+import { byId, element, mrad, number, times } from './numbers.js';
 import { draw as plot, pictureOf } from './plots.js';
 import { get, post, remove } from './server.js';
+
+/** Sentences of the verdict that are always in sight. */
+const SENTENCES = 3;
 
 /** Pictures shown without being asked for. */
 const SHOWN = ['loss', 'period', 'torque'];
@@ -57,6 +60,7 @@ export function show(now) {
   if (!before || JSON.stringify(before.model) !== model) { forget(); showSliders(); }
   byId('geometry').hidden = now.model !== null && !(now.model.normalised && now.model.fresh);
   byId('model-card').hidden = now.model === null;
+  byId('origin').textContent = now.model ? `${now.model.origin}${now.model.normalised ? '; geometry unknown: torques are per m·g·l' : ''}` : '';
   byId('undo').disabled = now.undos === 0;
   if (!now.recordings.some((recording) => recording.id === chosen)) { chosen = now.recordings[0]?.id ?? null; zoom = null; drawing = null; }
   showRecordings();
@@ -71,10 +75,14 @@ function showVerdict() {
   const { comparison } = state;
   box.className = { 'nothing-missing': 'good', 'no-pattern': 'unsure' }[comparison?.answer] ?? (comparison ? 'bad' : '');
   const error = errorOf();
-  const ratio = error && element('div', { class: 'ratio', id: 'ratio' }, `${number(error.rmse / error.noise, 3)} ×`,
+  const ratio = error && element('div', { class: 'ratio', id: 'ratio' }, `${times(error.rmse / error.noise)} ×`,
     element('small', {}, `the noise: ${mrad(error.rmse)}`));
   const words = comparison?.verdict ?? [waitingFor()];
-  const sentences = element('div', { class: 'sentences' }, ...words.map((sentence) => element('p', {}, sentence)));
+  const said = words.map((sentence) => element('p', {}, sentence));
+  const rest = said.splice(SENTENCES);
+  const wasOpen = box.querySelector('details')?.open ?? false;
+  const more = rest.length ? element('details', { open: wasOpen }, element('summary', {}, `${rest.length} more findings`), ...rest) : null;
+  const sentences = element('div', { class: 'sentences' }, ...said, ...(more ? [more] : []));
   box.replaceChildren(...[ratio, sentences].filter(Boolean));
 }
 
@@ -97,7 +105,7 @@ function showRecordings() {
     element('button', { class: 'name', title: [recording.name, ...recording.notes].join('\n'), 'aria-pressed': String(recording.id === chosen), click: () => choose(recording.id) }, recording.name),
     element('button', { class: 'away', 'aria-label': `take ${recording.name} out`, title: 'take it out of the list', click: () => done(remove(`api/recordings/${recording.id}`)) }, '✕'),
     element('span', { class: 'facts' },
-      `${number(recording.duration_s, 3)} s, ${recording.rmse_rad === null ? '…' : `${number(recording.rmse_rad / recording.noise_rad, 3)} × noise`}`,
+      `${number(recording.duration_s, 3)} s, ${recording.rmse_rad === null ? '…' : `${times(recording.rmse_rad / recording.noise_rad)} × noise`}`,
       element('label', { title: 'takes no part in fits; shows how well the model predicts' },
         element('input', { type: 'checkbox', checked: recording.held_out, change: (event) => done(post(`api/recordings/${recording.id}/held-out`, { held_out: event.target.checked })) }), ' hold out')));
   const list = byId('recordings');
@@ -228,7 +236,7 @@ async function simulate() {
     document.body.dataset.simulatedMs = String(performance.now() - began);
     drawTrace();
     const recording = state.recordings.find((one) => one.id === chosen);
-    byId('ratio')?.replaceChildren(`${number(answer.rmse_rad / recording.noise_rad, 3)} ×`, element('small', {}, `the noise, what if: ${mrad(answer.rmse_rad)}`));
+    byId('ratio')?.replaceChildren(`${times(answer.rmse_rad / recording.noise_rad)} ×`, element('small', {}, `the noise, what if: ${mrad(answer.rmse_rad)}`));
   } catch (refusal) { done(Promise.reject(refusal)); }
   const again = asking === 'again';
   asking = false;

@@ -1,6 +1,6 @@
 // Which effect is missing: candidates as bars, their evidence, one click to add, and the staircase of errors.
 
-import { byId, element, mrad, number } from './numbers.js';
+import { byId, element, mrad, number, times } from './numbers.js';
 import { post } from './server.js';
 
 let effects = new Map();
@@ -43,6 +43,7 @@ function showCandidates() {
   const made = JSON.stringify([found?.candidates, state.model?.effects, opened]);
   if (list.dataset.made === made) return;
   list.dataset.made = made;
+  byId('candidates-hint').hidden = !found;
   if (!found) { list.replaceChildren(); opened = null; return; }
   const widest = Math.max(...found.candidates.map((candidate) => candidate.rmse), found.rmse_before);
   list.replaceChildren(...found.candidates.map((candidate, place) => row(candidate, place, found, widest)));
@@ -63,7 +64,7 @@ function row(candidate, place, found, widest) {
   const look = () => showExplanation(candidate.name);
   return element('li', { class: `${place === 0 ? 'best' : ''} ${opened === candidate.name ? 'shown' : ''}`, 'data-name': candidate.name, mouseenter: look, mouseleave: () => showExplanation() },
     element('span', {}, element('button', { class: 'name', 'aria-expanded': String(opened === candidate.name), click: open, focus: look }, title), ...tags.filter(Boolean)),
-    element('span', { class: 'left' }, `${number(candidate.rmse / found.noise, 3)} × noise`), button, bar);
+    element('span', { class: 'left' }, `${times(candidate.rmse / found.noise)} ×`), button, bar);
 }
 
 /** What an effect is, in a student's words; of the one pointed at, else of the one opened. */

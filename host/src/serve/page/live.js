@@ -55,6 +55,7 @@ export function show(state) {
   const connected = rig.firmware !== null;
   byId('listen').disabled = !connected || rig.recording !== null;
   byId('listen').textContent = rig.listening ? 'Pause' : 'Go on';
+  byId('again').hidden = !connected || !rig.simulated || rig.recording !== null;
   byId('record').disabled = !connected;
   byId('record').textContent = rig.recording ? 'Stop recording' : 'Record a swing';
   const ports = byId('port');
@@ -76,6 +77,7 @@ export function show(state) {
 export function begin(done) {
   byId('connect').addEventListener('click', () => done(post('api/rig/connect', { port: byId('port').value })));
   byId('listen').addEventListener('click', () => done(post(rig.listening ? 'api/rig/pause' : 'api/rig/listen')));
+  byId('again').addEventListener('click', () => done(post('api/rig/listen')));
   byId('record').addEventListener('click', () => done(post(rig.recording ? 'api/rig/stop-recording' : 'api/rig/record')));
   byId('span').addEventListener('change', draw);
   byId('fixed-scale').addEventListener('change', draw);

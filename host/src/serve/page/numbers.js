@@ -10,6 +10,9 @@ export function number(value, digits = 4) {
   return `${Number(mantissa)}·10${[...String(Number(power))].map((c) => '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'['-0123456789'.indexOf(c)]).join('')}`;
 }
 
+/** How many times as large: 1.00, 10.6, 143. */
+export const times = (ratio) => (!Number.isFinite(ratio) ? '–' : ratio < 10 ? ratio.toFixed(2) : String(Number(ratio.toPrecision(3))));
+
 /** Radians as milliradians. */
 export const mrad = (value, digits = 3) => (value === null || value === undefined ? '–' : `${(1e3 * value).toPrecision(digits)} mrad`);
 

@@ -33,7 +33,7 @@ export async function draw(element, make) {
   const plotly = await loaded();
   if (drawn.get(element) !== make || !element.isConnected) return;
   const { traces, layout } = make();
-  await plotly.react(element, traces, themed(layout), { responsive: true, displaylogo: false, displayModeBar: 'hover' });
+  await plotly.react(element, traces, themed(layout), { responsive: true, displaylogo: false, displayModeBar: false });
 }
 
 export function redrawAll() {
@@ -44,7 +44,7 @@ export function redrawAll() {
 
 export function axis(title, more = {}) {
   return {
-    title: { text: title, standoff: 8 }, gridcolor: style('grid'), zerolinecolor: style('line'), linecolor: style('line'),
+    title: { text: title, standoff: 6, font: { size: 0.8 * em() } }, gridcolor: style('grid'), zerolinecolor: style('line'), linecolor: style('line'),
     automargin: true, exponentformat: 'power', ...more,
   };
 }
@@ -52,7 +52,7 @@ export function axis(title, more = {}) {
 function themed(layout) {
   return {
     paper_bgcolor: style('card'), plot_bgcolor: style('card'), font: { color: style('ink'), size: 0.82 * em(), family: 'system-ui, sans-serif' },
-    margin: { l: 60, r: 16, t: 12, b: 48 }, legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 }, hovermode: 'closest', ...layout,
+    margin: { l: 60, r: 16, t: 12, b: 48 }, legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0, font: { size: 0.72 * em() }, itemwidth: 30 }, hovermode: 'closest', ...layout,
   };
 }
 
@@ -68,7 +68,7 @@ export function pictureOf(picture) {
 
 function curveOf(curve) {
   const colour = curve.colour === 6 ? style('noise') : colours()[curve.colour % 7];
-  const trace = { x: curve.x, y: curve.y, name: curve.name, showlegend: curve.name !== '', type: 'scatter' };
+  const trace = { x: curve.x, y: curve.y, name: curve.name.replace(/\.csv$/, ''), showlegend: curve.name !== '', type: 'scatter' };
   if (curve.style === 'line' || curve.style === 'dashed') {
     return { ...trace, mode: 'lines', line: { color: colour, width: 2, dash: curve.style === 'dashed' ? 'dash' : 'solid' } };
   }
