@@ -38,7 +38,7 @@ export function begin(report, allEffects) {
     residual: new Chart(byId('residual'), { unit: 'left, mrad', scale: 1e3, zoomed, least: 1e-5 }),
   };
   byId('keep-values').addEventListener('click', () => done(post('api/values', { values: whatIf }).then(forget)));
-  byId('reset-values').addEventListener('click', () => { forget(); showSliders(); drawTrace(); });
+  byId('reset-values').addEventListener('click', () => { forget(); showSliders(); showVerdict(); drawTrace(); });
   byId('try-effect').addEventListener('change', tryEffect);
   byId('undo').addEventListener('click', () => done(post('api/undo')));
   byId('more').addEventListener('toggle', () => byId('more').open && showPictures());

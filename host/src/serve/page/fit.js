@@ -40,7 +40,7 @@ async function showPath() {
   plot(byId('path'), () => pathPlot(symbols));
   const stage = byId('stage');
   stage.max = path.stages.length - 1;
-  stage.value = stage.max;
+  stage.value = 0;
   byId('response').replaceChildren(...path.responses.map((name, k) => element('option', { value: k }, name)));
   showStage();
 }
@@ -115,7 +115,7 @@ function optimizerPlot(seen, symbols) {
       const { x, y } = seen.optimizer[row][column];
       traces.push({ x, y, xaxis: `x${id}`, yaxis: `y${id}`, type: 'scatter', mode: 'lines', line: { color: colours()[0], width: 2 }, name: path.responses[row] });
       layout[`xaxis${id}`] = axis(row === rows - 1 ? symbols[column] : '', { nticks: 3, showticklabels: row === rows - 1 });
-      layout[`yaxis${id}`] = axis(column === 0 ? path.responses[row] : '', { nticks: 3 });
+      layout[`yaxis${id}`] = axis(column === 0 ? path.responses[row] : '', { nticks: 3, tickformat: '.4~g' });
       layout.shapes.push({ type: 'line', xref: `x${id}`, yref: `y${id} domain`, x0: seen.chosen[column], x1: seen.chosen[column], y0: 0, y1: 1, line: { color: colours()[1], width: 1.5, dash: 'dash' } });
     }
   }

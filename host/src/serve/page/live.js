@@ -28,6 +28,7 @@ function makeCharts() {
 export function take(message) {
   if (message.t[0] < kept.t[kept.t.length - 1]) columns.forEach((name) => { kept[name].length = 0; });
   for (const name of columns) kept[name].push(...message[name]);
+  document.body.dataset.liveSeconds = String(kept.t[kept.t.length - 1]);
   const old = kept.t.findIndex((t) => t > kept.t[kept.t.length - 1] - KEPT_S);
   // Trimmed in large pieces, so that little is moved.
   if (old > 2000) columns.forEach((name) => kept[name].splice(0, old));
@@ -39,7 +40,9 @@ export function draw() {
   if (byId('view-live').hidden || kept.t.length === 0) return;
   charts ??= makeCharts();
   const end = kept.t[kept.t.length - 1];
-  const x = [end - Number(byId('span').value), end];
+  const span = Number(byId('span').value);
+  const from = Math.max(kept.t[0], end - span);
+  const x = [from, from + span];
   const curve = (name, colour, label) => ({ x: kept.t, y: kept[name], colour, name: label, gap: 0.5 });
   const fixed = byId('fixed-scale').checked;
   for (const chart of Object.values(charts)) chart.fixed = fixed ? chart.usual : null;
