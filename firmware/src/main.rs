@@ -6,6 +6,7 @@
 
 mod board;
 mod crash;
+mod log;
 mod usage;
 
 use board::pac::interrupt;

@@ -4,6 +4,7 @@
 //! by √m.
 
 use crate::ports::FULL_SCALE;
+use micromath::F32;
 use shared::units::Code;
 
 /// More conversions bring nothing: by then the converter's own linearity is larger than its noise.
@@ -30,13 +31,12 @@ pub struct Plan {
 /// The plan for `rate_hz` with a timer of `clock_hz`, at most `most_per_s` conversions a second. Among the plans that
 /// meet the rate exactly the one with the most conversions; if none does, the nearest with the most conversions.
 pub fn plan(rate_hz: f32, clock_hz: u32, most_per_s: u32) -> Plan {
-    let clock_hz = f64::from(clock_hz);
-    let ticks = |per_sample: u32| clock_hz / (f64::from(per_sample) * f64::from(rate_hz));
+    let ticks = |per_sample: u32| F32(clock_hz as f32 / (per_sample as f32 * rate_hz));
     let affordable = |per_sample: &u32| *per_sample as f32 * rate_hz <= most_per_s as f32;
-    let exact = |per_sample: &u32| ticks(*per_sample) == f64::from(ticks(*per_sample) as u32);
+    let exact = |per_sample: &u32| ticks(*per_sample).fract() == F32::ZERO;
     let candidates = || (LEAST.ilog2()..=MOST.ilog2()).rev().map(|power| 1 << power).filter(affordable);
     let per_sample = candidates().find(exact).or_else(|| candidates().next()).unwrap_or(LEAST);
-    Plan { per_sample, ticks: (ticks(per_sample) + 0.5) as u32 }
+    Plan { per_sample, ticks: ticks(per_sample).round().0 as u32 }
 }
 
 /// The sample that these conversions (0 … 4095 each) make.

@@ -48,8 +48,9 @@ impl<F: NorFlash> Store<F> {
             self.map.erase_all().await.map_err(|_| Refusal::Flash)?;
             self.write(bytes).await?;
         }
-        match self.load().await {
-            Ok(read) if read == *stored => Ok(()),
+        let mut scratch = [0; SCRATCH];
+        match self.map.fetch_item::<&[u8]>(&mut scratch, &KEY).await {
+            Ok(Some(read)) if read == bytes => Ok(()),
             _ => Err(Refusal::Flash),
         }
     }

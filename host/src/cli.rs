@@ -3,21 +3,28 @@
 //! Results go to stdout, progress and questions to stderr. With `--json` stdout is exactly one object in SI units.
 //! Exit codes: 0 a result was produced, whatever it says; 2 wrong use; 1 failed.
 
+mod calibrate;
 mod columns;
 mod compare;
+mod comparison;
+mod completions;
 mod diagnose;
+mod doctor;
 mod effects;
 mod evidence;
+mod export;
 mod fit;
 mod improve;
 mod init;
 mod interrupt;
 mod number;
 mod output;
+mod plan;
 mod port;
 mod pull;
 mod push;
 mod record;
+mod restart;
 mod rig;
 mod serve;
 mod simulate;
@@ -48,11 +55,15 @@ Example:
   host fit swing.csv --rig rig.toml -o rig.toml
   host compare swing.csv --rig rig.toml --report report.html
   host diagnose swing*.csv --rig rig.toml                which physical effect is missing?
+  host plan swing*.csv --rig rig.toml                    which experiment next?
   host push --rig rig.toml --port /dev/ttyACM0
   host serve --port sim                                  all of it in the browser
 
 Ports are serial devices, sim (the simulated rig), or sim:NAME (one of its scenarios).
-`host COMMAND --help` explains a command.";
+`host COMMAND --help` explains a command.
+
+Exit codes: 0 there is a result, whatever it says; 2 wrong use; 1 failed; 130 stopped by Ctrl-C.
+Results go to stdout, everything else to stderr. NO_COLOR switches colours off.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -62,12 +73,19 @@ enum Command {
     Compare(compare::Options),
     Diagnose(diagnose::Options),
     Improve(improve::Options),
+    Plan(plan::Options),
     Effects(effects::Options),
+    Doctor(doctor::Options),
+    Calibrate(calibrate::Options),
     Push(push::Options),
     Pull(pull::Options),
     Statistics(statistics::Options),
+    Restart(restart::Options),
     Simulate(simulate::Options),
     Serve(serve::Options),
+    Export(export::Options),
+    Completions(completions::Completions),
+    Man(completions::Manual),
 }
 
 /// Reads the command line; on wrong use and for help the program ends here, as clap does it.
@@ -90,12 +108,22 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
         Command::Compare(options) => compare::run(&options),
         Command::Diagnose(options) => diagnose::run(&options),
         Command::Improve(options) => improve::run(&options),
+        Command::Plan(options) => plan::run(&options),
         Command::Effects(options) => effects::run(&options),
+        Command::Doctor(options) => doctor::run(&options),
+        Command::Calibrate(options) => calibrate::run(&options),
         Command::Push(options) => push::run(&options),
         Command::Pull(options) => pull::run(&options),
         Command::Statistics(options) => statistics::run(&options),
+        Command::Restart(options) => restart::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Serve(options) => serve::run(&options),
+        Command::Export(options) => export::run(&options),
+        Command::Completions(options) => {
+            completions::completions(&options);
+            Ok(())
+        }
+        Command::Man(options) => completions::manual(&options),
     }
 }
 

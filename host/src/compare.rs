@@ -20,7 +20,6 @@ pub mod prediction;
 pub mod recording;
 pub mod restart;
 mod slope;
-pub mod text;
 pub mod torque;
 pub mod verdict;
 pub mod weak;

@@ -4,8 +4,10 @@
 //! ([`score`]) tells in one linearised step what each could gain, the promising ones are fitted in earnest
 //! ([`trial`]), and [`search`] goes on with pairs until nothing significant is left. [`verdict`] says what may be
 //! claimed, what can't be told apart ([`replacement`]), what is only a shifted zero of the sensor ([`zero`]), and what
-//! stays unexplained.
+//! stays unexplained; for that, [`formulas`] searches small laws.
 
+pub mod evidence;
+pub mod formulas;
 pub mod physical;
 pub mod replacement;
 pub mod score;
@@ -14,4 +16,6 @@ pub mod trial;
 pub mod verdict;
 pub mod zero;
 
-pub use verdict::{Candidate, Diagnosis, Step, Value, diagnose, diagnose_counted};
+pub use evidence::Evidence;
+pub use trial::Value;
+pub use verdict::{Candidate, Diagnosis, Step, Suggestion, diagnose, diagnose_counted, diagnose_with};

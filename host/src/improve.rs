@@ -1,11 +1,12 @@
 //! Adding and removing effects by hand, one step at a time, with the error before and after each.
 
 use crate::diagnose::score::promises;
-use crate::diagnose::trial::{Trial, finish, finish_with_band, fit_from};
+use crate::diagnose::trial::{Trial, Value, finish, finish_with_band, fit_from, values};
 use crate::fit::identify::{held_out_rmse, problem_of, smooth};
 use crate::fit::problem::{Point, Problem, Quantity};
 use crate::fit::stiction::{self, Stiction, with_stiction};
 use crate::fit::{start, windows};
+use crate::formula::effect_of;
 use crate::swing::{Swing, Window};
 use serde::Serialize;
 use shared::effect::Effect;
@@ -32,6 +33,8 @@ pub struct Step {
     pub held_out: Option<f64>,
     /// Noise, rad.
     pub noise: f64,
+    /// All numbers of the model but Ms and DV.
+    pub values: Vec<Value>,
     /// The model, refitted.
     #[serde(skip)]
     pub parameters: Parameters<f64>,
@@ -121,6 +124,7 @@ impl Bench<'_> {
             rmse: (trial.cost / problem.n_samples(Window::Whole) as f64).sqrt(),
             held_out: (!self.held_out.is_empty()).then(|| held_out(&trial.parameters)),
             noise: problem.noise_rad(),
+            values: values(problem, trial),
             parameters: trial.parameters.clone(),
         }
     }
@@ -128,7 +132,8 @@ impl Bench<'_> {
 
 fn fitted_as_it_is(problem: &Problem) -> Trial {
     let effects = problem.template.effects.iter().filter(|effect| effect.id > base::STICTION);
-    let effects: Vec<&'static Effect<f64>> = effects.filter_map(|effect| Effect::by_id(effect.id)).collect();
+    let effects: Vec<&'static Effect<f64>> =
+        effects.filter_map(|effect| effect_of(&problem.template, effect.id)).collect();
     let free = with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
     let grown = windows::grow(&free, &start::guess(&free));
     Trial::settled(&free, effects, stiction::settle(&free, &grown))

@@ -36,7 +36,7 @@ pub fn pack<const N: usize>(sets: &[Parameters<f64>; N]) -> Option<Parameters<La
         };
         kinds(set) == kinds(first)
     };
-    if !sets.iter().all(same) {
+    if !sets.iter().all(|set| same(set) && set.formula == first.formula) {
         return None;
     }
     let packed = |(place, effect): (usize, &EffectValues<f64>)| {
@@ -44,7 +44,8 @@ pub fn pack<const N: usize>(sets: &[Parameters<f64>; N]) -> Option<Parameters<La
         let values: Vec<Lanes<N>, MAX_VALUES> = (0..effect.values.len()).map(value).collect();
         EffectValues { id: effect.id, values }
     };
-    Some(Parameters { pendulum, effects: first.effects.iter().enumerate().map(packed).collect() })
+    let effects = first.effects.iter().enumerate().map(packed).collect();
+    Some(Parameters { pendulum, effects, formula: first.formula.clone() })
 }
 
 impl<const N: usize> Lanes<N> {

@@ -1,16 +1,21 @@
 //! The pendulum rig on the PC.
 
+pub mod calibrate;
 pub mod cli;
 pub mod compare;
 pub mod diagnose;
+pub mod doctor;
 pub mod error;
+pub mod export;
 pub mod fit;
+pub mod formula;
 pub mod improve;
 pub mod lanes;
 pub mod link;
 pub mod noise;
 mod now;
 pub mod paper;
+pub mod plan;
 pub mod plot;
 pub mod record;
 pub mod recording;

@@ -16,10 +16,11 @@ pub use error::RigFileError;
 pub use quantity::Quantity;
 
 use crate::error::Failure;
+use shared::effect::CUSTOM_FORMULA_ID;
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
 use shared::potentiometer::Potentiometer;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml_edit::DocumentMut;
 
 /// The version this program writes, and the highest it reads.
@@ -35,6 +36,23 @@ pub struct Source {
     pub method: String,
     /// The recordings it was found from.
     pub recordings: Vec<String>,
+}
+
+/// More recordings than so many are counted instead of named: every value has this list.
+const MOST_NAMED: usize = 4;
+
+impl Source {
+    /// Found by a method from recordings, which are named without their folders.
+    pub fn new(method: &str, recordings: &[PathBuf]) -> Self {
+        let name = |path: &PathBuf| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        let mut names: Vec<String> = recordings.iter().map(name).collect();
+        if names.len() > MOST_NAMED {
+            let more = names.len() - (MOST_NAMED - 1);
+            names.truncate(MOST_NAMED - 1);
+            names.push(format!("and {more} more"));
+        }
+        Self { method: method.to_owned(), recordings: names }
+    }
 }
 
 /// How much is known of a value besides itself.
@@ -184,7 +202,9 @@ impl RigFile {
         let new = parameters.map(exactly);
         new.check().map_err(RigFileError::Model)?;
         let gone: Vec<u16> = self.parameters.effects.iter().map(|effect| effect.id).collect();
-        gone.into_iter().filter(|id| new.values(*id).is_none()).for_each(|id| self.remove_effect(id));
+        let other_law = |id: u16| id == CUSTOM_FORMULA_ID && new.formula != self.parameters.formula;
+        let gone: Vec<u16> = gone.into_iter().filter(|id| new.values(*id).is_none() || other_law(*id)).collect();
+        gone.into_iter().for_each(|id| self.remove_effect(id));
         for quantity in Quantity::all(&new) {
             let value = quantity.get(&new).unwrap_or_default();
             let same = quantity.get(&self.parameters).is_some_and(|old| old as f32 == value as f32);

@@ -43,6 +43,8 @@ pub enum Window {
     First(f64),
     /// All but the last swings before rest.
     Lively,
+    /// And this share (0 … 1) of the last swings.
+    Calming(f64),
     /// Everything.
     Whole,
 }
@@ -105,6 +107,7 @@ impl Swing {
         match window {
             Window::First(seconds) => self.times_s.partition_point(|t| *t <= seconds).min(self.n_lively),
             Window::Lively => self.n_lively,
+            Window::Calming(share) => self.n_lively + (share * (self.len() - self.n_lively) as f64) as usize,
             Window::Whole => self.len(),
         }
     }

@@ -4,8 +4,23 @@
 //! the tests loop over [`Effect::ALL`]; none of them names an effect. To add one, write its file and its line in the
 //! list.
 
+use crate::formula::Formula;
 use crate::motion::Motion;
 use crate::real::Real;
+
+/// A text for people: nobody reads on the board, and all of them would take 1 kB of its flash.
+#[cfg(not(target_os = "none"))]
+macro_rules! prose {
+    ($text:literal) => {
+        $text
+    };
+}
+#[cfg(target_os = "none")]
+macro_rules! prose {
+    ($text:literal) => {
+        ""
+    };
+}
 
 pub mod angle_dependent_friction;
 pub mod angle_offset;
@@ -37,8 +52,11 @@ pub const MEMORY: usize = 2;
 /// How many numbers a sensor effect may remember between readings.
 pub const SENSOR_MEMORY: usize = 3;
 
-/// Reserved for the formula that a user types; its frame kind in [`crate::wire`] is reserved as well.
+/// The effect that a user types as a formula ([`crate::formula`]); a model has at most one.
 pub const CUSTOM_FORMULA_ID: u16 = 1000;
+
+/// Its name.
+pub const CUSTOM_FORMULA_NAME: &str = "custom";
 
 /// One adjustable number of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +94,8 @@ pub enum Action<R> {
     State(Memory<R>),
     /// What the sensor makes of the angle.
     Sensor(Sensor<R>),
+    /// A torque that somebody typed; not in the list of all.
+    Formula(&'static Formula),
 }
 
 /// An effect with an added state. It brings its own exact or implicit update, because a stiff one would diverge under
@@ -131,6 +151,15 @@ impl<R> core::fmt::Debug for Effect<R> {
     }
 }
 
+/// The same id and the same law.
+impl<R> PartialEq for Effect<R> {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id && self.formula == other.formula
+    }
+}
+
+impl<R> Eq for Effect<R> {}
+
 impl<R: Real> Effect<R> {
     /// Every effect there is. Those on the sensor stand in the order in which they act, from the shaft to the wire.
     pub const ALL: &'static [Effect<R>] = &without_prose_on_the_board([
@@ -177,11 +206,12 @@ impl<R: Real> Effect<R> {
     }
 }
 
-/// Nobody reads there; every effect's texts would take 300 bytes of its flash.
+/// Nobody reads or fits there; every effect's texts and starts would take 400 bytes of its flash.
 const fn without_prose_on_the_board<R: Real, const N: usize>(mut all: [Effect<R>; N]) -> [Effect<R>; N] {
     let mut i = 0;
     while cfg!(target_os = "none") && i < N {
         (all[i].summary, all[i].formula, all[i].source, all[i].experiment) = ("", "", "", "");
+        (all[i].starts, all[i].generalises) = (&[], None);
         i += 1;
     }
     all

@@ -13,6 +13,7 @@ extern crate std;
 
 pub mod effect;
 pub mod filter;
+pub mod formula;
 pub mod karnopp;
 pub mod model;
 pub mod motion;

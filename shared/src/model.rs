@@ -6,7 +6,10 @@
 //! begins or ends is cut at that instant; a plain 1 ms step would be 7e-4 rad off at Ms = 0.01 N·m and would chatter
 //! at DV = 0.
 
-use crate::effect::{Action, Effect, MAX_VALUES, MEMORY, Memory, SENSOR_MEMORY, Sensor, Torque, coulomb, viscous};
+use crate::effect::{
+    Action, CUSTOM_FORMULA_ID, Effect, MAX_VALUES, MEMORY, Memory, SENSOR_MEMORY, Sensor, Torque, coulomb, viscous,
+};
+use crate::formula::Program;
 use crate::karnopp::{Balance, Contact};
 use crate::motion::{Motion, Pendulum};
 use crate::parameters::{MAX_EFFECTS, Parameters, base};
@@ -21,7 +24,10 @@ pub const MAX_MEMORIES: usize = 2;
 pub const MAX_SENSORS: usize = 5;
 
 /// A step is cut at most this often; the rest of it is then taken without looking.
-const MAX_CUTS: usize = 6;
+pub const MAX_CUTS: usize = 6;
+
+const STATE_NUMBERS: usize = 6 + MEMORY * MAX_MEMORIES;
+const SENSOR_NUMBERS: usize = SENSOR_MEMORY * MAX_SENSORS;
 
 /// Secant steps to where friction takes hold in the band.
 const HOLD_STEPS: usize = 4;
@@ -47,6 +53,7 @@ pub struct Model<R: 'static> {
     frictions: Vec<Term<Torque<R>, R>, MAX_EFFECTS>,
     memories: Vec<Term<Memory<R>, R>, MAX_MEMORIES>,
     sensors: Vec<Term<Sensor<R>, R>, MAX_SENSORS>,
+    custom: Option<Term<Program<R>, R>>,
     /// Nothing beyond the base effects: the inner loop skips the lists.
     plain: bool,
 }
@@ -65,9 +72,47 @@ pub struct State<R> {
     memories: [[R; MEMORY]; MAX_MEMORIES],
 }
 
+impl<R: Real> State<R> {
+    /// How many numbers a state is.
+    pub const N_NUMBERS: usize = STATE_NUMBERS;
+
+    /// The state as numbers: angle, velocity, time, direction of sliding, direction of the drive in the band, breakaway
+    /// torque, memories.
+    pub fn numbers(&self) -> [R; STATE_NUMBERS] {
+        let Contact { slide, push, level_nm } = self.contact;
+        let first = [self.angle_rad, self.velocity_rad_s, self.time_s, slide, push, level_nm];
+        core::array::from_fn(|i| match first.get(i) {
+            Some(number) => *number,
+            None => self.memories.as_flattened()[i - first.len()],
+        })
+    }
+
+    /// The state that [`State::numbers`] gave.
+    pub fn from_numbers(numbers: &[R; STATE_NUMBERS]) -> Self {
+        let [angle_rad, velocity_rad_s, time_s, slide, push, level_nm, ..] = *numbers;
+        let memories = core::array::from_fn(|m| core::array::from_fn(|i| numbers[6 + MEMORY * m + i]));
+        Self { angle_rad, velocity_rad_s, time_s, contact: Contact { slide, push, level_nm }, memories }
+    }
+}
+
 /// What the sensor effects remember between two readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorState<R>([[R; SENSOR_MEMORY]; MAX_SENSORS]);
+
+impl<R: Real> SensorState<R> {
+    /// How many numbers it is.
+    pub const N_NUMBERS: usize = SENSOR_NUMBERS;
+
+    /// It as numbers, effect by effect.
+    pub fn numbers(&self) -> [R; SENSOR_NUMBERS] {
+        core::array::from_fn(|i| self.0.as_flattened()[i])
+    }
+
+    /// What [`SensorState::numbers`] gave.
+    pub fn from_numbers(numbers: &[R; SENSOR_NUMBERS]) -> Self {
+        Self(core::array::from_fn(|m| core::array::from_fn(|i| numbers[SENSOR_MEMORY * m + i])))
+    }
+}
 
 /// The coefficients of the base model in the present contact: which of them act, divided by the inertia.
 #[derive(Clone, Copy)]
@@ -76,6 +121,11 @@ struct Regime<R> {
     viscous: R,
     dry: R,
     contact: Contact<R>,
+}
+
+/// Values in the length that every law takes.
+fn padded<R: Real>(values: &[R]) -> [R; MAX_VALUES] {
+    core::array::from_fn(|i| values.get(i).copied().unwrap_or(R::zero()))
 }
 
 impl<R: Real> Model<R> {
@@ -96,6 +146,7 @@ impl<R: Real> Model<R> {
             frictions: Vec::new(),
             memories: Vec::new(),
             sensors: Vec::new(),
+            custom: None,
             plain: true,
         };
         // In the order of the list of all effects, which for the sensor is that from the shaft to the wire.
@@ -104,15 +155,21 @@ impl<R: Real> Model<R> {
                 model.add(effect, values);
             }
         }
-        model.plain = model.drives.is_empty() && model.frictions.is_empty() && model.memories.is_empty();
+        if let Some((formula, numbers)) = parameters.formula.as_ref().zip(parameters.values(CUSTOM_FORMULA_ID)) {
+            model.custom = Some(Term { law: Program::new(formula), values: padded(numbers) });
+        }
+        model.plain = model.drives.is_empty()
+            && model.frictions.is_empty()
+            && model.memories.is_empty()
+            && model.custom.is_none();
         model
     }
 
     fn add(&mut self, effect: &Effect<R>, values: &[R]) {
-        let values = core::array::from_fn(|i| values.get(i).copied().unwrap_or(R::zero()));
+        let values = padded(values);
         // The lists are as long as the parameter list may be; only memories and sensors can run out, as documented.
         let _ = match effect.action {
-            Action::Base => true,
+            Action::Base | Action::Formula(_) => true,
             Action::Drive(law) => self.drives.push(Term { law, values }).is_ok(),
             Action::Friction(law) => self.frictions.push(Term { law, values }).is_ok(),
             Action::State(law) => self.memories.push(Term { law, values }).is_ok(),
@@ -189,8 +246,9 @@ impl<R: Real> Model<R> {
         self.accept(state, self.trial(state, left_s), left_s);
     }
 
-    /// Steps until the contact changes, at most `dt_s`; gives what is left of it.
-    fn step_to_change(&self, state: &mut State<R>, dt_s: R) -> R {
+    /// Steps until the contact changes, at most `dt_s`; gives what is left of it. A part of [`Model::step`], which is
+    /// what simulations call; alone it serves whoever writes the step in another language.
+    pub fn step_to_change(&self, state: &mut State<R>, dt_s: R) -> R {
         let before = state.contact;
         let trial = self.trial(state, dt_s);
         let (sliding, in_band, resting) = (before.is_sliding(), before.is_in_band(), before.is_resting());
@@ -333,21 +391,28 @@ impl<R: Real> Model<R> {
 
     fn added_drive_nm(&self, motion: &Motion<R>, memories: &[[R; MEMORY]; MAX_MEMORIES]) -> R {
         let of_state = self.memories.iter().zip(memories).map(|(term, m)| (term.law.torque)(motion, m, &term.values));
+        let of_formula = self.custom.iter().map(|term| term.law.drive_nm(motion, &term.values));
         self.drives
             .iter()
             .map(|term| (term.law)(motion, &term.values))
             .chain(of_state)
+            .chain(of_formula)
             .fold(R::zero(), |sum, t| sum + t)
     }
 
     fn added_friction_nm(&self, motion: &Motion<R>) -> R {
-        self.frictions.iter().fold(R::zero(), |sum, term| sum + (term.law)(motion, &term.values))
+        let of_formula = self.custom.iter().map(|term| term.law.friction_nm(motion, &term.values));
+        self.frictions
+            .iter()
+            .map(|term| (term.law)(motion, &term.values))
+            .chain(of_formula)
+            .fold(R::zero(), |sum, t| sum + t)
     }
 
     /// Torque of everything that acts at rest too: gravity, springs, magnets, bristles.
     fn drive_nm(&self, angle: R, velocity: R, time: R, memories: &[[R; MEMORY]; MAX_MEMORIES]) -> R {
         let gravity = -self.gravity_nm * angle.sin();
-        if self.drives.is_empty() && self.memories.is_empty() {
+        if self.drives.is_empty() && self.memories.is_empty() && self.custom.is_none() {
             return gravity;
         }
         gravity + self.added_drive_nm(&self.motion(angle, velocity, R::zero(), time), memories)
@@ -356,7 +421,7 @@ impl<R: Real> Model<R> {
     /// Torque of everything that opposes sliding in a direction (−1 or +1).
     fn friction_nm(&self, angle: R, velocity: R, direction: R, time: R) -> R {
         let base = viscous::torque_nm(velocity, self.viscous) + coulomb::torque_nm(direction, self.coulomb_nm);
-        if self.frictions.is_empty() {
+        if self.frictions.is_empty() && self.custom.is_none() {
             return base;
         }
         base + self.added_friction_nm(&self.motion(angle, velocity, direction, time))

@@ -17,6 +17,15 @@ pub struct Pendulum<R> {
 }
 
 impl<R: Real> Pendulum<R> {
+    /// The paper's pendulum (Table 1), its inertia that of the CAD drawing.
+    pub fn paper() -> Self {
+        Self {
+            mass_kg: R::of(0.146_608_4),
+            length_m: R::of(0.156_217_7),
+            inertia_kg_m2: R::of(0.002_842_52),
+            gravity_m_s2: R::of(9.81),
+        }
+    }
     /// m·l² + I: moment of inertia about the pivot in kg·m².
     pub fn pivot_inertia_kg_m2(&self) -> R {
         self.mass_kg * self.length_m * self.length_m + self.inertia_kg_m2

@@ -12,6 +12,13 @@ use crate::real::{Mask, Real};
 /// The innovation's running mean square forgets with this time constant.
 const FORGETTING_S: f64 = 2.0;
 
+/// A measured angle that stays within so many rad …
+const MOVED_RAD: f64 = 5e-3;
+
+/// … for so long is that of a pendulum that somebody holds or that hangs: its next swing begins at time zero. Around a
+/// turning point at 0.1 rad the angle stays for a quarter of that.
+const HELD_S: f64 = 0.4;
+
 /// What the observer says after a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate<R> {
@@ -34,6 +41,35 @@ pub struct Observer<R: 'static> {
     bandwidth_rad_s: R,
     mean_square: R,
     started: bool,
+    since_release: SinceRelease<R>,
+}
+
+/// Counts samples since the release: sums of seconds would drift in `f32`.
+#[derive(Clone, Copy)]
+struct SinceRelease<R> {
+    n_samples: u32,
+    gaps_s: R,
+    anchor_rad: R,
+    n_still: u32,
+}
+
+impl<R: Real> SinceRelease<R> {
+    fn at(angle_rad: R) -> Self {
+        Self { n_samples: 0, gaps_s: R::zero(), anchor_rad: angle_rad, n_still: 0 }
+    }
+
+    /// Takes the next measured angle, gives the seconds since the release.
+    fn after(&mut self, measured_rad: R, dt_s: R) -> R {
+        if R::of(MOVED_RAD).lt((measured_rad - self.anchor_rad).abs()).any() {
+            (self.anchor_rad, self.n_still) = (measured_rad, 0);
+        }
+        self.n_still = self.n_still.saturating_add(1);
+        self.n_samples = self.n_samples.saturating_add(1);
+        if R::of(HELD_S).lt(R::of(f64::from(self.n_still)) * dt_s).any() {
+            (self.n_samples, self.gaps_s) = (0, R::zero());
+        }
+        self.gaps_s + R::of(f64::from(self.n_samples)) * dt_s
+    }
 }
 
 impl<R: Real> Observer<R> {
@@ -42,7 +78,8 @@ impl<R: Real> Observer<R> {
         let model = Model::new(parameters);
         let state = model.release(R::zero(), R::zero());
         let sensor = model.sensor_at_rest(&state);
-        Self { model, state, sensor, bandwidth_rad_s, mean_square: R::zero(), started: false }
+        let since_release = SinceRelease::at(R::zero());
+        Self { model, state, sensor, bandwidth_rad_s, mean_square: R::zero(), started: false, since_release }
     }
 
     /// Other parameters, the same state: nothing jumps while the pendulum swings.
@@ -64,6 +101,7 @@ impl<R: Real> Observer<R> {
         self.state = self.model.release(angle_rad, velocity_rad_s);
         self.sensor = self.model.sensor_at_rest(&self.state);
         self.mean_square = R::zero();
+        self.since_release = SinceRelease::at(angle_rad);
         self.started = true;
     }
 
@@ -73,6 +111,7 @@ impl<R: Real> Observer<R> {
             self.start_at(measured_rad, R::zero());
         } else {
             self.model.step(&mut self.state, dt_s);
+            self.state.time_s = self.since_release.after(measured_rad, dt_s);
         }
         let innovation = measured_rad - self.model.read(&self.state, &mut self.sensor);
         self.correct(innovation, dt_s);
@@ -85,6 +124,7 @@ impl<R: Real> Observer<R> {
     pub fn on_gap(&mut self, dt_s: R) -> Estimate<R> {
         if self.started {
             self.model.step(&mut self.state, dt_s);
+            self.since_release.gaps_s = self.since_release.gaps_s + dt_s;
         }
         self.estimate(R::zero())
     }
@@ -147,6 +187,25 @@ mod tests {
         wrong.pendulum.inertia_kg_m2 *= 1.05;
         let (low, high) = (innovation_rms(&truth, &wrong, 3.0), innovation_rms(&truth, &wrong, 100.0));
         assert!(low > 5e-3 && high < 0.1 * low, "{low} {high}");
+    }
+
+    #[test]
+    fn time_counts_from_the_release_however_long_it_was_held_before() {
+        let truth = Parameters::paper().map(|value| value as f32);
+        let model = Model::new(&truth);
+        let mut swing = model.release(1.0, 0.0);
+        let mut observer = Observer::<f32>::new(&truth, 3.0);
+        (0..300_000).for_each(|_| {
+            observer.on_measurement(1.0, 1e-3);
+        });
+        (0..30_000).for_each(|_| {
+            model.step(&mut swing, 1e-3);
+            observer.on_measurement(swing.angle_rad, 1e-3);
+        });
+        observer.on_gap(2.0);
+        observer.on_measurement(swing.angle_rad, 1e-3);
+        let time_s = observer.state.time_s;
+        assert!((time_s - 32.0).abs() < 0.03, "{time_s}");
     }
 
     #[test]

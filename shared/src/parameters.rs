@@ -1,7 +1,8 @@
 //! The numbers of a model: the pendulum and a bounded list of (effect id, values), as they stand in flash, in
 //! messages and in `rig.toml`.
 
-use crate::effect::{Effect, MAX_VALUES};
+use crate::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, MAX_VALUES};
+use crate::formula::Formula;
 use crate::motion::Pendulum;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,9 @@ pub struct Parameters<R> {
     pub pendulum: Pendulum<R>,
     /// Present effects; one that is not listed does not act.
     pub effects: Vec<EffectValues<R>, MAX_EFFECTS>,
+    /// The law of the effect [`CUSTOM_FORMULA_ID`]; stored and sent on its own.
+    #[serde(skip)]
+    pub formula: Option<Formula>,
 }
 
 /// What is wrong with a set of parameters.
@@ -70,11 +74,17 @@ pub enum ParameterError {
 
 impl core::fmt::Display for ParameterError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let name = |id| Effect::<f64>::by_id(id).map_or("?", |effect| effect.name);
+        let name = |id| match id {
+            CUSTOM_FORMULA_ID => CUSTOM_FORMULA_NAME,
+            _ => Effect::<f64>::by_id(id).map_or("?", |effect| effect.name),
+        };
         match *self {
             Self::Pendulum { index } => {
                 let what = ["mass", "length", "inertia", "gravity"].get(usize::from(index)).copied().unwrap_or("?");
                 write!(f, "the pendulum's {what} is not a positive number")
+            }
+            Self::UnknownEffect { id: CUSTOM_FORMULA_ID } => {
+                write!(f, "there are values of a custom formula, but no formula")
             }
             Self::UnknownEffect { id } => write!(f, "there is no effect with the id {id} here; is the firmware older?"),
             Self::WrongCount { id, expected, got } => {
@@ -100,7 +110,7 @@ impl core::error::Error for ParameterError {}
 impl<R: Copy> Parameters<R> {
     /// A pendulum on which nothing acts but gravity.
     pub fn frictionless(pendulum: Pendulum<R>) -> Self {
-        Self { pendulum, effects: Vec::new() }
+        Self { pendulum, effects: Vec::new(), formula: None }
     }
 
     /// The values of an effect, if it is present.
@@ -119,9 +129,19 @@ impl<R: Copy> Parameters<R> {
         Ok(())
     }
 
+    /// Sets the law of the custom effect and its values.
+    pub fn set_formula(&mut self, formula: &Formula, values: &[R]) -> Result<(), ParameterError> {
+        self.set(CUSTOM_FORMULA_ID, values)?;
+        self.formula = Some(formula.clone());
+        Ok(())
+    }
+
     /// Takes an effect out.
     pub fn remove(&mut self, id: u16) {
         self.effects.retain(|effect| effect.id != id);
+        if id == CUSTOM_FORMULA_ID {
+            self.formula = None;
+        }
     }
 
     /// The same numbers in another type.
@@ -137,7 +157,8 @@ impl<R: Copy> Parameters<R> {
             id: effect.id,
             values: effect.values.iter().map(|value| convert(*value)).collect(),
         };
-        Parameters { pendulum, effects: self.effects.iter().map(convert_effect).collect() }
+        let effects = self.effects.iter().map(convert_effect).collect();
+        Parameters { pendulum, effects, formula: self.formula.clone() }
     }
 }
 
@@ -149,9 +170,24 @@ impl<R: Copy + Into<f64>> Parameters<R> {
             if self.effects[..position].iter().any(|earlier| earlier.id == effect.id) {
                 return Err(ParameterError::Twice { id: effect.id });
             }
-            check_effect(effect)?;
+            match effect.id {
+                CUSTOM_FORMULA_ID => self.check_formula(effect)?,
+                _ => check_effect(effect)?,
+            }
         }
         Ok(())
+    }
+
+    /// Its ranges are the business of whoever typed it; a number it has to be.
+    fn check_formula(&self, effect: &EffectValues<R>) -> Result<(), ParameterError> {
+        let id = effect.id;
+        let formula = self.formula.as_ref().ok_or(ParameterError::UnknownEffect { id })?;
+        check_count(id, formula.n_parameters(), effect.values.len())?;
+        let not_finite = |value: &R| !(*value).into().is_finite();
+        match effect.values.iter().position(not_finite) {
+            Some(index) => Err(ParameterError::OutOfRange { id, index: index as u8 }),
+            None => Ok(()),
+        }
     }
 
     fn check_pendulum(&self) -> Result<(), ParameterError> {
@@ -174,10 +210,7 @@ impl<R: Copy + Into<f64>> Parameters<R> {
 fn check_effect<R: Copy + Into<f64>>(effect: &EffectValues<R>) -> Result<(), ParameterError> {
     let id = effect.id;
     let known = Effect::<f32>::by_id(id).ok_or(ParameterError::UnknownEffect { id })?;
-    if known.parameters.len() != effect.values.len() {
-        let (expected, got) = (known.parameters.len() as u8, effect.values.len() as u8);
-        return Err(ParameterError::WrongCount { id, expected, got });
-    }
+    check_count(id, known.parameters.len(), effect.values.len())?;
     for (index, (parameter, value)) in known.parameters.iter().zip(&effect.values).enumerate() {
         let value: f64 = (*value).into();
         let low = if parameter.low < 0.0 {
@@ -193,6 +226,11 @@ fn check_effect<R: Copy + Into<f64>>(effect: &EffectValues<R>) -> Result<(), Par
     Ok(())
 }
 
+fn check_count(id: u16, expected: usize, got: usize) -> Result<(), ParameterError> {
+    let wrong = ParameterError::WrongCount { id, expected: expected as u8, got: got as u8 };
+    if expected == got { Ok(()) } else { Err(wrong) }
+}
+
 /// The ids of the base effects, by the name the paper gives their numbers.
 pub mod base {
     /// Viscous friction: Mw.
@@ -206,20 +244,17 @@ pub mod base {
 impl Parameters<f64> {
     /// The paper's model at the optimum of its third design (Tables 1 and 9).
     pub fn paper() -> Self {
-        let pendulum = Pendulum {
-            mass_kg: 0.146_608_4,
-            length_m: 0.156_217_7,
-            inertia_kg_m2: 0.002_706_768_718,
-            gravity_m_s2: 9.81,
-        };
+        let pendulum = Pendulum { inertia_kg_m2: 0.002_706_768_718, ..Pendulum::paper() };
         let mut parameters = Self::frictionless(pendulum);
         parameters.set_friction(0.000_540_104_134, 0.000_712_350_307, 0.001, 0.055);
         parameters
     }
+}
 
+impl<R: Copy> Parameters<R> {
     /// Sets the base effects: Mw in N·m·s/rad, Mc and Ms in N·m, DV in rad/s.
-    pub fn set_friction(&mut self, viscous: f64, coulomb: f64, stiction: f64, velocity_band: f64) {
-        let entries: [(u16, &[f64]); 3] =
+    pub fn set_friction(&mut self, viscous: R, coulomb: R, stiction: R, velocity_band: R) {
+        let entries: [(u16, &[R]); 3] =
             [(base::VISCOUS, &[viscous]), (base::COULOMB, &[coulomb]), (base::STICTION, &[stiction, velocity_band])];
         for (id, values) in entries {
             self.effects.retain(|effect| effect.id != id);

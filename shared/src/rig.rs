@@ -3,7 +3,10 @@
 //! Firmware, simulated rig and tests run this same code. What needs the board (flash, sampling rate, reset) comes out
 //! as a [`Request`]; the board carries it out and reports back with [`Rig::finished`].
 
+use crate::effect::CUSTOM_FORMULA_ID;
 use crate::filter::{Butterworth, FilterState};
+use crate::formula::{Formula, MAX_BYTES};
+use crate::motion::Pendulum;
 use crate::observer::{Estimate, Observer};
 use crate::parameters::Parameters;
 use crate::potentiometer::Potentiometer;
@@ -19,7 +22,7 @@ use serde::{Deserialize, Serialize};
 const STORED_VERSION: u16 = 1;
 
 /// The longest encoded [`Stored`].
-pub const MAX_STORED: usize = 320;
+pub const MAX_STORED: usize = 320 + MAX_BYTES;
 
 /// For calibration: codes are averaged with this time constant.
 const AVERAGING_S: f32 = 0.25;
@@ -43,9 +46,14 @@ pub struct Stored {
 }
 
 impl Stored {
-    /// Bytes for flash, a version before the content; the flash store adds its own check sum.
+    /// Bytes for flash: a version, the content, and behind it the formula, if there is one. The flash store adds its own
+    /// check sum.
     pub fn encode<'b>(&self, buffer: &'b mut [u8; MAX_STORED]) -> Option<&'b [u8]> {
-        postcard::to_slice(&(STORED_VERSION, self), buffer).ok().map(|bytes| &*bytes)
+        let formula = self.parameters.formula.as_ref().map_or(&[][..], Formula::bytes);
+        let n_bytes = postcard::to_slice(&(STORED_VERSION, self), buffer).ok()?.len();
+        let end = n_bytes + formula.len();
+        buffer.get_mut(n_bytes..end)?.copy_from_slice(formula);
+        buffer.get(..end)
     }
 
     /// Reads what [`Stored::encode`] wrote; content that does not fit this build is refused with its reason.
@@ -54,7 +62,10 @@ impl Stored {
         if version != STORED_VERSION {
             return Err(StoreState::OtherVersion);
         }
-        let stored: Self = postcard::from_bytes(rest).map_err(|_| StoreState::Damaged)?;
+        let (mut stored, rest) = postcard::take_from_bytes::<Self>(rest).map_err(|_| StoreState::Damaged)?;
+        if !rest.is_empty() {
+            stored.parameters.formula = Some(Formula::from_bytes(rest).ok_or(StoreState::Damaged)?);
+        }
         let sound = stored.parameters.check().is_ok() && check_settings(&stored.settings).is_ok();
         if sound { Ok(stored) } else { Err(StoreState::Damaged) }
     }
@@ -102,8 +113,11 @@ pub enum Outcome {
 /// The pendulum rig.
 pub struct Rig {
     hello: Hello,
-    defaults: Stored,
+    /// The converter's largest code.
+    full_scale: u16,
     parameters: Parameters<f32>,
+    /// The law of the custom effect for the next parameters that contain it.
+    formula: Option<Formula>,
     settings: Settings,
     filter: Butterworth<f32>,
     filter_state: Option<FilterState<f32>>,
@@ -122,17 +136,17 @@ pub struct Rig {
 impl Rig {
     /// A rig called `name` with what its flash held. `full_scale` is its converter's largest code.
     pub fn new(name: &str, full_scale: u16, stored: Result<Stored, StoreState>) -> Self {
-        let defaults = Stored { parameters: default_parameters(), settings: default_settings(full_scale) };
         let (store, in_use) = match stored {
             Ok(stored) => (StoreState::Loaded, stored),
-            Err(reason) => (reason, defaults.clone()),
+            Err(reason) => (reason, defaults(full_scale)),
         };
         let statistics = Statistics { health: Health { store, ..Health::default() }, ..Statistics::default() };
         let observer = Observer::new(&in_use.parameters, in_use.settings.bandwidth_rad_s);
         let mut rig = Self {
             hello: Hello::new(name),
-            defaults,
-            parameters: in_use.parameters.clone(),
+            full_scale,
+            formula: in_use.parameters.formula.clone(),
+            parameters: in_use.parameters,
             settings: in_use.settings,
             filter: filter_of(&default_settings(full_scale)),
             filter_state: None,
@@ -299,9 +313,21 @@ impl Rig {
                 Some(host) => refuse(number, Refusal::Protocol { host, rig: PROTOCOL }),
                 None => self.on_command(number, command),
             },
-            Frame::CustomFormula(_) => refuse(0, Refusal::NotHere),
+            Frame::CustomFormula(bytes) => self.hold_formula(&bytes),
             Frame::Answer(..) | Frame::Samples(_) | Frame::Live(_) => Outcome::Nothing,
         }
+    }
+
+    /// Keeps the law that comes, and says which one is held.
+    fn hold_formula(&mut self, bytes: &[u8]) -> Outcome {
+        if !bytes.is_empty() {
+            match Formula::from_bytes(bytes) {
+                Some(formula) => self.formula = Some(formula),
+                None => return refuse(0, Refusal::Formula),
+            }
+        }
+        let held = self.formula.as_ref().map_or(&[][..], Formula::bytes);
+        Outcome::Send(Frame::CustomFormula(held.iter().copied().collect()))
     }
 
     fn on_command(&mut self, number: u16, command: Command) -> Outcome {
@@ -316,13 +342,18 @@ impl Rig {
                 done
             }
             Command::GetParameters => answer(number, Answer::Parameters(self.parameters.clone())),
-            Command::SetParameters(parameters) => match parameters.check() {
-                Ok(()) => {
-                    self.use_parameters(parameters);
-                    done
+            Command::SetParameters(mut parameters) => {
+                if parameters.values(CUSTOM_FORMULA_ID).is_some() {
+                    parameters.formula.clone_from(&self.formula);
                 }
-                Err(error) => refuse(number, Refusal::Parameters(error)),
-            },
+                match parameters.check() {
+                    Ok(()) => {
+                        self.use_parameters(parameters);
+                        done
+                    }
+                    Err(error) => refuse(number, Refusal::Parameters(error)),
+                }
+            }
             Command::GetSettings => answer(number, Answer::Settings(self.settings)),
             Command::SetSettings(settings) => self.set_settings(number, settings),
             Command::Save => {
@@ -331,7 +362,7 @@ impl Rig {
             }
             Command::Load => Outcome::Do(number, Request::Load),
             Command::Defaults => {
-                let defaults = self.defaults.clone();
+                let defaults = defaults(self.full_scale);
                 self.use_parameters(defaults.parameters);
                 self.set_settings(number, defaults.settings)
             }
@@ -349,6 +380,7 @@ impl Rig {
             Finished::Done => Answer::Done,
             Finished::Failed(refusal) => Answer::Refused(refusal),
             Finished::Loaded(stored) => {
+                self.formula.clone_from(&stored.parameters.formula);
                 self.use_parameters(stored.parameters);
                 self.use_settings(stored.settings);
                 Answer::Done
@@ -431,12 +463,16 @@ fn empty_live() -> Live {
     Live { sequence: 0, first_sample: 0, every: 0, status: 0, points: Vec::new() }
 }
 
+/// What a rig with an empty flash uses.
+fn defaults(full_scale: u16) -> Stored {
+    Stored { parameters: default_parameters(), settings: default_settings(full_scale) }
+}
+
 /// The defaults: the paper's pendulum with the inertia of its CAD drawing and the middle of its Table 2.
 fn default_parameters() -> Parameters<f32> {
-    let mut parameters = Parameters::paper();
-    parameters.pendulum.inertia_kg_m2 = 0.002_842_52;
+    let mut parameters = Parameters::frictionless(Pendulum::paper());
     parameters.set_friction(5.5e-4, 5.5e-4, 5.5e-3, 0.03);
-    parameters.map(|value| value as f32)
+    parameters
 }
 
 fn default_settings(full_scale: u16) -> Settings {
@@ -457,13 +493,13 @@ fn check_settings(settings: &Settings) -> Result<(), u8> {
 
 /// The filter of checked settings.
 fn filter_of(settings: &Settings) -> Butterworth<f32> {
-    Butterworth::new(f64::from(settings.cutoff_hz), f64::from(settings.rate_hz))
-        .expect("settings are checked before use")
+    Butterworth::new(settings.cutoff_hz, settings.rate_hz).expect("settings are checked before use")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effect::Effect;
     use crate::parameters::ParameterError;
 
     fn rig() -> Rig {
@@ -546,6 +582,83 @@ mod tests {
         assert_eq!(Stored::decode(&[]), Err(StoreState::Damaged));
         assert_eq!(Stored::decode(&[99, 1, 2]), Err(StoreState::OtherVersion));
         assert_eq!(Stored::decode(&bytes[..bytes.len() - 3]), Err(StoreState::Damaged));
+    }
+
+    /// −k·ω·|ω|, k a parameter.
+    fn drag() -> Formula {
+        use crate::formula::code::{ABS, MULTIPLY, NEGATE, OMEGA, PARAMETER};
+        let code = [PARAMETER, NEGATE, OMEGA, MULTIPLY, OMEGA, ABS, MULTIPLY];
+        Formula::new(&code, &[], 1, "-k*omega*abs(omega); k in 0..1e-2 N·m").unwrap()
+    }
+
+    fn with_drag(rig: &Rig) -> Parameters<f32> {
+        let mut parameters = rig.parameters().clone();
+        parameters.set(CUSTOM_FORMULA_ID, &[1e-3]).unwrap();
+        parameters
+    }
+
+    fn tell_formula(rig: &mut Rig, bytes: &[u8]) -> Frame {
+        match rig.on_frame(Frame::CustomFormula(bytes.iter().copied().collect())) {
+            Outcome::Send(frame) => frame,
+            other => panic!("no answer but {other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_formula_is_held_used_by_the_observer_and_kept_in_flash() {
+        let mut rig = rig();
+        let bytes: Vec<u8, MAX_BYTES> = drag().bytes().iter().copied().collect();
+        assert_eq!(tell_formula(&mut rig, &[]), Frame::CustomFormula(Vec::new()));
+        assert_eq!(tell_formula(&mut rig, &bytes), Frame::CustomFormula(bytes.clone()));
+        let parameters = with_drag(&rig);
+        assert_eq!(ask(&mut rig, Command::SetParameters(parameters)), Answer::Done);
+
+        let Outcome::Do(5, Request::Save(stored)) = rig.on_frame(Frame::Command(5, Command::Save)) else { panic!() };
+        let mut buffer = [0; MAX_STORED];
+        let stored = Stored::decode(stored.encode(&mut buffer).unwrap()).unwrap();
+        let mut restarted = Rig::new("test", 4095, Ok(stored));
+        assert_eq!(tell_formula(&mut restarted, &[]), Frame::CustomFormula(bytes));
+
+        // The observer makes the same of a swing as one that knows the law from the list, and not as one without it.
+        let swing = |rig: &mut Rig| -> std::vec::Vec<f32> {
+            ask(rig, Command::Start(Stream { raw: false, live_every: 1 }));
+            let code = |i: u32| Code((2048.0 + 500.0 * libm::cosf(i as f32 * 8e-3)) as u16);
+            let mut angles = std::vec::Vec::new();
+            (0..4000).for_each(|i| {
+                rig.on_sample(code(i), |frame| {
+                    let Frame::Live(live) = frame else { panic!() };
+                    angles.extend(live.points.iter().map(|point| point.angle_rad));
+                })
+            });
+            angles
+        };
+        let mut plain = self::rig();
+        let mut listed = self::rig();
+        let mut known = listed.parameters().clone();
+        known.set(Effect::<f32>::by_name("quadratic-drag").unwrap().id, &[1e-3]).unwrap();
+        assert_eq!(ask(&mut listed, Command::SetParameters(known)), Answer::Done);
+        let (plain, typed, listed) = (swing(&mut plain), swing(&mut restarted), swing(&mut listed));
+        let apart = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(apart(&typed, &listed) < 1e-5, "{}", apart(&typed, &listed));
+        assert!(apart(&typed, &plain) > 1e-2, "{}", apart(&typed, &plain));
+    }
+
+    #[test]
+    fn values_without_a_formula_and_bytes_without_a_program_are_refused() {
+        let mut rig = rig();
+        let unknown = Refusal::Parameters(ParameterError::UnknownEffect { id: CUSTOM_FORMULA_ID });
+        let parameters = with_drag(&rig);
+        assert_eq!(ask(&mut rig, Command::SetParameters(parameters)), Answer::Refused(unknown));
+        assert_eq!(tell_formula(&mut rig, &[1, 0, 0, 0xff]), Frame::Answer(0, Answer::Refused(Refusal::Formula)));
+        tell_formula(&mut rig, drag().bytes());
+        let mut two_values = rig.parameters().clone();
+        two_values.set(CUSTOM_FORMULA_ID, &[1.0, 2.0]).unwrap();
+        let count = ParameterError::WrongCount { id: CUSTOM_FORMULA_ID, expected: 1, got: 2 };
+        assert_eq!(ask(&mut rig, Command::SetParameters(two_values)), Answer::Refused(Refusal::Parameters(count)));
+        let mut no_number = rig.parameters().clone();
+        no_number.set(CUSTOM_FORMULA_ID, &[f32::NAN]).unwrap();
+        let range = ParameterError::OutOfRange { id: CUSTOM_FORMULA_ID, index: 0 };
+        assert_eq!(ask(&mut rig, Command::SetParameters(no_number)), Answer::Refused(Refusal::Parameters(range)));
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! [`PROTOCOL`]; variants of [`Frame`] keep their numbers for ever.
 
 use crate::effect::{CUSTOM_FORMULA_ID, Effect};
+use crate::formula::MAX_BYTES;
 use crate::parameters::{ParameterError, Parameters};
 use crate::potentiometer::Potentiometer;
 use crate::units::Radian;
@@ -89,8 +90,9 @@ pub enum Frame {
     Samples(Samples),
     /// Rig to PC: what filter and observer make of them.
     Live(Live),
-    /// Reserved for the program of a custom formula, [`CUSTOM_FORMULA_ID`].
-    CustomFormula(Vec<u8, 128>),
+    /// The law of the effect [`CUSTOM_FORMULA_ID`], as [`crate::formula::Formula::bytes`]. From the PC: hold this
+    /// one, and use it from the next parameters on; empty: tell me. From the rig: this one is held; empty: none.
+    CustomFormula(Vec<u8, MAX_BYTES>),
 }
 
 /// What the PC may ask.
@@ -170,6 +172,8 @@ pub enum Refusal {
     NothingStored,
     /// This board can't do that.
     NotHere,
+    /// What came is no program of a formula that this firmware can run.
+    Formula,
 }
 
 impl core::fmt::Display for Refusal {
@@ -189,6 +193,7 @@ impl core::fmt::Display for Refusal {
             Self::Flash => write!(f, "the flash memory could not be written"),
             Self::NothingStored => write!(f, "nothing usable is stored in flash"),
             Self::NotHere => write!(f, "this board cannot do that"),
+            Self::Formula => write!(f, "its firmware cannot run this formula; is the firmware older?"),
         }
     }
 }
@@ -346,7 +351,7 @@ enum ForRig {
     Answer,
     Samples,
     Live,
-    CustomFormula(Vec<u8, 128>),
+    CustomFormula(Vec<u8, MAX_BYTES>),
 }
 
 impl From<ForRig> for Frame {

@@ -71,7 +71,7 @@ impl Random {
 /// An effect that a rig has and its model does not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hidden {
-    /// As in the product's list.
+    /// As in the product's list, or `outside` for a law that is not in it: a brake on either side of the path.
     pub name: &'static str,
     /// How strong, in the unit of its first parameter.
     pub size: f64,

@@ -15,5 +15,6 @@ pub mod page;
 pub mod paper_data;
 pub mod plant;
 pub mod program;
+pub mod protocol_page;
 #[cfg(unix)]
 pub mod qemu;

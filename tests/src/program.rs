@@ -36,8 +36,13 @@ pub struct Run {
 
 /// Runs the program in a folder with arguments separated by spaces.
 pub fn host(folder: &Path, arguments: &str) -> Run {
+    host_with(folder, &arguments.split_whitespace().collect::<Vec<&str>>())
+}
+
+/// Runs the program in a folder with arguments that may contain spaces.
+pub fn host_with(folder: &Path, arguments: &[&str]) -> Run {
     let output = assert_cmd::Command::new(path())
-        .args(arguments.split_whitespace())
+        .args(arguments)
         .current_dir(folder)
         .timeout(PATIENCE)
         .output()

@@ -33,6 +33,7 @@ pub struct Qemu {
     shared: Arc<Shared>,
     port: String,
     directory: PathBuf,
+    log: Arc<Mutex<Vec<u8>>>,
     plant: Option<JoinHandle<()>>,
     _turn: MutexGuard<'static, ()>,
 }
@@ -58,13 +59,15 @@ impl Qemu {
         let mut process = command()
             .args(["-chardev", "pty,id=link", "-serial", "chardev:link"])
             .args(["-chardev", &chardev, "-serial", "chardev:plant"])
+            .args(["-semihosting-config", "enable=on,target=native,arg=image"])
             .args(["-gdb", &format!("unix:{},server=on,wait=off", debugger(&directory).display()), "-kernel"])
             .arg(image)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
             .map_err(missing)?;
-        let port = match terminal_of(&mut process) {
+        let log = Arc::default();
+        let port = match terminal_of(&mut process, &log) {
             Ok(port) => port,
             Err(reason) => {
                 end(&mut process);
@@ -81,12 +84,17 @@ impl Qemu {
         });
         let feeder = Arc::clone(&shared);
         let plant = std::thread::spawn(move || feeder.feed(Plant::new(scenario), line, limit));
-        Ok(Self { shared, port, directory, plant: Some(plant), _turn: turn })
+        Ok(Self { shared, port, directory, log, plant: Some(plant), _turn: turn })
     }
 
     /// The terminal that is the board's serial port, for `--port`.
     pub fn port(&self) -> &str {
         &self.port
+    }
+
+    /// What the firmware logged so far, as defmt encodes it.
+    pub fn log(&self) -> Vec<u8> {
+        self.log.lock().map(|log| log.clone()).unwrap_or_default()
     }
 
     /// Samples sent so far.
@@ -242,28 +250,48 @@ fn end(process: &mut Child) {
     let _ = process.wait();
 }
 
-/// QEMU says which terminal it opened, on one stream or the other.
-fn terminal_of(process: &mut Child) -> Result<String, String> {
-    let (found, terminal) = std::sync::mpsc::channel();
-    let streams: [Option<Box<dyn Read + Send>>; 2] =
-        [process.stdout.take().map(|s| Box::new(s) as _), process.stderr.take().map(|s| Box::new(s) as _)];
-    for stream in streams.into_iter().flatten() {
-        let found = found.clone();
-        std::thread::spawn(move || {
-            for line in BufReader::new(stream).lines().map_while(Result::ok) {
-                let _ = found.send(line);
+/// QEMU says which terminal it opened, on one stream or the other. After that line, its standard output is the
+/// firmware's log.
+fn terminal_of(process: &mut Child, log: &Arc<Mutex<Vec<u8>>>) -> Result<String, String> {
+    let (said, lines) = std::sync::mpsc::channel();
+    let (output, errors) = (process.stdout.take(), process.stderr.take());
+    let output_log = Arc::clone(log);
+    let output_said = said.clone();
+    std::thread::spawn(move || {
+        let Some(mut output) = output.map(BufReader::new) else { return };
+        let mut line = String::new();
+        while !line.contains("/dev/") {
+            line.clear();
+            match output.read_line(&mut line) {
+                Ok(n_bytes) if n_bytes > 0 => output_said.send(line.clone()).unwrap_or(()),
+                _ => return,
             }
-        });
-    }
-    drop(found);
-    let mut said = String::new();
-    while let Ok(line) = terminal.recv_timeout(START_LIMIT) {
+        }
+        keep(output, &output_log);
+    });
+    std::thread::spawn(move || {
+        let lines = errors.map(BufReader::new).into_iter().flat_map(|errors| errors.lines().map_while(Result::ok));
+        for line in lines {
+            let _ = said.send(line);
+        }
+    });
+    let mut all = String::new();
+    while let Ok(line) = lines.recv_timeout(START_LIMIT) {
         if let Some(port) = line.split_whitespace().find(|word| word.starts_with("/dev/")) {
             return Ok(port.to_owned());
         }
-        said += &line;
+        all += &line;
     }
-    Err(format!("{QEMU} opened no terminal; it said: {said}"))
+    Err(format!("{QEMU} opened no terminal; it said: {all}"))
+}
+
+fn keep(mut stream: impl Read, log: &Mutex<Vec<u8>>) {
+    let mut bytes = [0; 256];
+    while let Ok(n_bytes @ 1..) = stream.read(&mut bytes) {
+        if let Ok(mut log) = log.lock() {
+            log.extend_from_slice(&bytes[..n_bytes]);
+        }
+    }
 }
 
 fn connect(socket: &Path) -> Result<UnixStream, String> {

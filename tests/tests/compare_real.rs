@@ -5,12 +5,12 @@ mod compare_support;
 use compare_support::{hidden, keep_pictures, measurement, normalised};
 use host::compare::measurement::Measurement;
 use host::compare::verdict::Answer;
-use host::compare::{Comparison, Options, compare, text};
+use host::compare::{Comparison, Options, compare};
 
 fn judged(name: &str, from_s: Option<f64>) -> Comparison {
     let measurement = measurement(name, from_s);
     let comparison = compare(&normalised(&measurement), &[measurement], &[], &Options { fit_first: true }).unwrap();
-    println!("=== {name}\n{}\nplaces {:?}\n", text::text(&comparison), comparison.places);
+    println!("=== {name}\n{}\nplaces {:?}\n", comparison.verdict.join("\n"), comparison.places);
     println!("missing {:#?}\nmeasured {:?}", comparison.energy.loss_missing, comparison.energy.loss_measured);
     if let Some(map) = &comparison.torque {
         println!("evidence {} explained {} significant {}", map.evidence, map.explained, map.is_significant);
@@ -53,7 +53,7 @@ fn hidden_rigs_are_judged() {
     for case in 1..=8 {
         let (rig, measurements): (_, Vec<Measurement>) = hidden(case);
         let comparison = compare(&rig, &measurements, &[], &Options { fit_first: true }).unwrap();
-        println!("=== p{case:02}\n{}\n", text::text(&comparison));
+        println!("=== p{case:02}\n{}\n", comparison.verdict.join("\n"));
         keep_pictures(&format!("p{case:02}"), &comparison);
         if let Some(map) = &comparison.torque {
             println!("evidence {} explained {} significant {}", map.evidence, map.explained, map.is_significant);

@@ -97,6 +97,8 @@ fn wrong_bodies_are_refused_with_a_reason_and_nothing_breaks() {
         assert!(answer.json()["what"].is_string(), "{json}: {answer:?}");
     }
     server.post("/api/change", "{\"add\":[\"magic\"]}").refused(422, "no effect called magic");
+    server.post("/api/formula", "{\"formula\":\"torque = -k*wind; k in 0..1 N·m\"}").refused(422, "wind");
+    server.post("/api/formula", &format!("{{\"formula\":\"{}\"}}", "1+".repeat(300))).refused(422, "400");
     server.post("/api/simulate", "{\"recording\":7,\"values\":{}}").refused(422, "no recording 7");
     server.post("/api/pendulum", "{\"mass_kg\":-1,\"length_m\":0.1,\"inertia_kg_m2\":0.1}").refused(422, "mass");
     server.post("/api/pendulum", "{\"mass_kg\":1}").refused(422, "belong together");

@@ -1,5 +1,6 @@
 //! The whole firmware in QEMU: greets, streams, keeps parameters over a restart, and survives bad input.
 
+use defmt_decoder::Table;
 use shared::parameters::{ParameterError, Parameters};
 use shared::wire::{Answer, Command, Frame, Hello, PROTOCOL, Refusal, ResetCause, StoreState, Stream};
 use std::time::Duration;
@@ -132,7 +133,26 @@ fn a_hard_fault_restarts_the_rig_and_is_remembered() {
     std::thread::sleep(Duration::from_millis(300));
     link.hello().unwrap();
     let later = link.statistics().unwrap().health;
-    assert_eq!((later.cause, later.resets, later.last_fault), (ResetCause::Asked, 2, health.last_fault));
+    assert_eq!((later.cause, later.resets, &later.last_fault), (ResetCause::Asked, 2, &health.last_fault));
+
+    let log = logged(&qemu);
+    let fault = format!("WARN last fault: {}", health.last_fault);
+    let expected = ["INFO 0 restarts since power-up", "INFO 1 restarts since power-up", &fault];
+    assert_eq!(log[..3], expected, "{log:?}");
+    assert_eq!(log[3..], ["INFO 2 restarts since power-up", &fault], "{log:?}");
+}
+
+/// Level and text of everything logged so far.
+fn logged(qemu: &Qemu) -> Vec<String> {
+    let image = std::fs::read(firmware(Board::Qemu).unwrap()).unwrap();
+    let table = Table::parse(&image).unwrap().expect("the image has defmt's table");
+    let mut decoder = table.new_stream_decoder();
+    decoder.received(&qemu.log());
+    let mut lines = Vec::new();
+    while let Ok(frame) = decoder.decode() {
+        lines.push(format!("{} {}", frame.level().unwrap().as_str().to_uppercase(), frame.display_message()));
+    }
+    lines
 }
 
 fn innovation_rad(parameters: &Parameters<f32>) -> f64 {

@@ -32,6 +32,15 @@ fn line_of(trace: &Trace) -> String {
     format!("trace {} {n_results} {hash:08x}", trace.name)
 }
 
+#[test]
+fn a_panic_restarts_the_program_and_says_where_it_was() {
+    let said = run(&target_program("panics").unwrap(), &std::env::temp_dir(), None, LIMIT).unwrap();
+    let source = include_str!("../target/src/bin/panics.rs");
+    let line = 1 + source.lines().position(|line| line.contains("panic!(")).unwrap();
+    assert!(said.contains("cause Some(Panic), resets 1, at "), "{said}");
+    assert!(said.trim_end().ends_with(&format!("panics.rs:{line}")), "{said}");
+}
+
 /// With the test above, what holds for the PC's `f32` holds for the microcontroller's.
 #[test]
 fn an_uncorrected_swing_in_f32_stays_within_1e_4_rad_of_f64() {

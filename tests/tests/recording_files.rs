@@ -135,6 +135,21 @@ fn a_row_cut_off_while_it_was_written_is_left_out_with_a_note() {
 }
 
 #[test]
+fn the_beginning_of_a_last_number_is_not_taken_for_the_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("swing.csv");
+    let angles_rad = (0..40).map(|i| (0.3 * f64::from(i)).cos()).collect();
+    save(&Recording::uniform(100.0, angles_rad).unwrap(), &path, Existing::Keep).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    for n_lost in 1..=6 {
+        std::fs::write(&path, &whole[..whole.len() - n_lost]).unwrap();
+        let read = read(&path, &ReadOptions::default()).unwrap();
+        assert_eq!(read.len(), 39, "{n_lost} bytes lost");
+        assert!(read.notes()[0].contains("cut off"));
+    }
+}
+
+#[test]
 fn a_doubled_row_is_left_out_with_a_note() {
     let text = plain();
     let third = text.lines().nth(3).unwrap();

@@ -1,7 +1,9 @@
 //! Known pendulums come back: random rigs from the box of the paper's Table 2, measured by an integrator that shares no
 //! code with ours, are identified from one recording each, beginning with its segments.
 //!
-//! `cargo test -p tests --test recovery -- --include-ignored --nocapture` prints a line a rig. `RECOVERY_RIGS=1000` takes more of them.
+//! By default the first 24 rigs, about a minute on two cores; `RECOVERY_RIGS=100 cargo test -p tests --test recovery --
+//! --include-ignored --nocapture` takes a hundred (about four minutes) and prints a line for each. Of these the surfaces
+//! alone bring 98 within 1.5 noises, and least squares after them all within 1.05.
 
 mod physics_reference;
 
@@ -18,7 +20,7 @@ use tests::measured::{self, noise_rad};
 use tests::paper_data::{drawing, levels};
 
 /// How many rigs, unless the environment says otherwise.
-const N_RIGS: u64 = 100;
+const N_RIGS: u64 = 24;
 
 /// The smallest and largest release, rad; either side.
 const RELEASES_RAD: std::ops::Range<f64> = 0.5..2.5;
@@ -155,20 +157,18 @@ fn check_share(method: &str, most_noises: f64, share: f64, fitted: impl Fn(&Outc
 }
 
 #[test]
-#[ignore = "89 of 100 so far: seeds 16, 19, 49, 57, 62, 68, 69, 74, 76, 80, 99 stay above"]
-fn response_surfaces_alone_come_within_one_and_a_half_noises_in_95_of_100_rigs() {
+fn response_surfaces_alone_come_within_one_and_a_half_noises_in_95_percent_of_rigs() {
     check_share("surfaces", 1.5, 0.95, |outcome| &outcome.surfaces);
 }
 
 #[test]
-#[ignore = "93 of 100 so far: seeds 1, 7, 14, 16, 55, 77, 94 stay above"]
 fn least_squares_after_them_comes_within_5_percent_of_the_noise_in_all_rigs() {
     check_share("polished", 1.05, 1.0, |outcome| &outcome.polished);
 }
 
 /// One spread in a hundred rigs is 2 %; the bounds leave two of them on either side.
 #[test]
-#[ignore = "I: 88 of 100 so far"]
+#[ignore = "needs 100 rigs, and I: 89 of these 100 so far"]
 fn stated_95_percent_intervals_contain_the_truth_in_90_to_99_percent() {
     for symbol in JUDGED {
         let stated: Vec<f64> = outcomes().iter().filter_map(|outcome| outcome.deviation_stds(symbol)).collect();

@@ -6,13 +6,15 @@
 //! | samples | USART2, the second `-serial`: see [`plant`] |
 //! | flash | 48 KB of SRAM that survives a restart: see [`ram_flash`] |
 //! | time | SysTick at 168 MHz: see [`systick`] |
+//! | log | defmt by semihosting, on QEMU's standard output |
 
 mod plant;
 mod ram_flash;
 mod systick;
 mod usart;
 
-use crate::{crash, usage};
+use crate::{crash, log, usage};
+use defmt_semihosting as _;
 use embassy_executor::Spawner;
 use embassy_time::Timer;
 use firmware::ports::{Board, System};
@@ -51,12 +53,10 @@ impl System for Machine {
     fn since_power_up(&mut self) -> Health {
         let before = crash::before_this_start();
         let asked = if before.warm { ResetCause::Asked } else { ResetCause::Power };
-        Health {
-            cause: before.cause.unwrap_or(asked),
-            resets: before.resets,
-            last_fault: before.last_fault,
-            ..Health::default()
-        }
+        let cause = before.cause.unwrap_or(asked);
+        let health = Health { cause, resets: before.resets, last_fault: before.last_fault, ..Health::default() };
+        log::start(&health);
+        health
     }
 
     fn measure(&mut self, health: &mut Health) {

@@ -6,7 +6,7 @@ mod converter;
 pub use bootloader::enter_if_asked;
 pub use converter::{Converter, Input};
 
-use crate::{crash, usage};
+use crate::{crash, log, usage};
 use defmt_rtt as _;
 use embassy_stm32::flash::{Async, Bank1Region1, Flash};
 use embassy_stm32::interrupt::typelevel::{Binding, FLASH as FLASH_INTERRUPT};
@@ -59,10 +59,9 @@ impl System for Chip {
             () => ResetCause::Asked,
         };
         let cause = before.cause.unwrap_or(by_hardware);
-        if !before.last_fault.is_empty() {
-            defmt::warn!("last fault: {}", before.last_fault.as_str());
-        }
-        Health { cause, resets: before.resets, last_fault: before.last_fault, ..Health::default() }
+        let health = Health { cause, resets: before.resets, last_fault: before.last_fault, ..Health::default() };
+        log::start(&health);
+        health
     }
 
     fn measure(&mut self, health: &mut Health) {

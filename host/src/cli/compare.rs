@@ -1,10 +1,10 @@
 //! `host compare`: show where a fitted model fails.
 
 use super::columns::Reading;
+use super::comparison::text;
 use super::{output, rig};
 use crate::compare::measurement::Measurement;
 use crate::compare::pictures::pictures;
-use crate::compare::text::text;
 use crate::compare::{self, Comparison, compare};
 use crate::error::Failure;
 use crate::plot::svg::svg;

@@ -1,11 +1,13 @@
 //! `host diagnose`: which physical effect is missing from the model?
 
 use super::columns::Reading;
+use super::values::custom_effect;
 use super::{evidence, output, rig};
-use crate::diagnose::{Diagnosis, diagnose};
+use crate::diagnose::{Diagnosis, diagnose_with};
 use crate::error::Failure;
 use clap::Args;
 use serde::Serialize;
+use shared::effect::Effect;
 use std::path::PathBuf;
 
 /// Find out which physical effect is missing: fit the base model, then try every effect there is.
@@ -21,6 +23,9 @@ pub(super) struct Options {
     /// A recording that takes no part and shows how well each model predicts (may be repeated)
     #[arg(long, value_name = "FILE")]
     hold_out: Vec<PathBuf>,
+    /// Try this torque of your own beside the effects of the list
+    #[arg(long, value_name = "FORMULA", value_parser = custom_effect, allow_hyphen_values = true)]
+    effect: Option<&'static Effect<f64>>,
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -31,7 +36,8 @@ pub(super) struct Options {
 const EXAMPLE: &str = "\
 Example:
   host diagnose swing1.csv swing2.csv swing3.csv --rig rig.toml
-  host diagnose swing*.csv --hold-out other.csv --json";
+  host diagnose swing*.csv --hold-out other.csv --json
+  host diagnose swing*.csv --effect 'torque = -k*omega^3; k in 0..1e-4 N·m·s³'";
 
 #[derive(Serialize)]
 struct Shown<'a> {
@@ -46,7 +52,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let swings = options.reading.swings(&options.recordings)?;
     let held_out = options.reading.swings(&options.hold_out)?;
     output::say("fitting the base model, then every effect …");
-    let diagnosis = diagnose(&swings, &held_out, model.parameters());
+    let diagnosis = diagnose_with(&swings, &held_out, model.parameters(), options.effect);
     if options.json {
         output::json("diagnose", &Shown { recordings: &options.recordings, diagnosis: &diagnosis });
     } else {

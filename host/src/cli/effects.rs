@@ -2,9 +2,10 @@
 
 use super::output;
 use crate::error::Failure;
+use crate::formula;
 use clap::Args;
 use serde::Serialize;
-use shared::effect::{Action, Effect};
+use shared::effect::{Action, CUSTOM_FORMULA_NAME, Effect};
 
 /// List the physical effects, or explain one.
 #[derive(Debug, Args)]
@@ -24,7 +25,8 @@ pub(super) struct Options {
 const EXAMPLE: &str = "\
 Example:
   host effects
-  host effects quadratic-drag";
+  host effects quadratic-drag
+  host effects custom                 how to type one of your own";
 
 #[derive(Serialize)]
 struct Shown {
@@ -53,6 +55,10 @@ struct Number {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    if options.name.as_deref() == Some(CUSTOM_FORMULA_NAME) && !options.json {
+        output::result(formula::GUIDE);
+        return Ok(());
+    }
     let chosen: Vec<&Effect<f64>> = match &options.name {
         None => Effect::ALL.iter().collect(),
         Some(name) => vec![Effect::by_name(name).ok_or_else(|| unknown(name))?],
@@ -80,6 +86,7 @@ fn acts_on(effect: &Effect<f64>) -> &'static str {
         Action::Drive(_) | Action::Friction(_) => "torque",
         Action::State(_) => "torque with memory",
         Action::Sensor(_) => "sensor",
+        Action::Formula(_) => "formula",
     }
 }
 
@@ -109,7 +116,10 @@ fn listing() -> String {
         format!("  {:<26}{:<20}{}", effect.name, acts_on(effect), symbols.join(", "))
     };
     let lines: Vec<String> = Effect::ALL.iter().map(line).collect();
-    format!("{}\n\n`host effects NAME` explains one.", lines.join("\n"))
+    format!(
+        "{}\n\n`host effects NAME` explains one, `host effects custom` how to type one of your own.",
+        lines.join("\n")
+    )
 }
 
 fn explained(effect: &Effect<f64>) -> String {
@@ -147,5 +157,8 @@ fn markdown() -> String {
         )
     };
     let sections: String = Effect::ALL.iter().map(section).collect();
-    format!("# Physical effects\n\nMade from the code by `host effects --markdown`.\n{sections}").trim_end().to_owned()
+    let own = format!("## A formula of your own\n\n{}", formula::GUIDE);
+    format!("# Physical effects\n\nMade from the code by `host effects --markdown`.\n{sections}\n{own}")
+        .trim_end()
+        .to_owned()
 }

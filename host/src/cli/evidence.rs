@@ -1,6 +1,9 @@
 //! A diagnosis in words and tables: what is missing, how sure that is, and what it gains.
 
-use crate::diagnose::{Candidate, Diagnosis};
+use super::number::with_spread;
+use super::table::wrapped;
+use crate::diagnose::{Candidate, Diagnosis, Suggestion, Value};
+use crate::formula::effect_of;
 use shared::effect::Effect;
 
 /// The whole diagnosis for a person.
@@ -17,6 +20,7 @@ pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
     if diagnosis.verdict.is_empty() && !diagnosis.unexplained {
         return parts.join("\n\n");
     }
+    parts.extend(formulas(diagnosis));
     parts.push(staircase(diagnosis));
     parts.push(ranking(diagnosis));
     parts.join("\n\n")
@@ -42,28 +46,71 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// One claimed effect: what it is and its numbers.
+/// One claimed effect: what it is, its numbers, and what it does.
 fn claimed(diagnosis: &Diagnosis, name: &str) -> Option<String> {
-    let effect = Effect::<f64>::by_name(name)?;
-    let candidate = diagnosis.candidates.iter().find(|candidate| candidate.name == diagnosis_name(diagnosis));
-    let belongs = |symbol: &str| effect.parameters.iter().any(|parameter| parameter.symbol == symbol);
-    let values =
-        candidate.map_or(&[][..], |candidate| &candidate.parameters).iter().filter(|value| belongs(value.symbol));
+    let present = &diagnosis.parameters.effects;
+    let in_model = present.iter().filter_map(|present| effect_of(&diagnosis.parameters, present.id));
+    let effect = in_model.chain(Effect::by_name(name)).find(|effect| effect.name == name)?;
     let mut lines = vec![format!("{name}: {}", effect.summary), format!("  {}", effect.formula)];
-    lines.extend(values.map(|value| {
-        let std = value.std.map_or(String::new(), |std| format!(" ± {std:.1e}"));
-        let unit = if value.unit == "1" { "" } else { value.unit };
-        format!("  {:<4} = {:.4e}{std} {unit}", value.symbol, value.value)
-    }));
-    lines.push(format!("  shows best: {}", effect.experiment));
+    let values = diagnosis.values.iter().filter(|value| value.effect == name);
+    lines.extend(values.map(|value| format!("  {}", number(value))));
+    if let Some(evidence) = diagnosis.evidence.iter().find(|evidence| evidence.effect == name) {
+        lines.push(format!("  {}", wrapped(&evidence.words, 4)));
+        lines.push(format!("  seen in:    {} (host compare --report)", evidence.picture));
+    }
+    lines.push(format!("  shows best: {}", wrapped(effect.experiment, 14)));
     Some(lines.join("\n"))
 }
 
-/// The claimed model as candidates are named; the offset is no candidate of its own.
-fn diagnosis_name(diagnosis: &Diagnosis) -> String {
-    let named: Vec<&str> = diagnosis.staircase.iter().skip(1).map(|step| step.added).collect();
-    if named.is_empty() { "none".to_owned() } else { named.join("+") }
+fn number(value: &Value) -> String {
+    let unit = if value.unit == "1" { "" } else { value.unit };
+    format!("{:<4} = {} {unit}", value.symbol, with_spread(value.value, value.std)).trim_end().to_owned()
 }
+
+/// What the formulas say that were found for the rest, and how far they can be trusted.
+fn formulas(diagnosis: &Diagnosis) -> Option<String> {
+    let best = diagnosis.formulas.first()?;
+    let mut parts = vec![format!("What remains is something like\n  torque = {}", best.words)];
+    parts.extend(best.parameters.iter().map(|value| format!("  {}", number(value))));
+    parts.push(wrapped(&trust(diagnosis, best), 0));
+    for other in &diagnosis.formulas[1..] {
+        parts.push(format!("  also: torque = {:<44} {:.2} noises", other.words, other.rmse / diagnosis.noise));
+    }
+    let add = format!("Try it: host improve … --effect '{}' --add custom", best.formula);
+    parts.push(add);
+    Some(parts.join("\n"))
+}
+
+fn trust(diagnosis: &Diagnosis, best: &Suggestion) -> String {
+    let noises = best.rmse / diagnosis.noise;
+    let mut words = format!("It takes {:.0} % of what is left beyond the noise", 100.0 * best.removed);
+    words += &match best.beside.as_slice() {
+        [] if diagnosis.verdict.is_empty() => String::new(),
+        [] => " in place of the effects named above".to_owned(),
+        names => format!(", beside {}", names.join(" and ")),
+    };
+    words += &if noises < REACHES_THE_NOISE {
+        format!(" and reaches the noise ({noises:.2} times it).")
+    } else {
+        format!("; {noises:.2} times the noise stays, so it is a picture of the missing law at most, not the law.")
+    };
+    let rivals = diagnosis.formulas[1..].iter().filter(|other| other.rmse < RIVAL * best.rmse).count();
+    if rivals > 0 {
+        words += " The other formulas below do nearly as well: its form is not certain.";
+    }
+    if let Some((before, after)) = diagnosis.held_out_after.zip(best.held_out) {
+        words += &format!(" On held-out swings the error goes from {:.2} to {:.2} mrad.", 1e3 * before, 1e3 * after);
+    } else {
+        words += " No held-out swing has confirmed it.";
+    }
+    words + &format!(" It was seen within {:.2} rad and says nothing beyond.", best.within_rad)
+}
+
+/// So near the noise nothing is left to explain.
+const REACHES_THE_NOISE: f64 = 1.05;
+
+/// An error within this factor of the best formula's is as good.
+const RIVAL: f64 = 1.1;
 
 fn staircase(diagnosis: &Diagnosis) -> String {
     let highest = diagnosis.rmse_before.max(diagnosis.noise);

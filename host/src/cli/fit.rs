@@ -8,11 +8,12 @@ mod stages;
 
 use super::columns::Reading;
 use super::record::{Patience, take};
-use super::values::Range;
+use super::values::{Range, custom_effect};
 use super::{output, port, rig};
-use crate::diagnose::{Diagnosis, diagnose};
+use crate::diagnose::{Diagnosis, diagnose_with};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit};
+use crate::improve::{Change, change};
 use crate::link::Session;
 use crate::now;
 use crate::record::in_words;
@@ -22,6 +23,7 @@ use crate::swing::Swing;
 use clap::{Args, ValueEnum};
 use progress::Screen;
 use result::{Check, Outcome};
+use shared::effect::Effect;
 use shared::observer::Observer;
 use shared::parameters::Parameters;
 use std::path::PathBuf;
@@ -45,6 +47,9 @@ pub(super) struct Options {
     /// Search within this range instead of one found from the recording (may be repeated)
     #[arg(long, value_name = "NAME=LOW..HIGH")]
     range: Vec<Range>,
+    /// Add a torque of your own to the model, with parameters to be found
+    #[arg(long, value_name = "FORMULA", value_parser = custom_effect, allow_hyphen_values = true, conflicts_with = "paper")]
+    effect: Option<&'static Effect<f64>>,
     /// A recording that takes no part and shows how well the model predicts (may be repeated)
     #[arg(long, value_name = "FILE")]
     hold_out: Vec<PathBuf>,
@@ -80,7 +85,10 @@ Example:
   host fit --port sim                                  record, fit, push, check; without hardware
   host fit --port sim:mystery-1 --discover             the same on a rig with something hidden
   host fit swing.csv --rig rig.toml -o rig.toml
-  host fit a.csv b.csv --hold-out c.csv --range Mw=1e-4..1e-3 --json";
+  host fit a.csv --effect 'torque = -k*omega*abs(omega)^p; k in 0..1e-3 N·m; p in 0..3' -o rig.toml
+  host fit a.csv b.csv --hold-out c.csv --range Mw=1e-4..1e-3 --json
+
+With --port the rig gets the new model. From files: next `host push --rig rig.toml --port PORT`.";
 
 /// `--method`; without words of their own, or the help would not fit a screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -126,14 +134,14 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let swings = swings(options, &recordings)?;
     let held_out = swings_quietly(options, &options.hold_out)?;
 
-    let plain = identify(options, &swings, &held_out, model.parameters())?;
-    let discovery = options.discover.then(|| discover(&swings, &held_out, &plain)).flatten();
+    let rig = with_effect(options, &swings, model.parameters())?;
+    let plain = identify(options, &swings, &held_out, &rig)?;
+    let discovery = options.discover.then(|| discover(&swings, &held_out, &plain, options.effect)).flatten();
     let fit = match &discovery {
         Some(found) => refit(&swings, &held_out, found)?,
         None => plain,
     };
-    let names = recordings.iter().map(|path| path.display().to_string()).collect();
-    model.adopt_fit(&fit, &Source { method: options.method.words().to_owned(), recordings: names })?;
+    model.adopt_fit(&fit, &Source::new(options.method.words(), &recordings))?;
     if let Some(path) = &options.output {
         model.save(path)?;
     }
@@ -178,6 +186,14 @@ fn record(session: &mut Session, options: &Options, suffix: &str) -> Result<Path
     Ok(path)
 }
 
+/// The model with the effect that was typed, fitted well enough to begin with: a formula may need several starts.
+fn with_effect(options: &Options, swings: &[Swing], rig: &Parameters<f64>) -> Result<Parameters<f64>, Failure> {
+    let Some(effect) = options.effect else { return Ok(rig.clone()) };
+    output::say("looking where the formula's parameters may lie …");
+    let steps = change(swings, &[], rig, &[Change::Add(effect)]).map_err(Failure::failed)?;
+    Ok(steps.last().map_or_else(|| rig.clone(), |step| step.parameters.clone()))
+}
+
 /// Reads swings and says what was noticed.
 fn swings(options: &Options, recordings: &[PathBuf]) -> Result<Vec<Swing>, Failure> {
     let read = |path: &PathBuf| {
@@ -204,12 +220,12 @@ fn identify(options: &Options, swings: &[Swing], held_out: &[Swing], rig: &Param
 }
 
 /// What is missing, if the base model leaves more than the noise and something can be named.
-fn discover(swings: &[Swing], held_out: &[Swing], fit: &Fit) -> Option<Diagnosis> {
+fn discover(swings: &[Swing], held_out: &[Swing], fit: &Fit, typed: Option<&'static Effect<f64>>) -> Option<Diagnosis> {
     if fit.rmse_rad < NOTHING_MISSING * fit.noise_rad {
         return None;
     }
     output::say("physics is missing: trying every effect …");
-    let found = diagnose(swings, held_out, &fit.parameters);
+    let found = diagnose_with(swings, held_out, &fit.parameters, typed);
     let named = found.parameters.effects.len() > found.base_parameters.effects.len();
     if !named {
         output::warn("no effect of the list explains what is left");

@@ -1,14 +1,17 @@
 //! `host improve`: add what is missing, refit, watch the error fall, and keep the enlarged model.
 
 use super::columns::Reading;
+use super::values::custom_effect;
 use super::{evidence, output, rig};
-use crate::diagnose::diagnose;
+use crate::diagnose::diagnose_with;
 use crate::error::Failure;
+use crate::formula::effect_of;
 use crate::improve::{Change, Step, change};
 use crate::rigfile::Source;
 use clap::Args;
 use serde::Serialize;
-use shared::effect::Effect;
+use shared::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
+use shared::parameters::Parameters;
 use std::path::PathBuf;
 
 /// Add the missing effects to the model, refit everything, and show how the error falls.
@@ -27,6 +30,9 @@ pub(super) struct Options {
     /// Add this effect by hand instead of asking the diagnosis (may be repeated)
     #[arg(long, value_name = "NAME")]
     add: Vec<String>,
+    /// Try this torque of your own; with --add custom it is added in any case
+    #[arg(long, value_name = "FORMULA", value_parser = custom_effect, allow_hyphen_values = true)]
+    effect: Option<&'static Effect<f64>>,
     /// Take this effect out by hand (may be repeated)
     #[arg(long, value_name = "NAME")]
     remove: Vec<String>,
@@ -54,33 +60,38 @@ Example:
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     options.reading.check()?;
     let mut model = rig::load(options.rig.as_deref())?;
-    let changes = changes(options)?;
+    let changes = changes(options, model.parameters())?;
     if let Some(path) = &options.output {
         let updated = rig::chosen_path(options.rig.as_deref());
         rig::refuse_existing(path, options.force || updated.as_deref() == Some(path))?;
     }
     let swings = options.reading.swings(&options.recordings)?;
     let held_out = options.reading.swings(&options.hold_out)?;
-    let parameters = if changes.is_empty() {
-        let diagnosis = diagnose(&swings, &held_out, model.parameters());
+    let (parameters, values) = if changes.is_empty() {
+        let diagnosis = diagnose_with(&swings, &held_out, model.parameters(), options.effect);
         show(options, &diagnosis, || evidence::in_words(&diagnosis));
-        diagnosis.parameters
+        (diagnosis.parameters, diagnosis.values)
     } else {
         let steps = change(&swings, &held_out, model.parameters(), &changes).map_err(Failure::failed)?;
         show(options, &Steps { steps: &steps }, || in_words(&steps));
-        steps.last().map_or_else(|| model.parameters().clone(), |step| step.parameters.clone())
+        let last = steps.into_iter().next_back();
+        last.map_or_else(|| (model.parameters().clone(), Vec::new()), |step| (step.parameters, step.values))
     };
     if let Some(path) = &options.output {
-        let recordings = options.recordings.iter().map(|path| path.display().to_string()).collect();
-        model.adopt(&parameters, &Source { method: "least squares, effects added".to_owned(), recordings })?;
+        model.adopt(&parameters, &values, &Source::new("least squares, effects added", &options.recordings))?;
         model.save(path)?;
         output::say(&format!("wrote {}", path.display()));
     }
     Ok(())
 }
 
-fn changes(options: &Options) -> Result<Vec<Change>, Failure> {
+fn changes(options: &Options, rig: &Parameters<f64>) -> Result<Vec<Change>, Failure> {
     let effect = |name: &String| {
+        if name == CUSTOM_FORMULA_NAME {
+            return options.effect.or(effect_of(rig, CUSTOM_FORMULA_ID)).ok_or_else(|| {
+                Failure::wrong_use("there is no custom effect to speak of").next("give its formula with --effect")
+            });
+        }
         Effect::<f64>::by_name(name).ok_or_else(|| {
             Failure::wrong_use(format!("there is no effect called {name}")).next("see the names with `host effects`")
         })

@@ -1,12 +1,14 @@
 //! `host simulate`: a swing of the model, written as a recording.
 
-use super::values::{Assignment, finite, not_negative, positive};
+use super::values::{Assignment, custom_effect, finite, not_negative, positive};
 use super::{output, rig};
 use crate::error::Failure;
+use crate::formula::{self, effect_of};
 use crate::recording::{Calibration, Existing, Header, WriteError, Writer};
 use crate::sim::{Noise, Scenario};
 use clap::Args;
 use serde::Serialize;
+use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::model::Model;
 use shared::parameters::Parameters;
 use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
@@ -53,6 +55,9 @@ pub(super) struct Options {
     /// Set a number of the model for this swing; adds its effect if need be (may be repeated)
     #[arg(long, value_name = "NAME=VALUE")]
     with: Vec<Assignment>,
+    /// A torque of your own for this swing; give its parameters values with --with
+    #[arg(long, value_name = "FORMULA", value_parser = custom_effect, allow_hyphen_values = true)]
+    effect: Option<&'static Effect<f64>>,
     /// Write the angle as it is, not through a 12-bit converter
     #[arg(long)]
     exact: bool,
@@ -71,6 +76,7 @@ const EXAMPLE: &str = "\
 Example:
   host simulate --rig rig.toml --start 1.5 --seconds 46 --noise 0.001 --seed 1 -o swing.csv
   host simulate --rig rig.toml --with Cq=1e-4 -o with-air-drag.csv
+  host simulate --effect 'torque = -k*omega^3; k in 0..1e-4' --with k=2e-5 -o cubic.csv
   host simulate mystery-1 --start -1.2 -o swing2.csv
   host simulate mystery-1 --reveal";
 
@@ -100,7 +106,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
             (file.parameters().clone(), file.potentiometer().copied())
         }
     };
-    let parameters = with(&model, &options.with)?;
+    let parameters = with(&model, options.effect, &options.with)?;
     let potentiometer = potentiometer.unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT));
     let simulated =
         write(options, path, &parameters, (!options.exact).then_some(potentiometer)).map_err(not_written)?;
@@ -153,12 +159,24 @@ fn check(options: &Options, path: &Path) -> Result<(), Failure> {
     rig::refuse_existing(path, options.force)
 }
 
-fn with(parameters: &Parameters<f64>, assignments: &[Assignment]) -> Result<Parameters<f64>, Failure> {
+fn with(
+    parameters: &Parameters<f64>,
+    effect: Option<&'static Effect<f64>>,
+    assignments: &[Assignment],
+) -> Result<Parameters<f64>, Failure> {
     let refused = |error| Failure::wrong_use(error).next("give --with a value within the range");
     let mut parameters = parameters.clone();
-    for Assignment { quantity, value } in assignments {
+    if let Some(effect) = effect {
+        let start: Vec<f64> = effect.parameters.iter().map(|parameter| parameter.start).collect();
+        formula::add(&mut parameters, effect, &start).map_err(refused)?;
+    }
+    let custom = effect_of(&parameters, CUSTOM_FORMULA_ID);
+    for assignment in assignments {
+        let quantity = assignment
+            .quantity(custom)
+            .map_err(|error| Failure::wrong_use(error).next("name one of them in --with"))?;
         quantity.add_effect(&mut parameters).map_err(refused)?;
-        quantity.set(&mut parameters, *value);
+        quantity.set(&mut parameters, assignment.value);
     }
     parameters.check().map_err(refused)?;
     Ok(parameters)

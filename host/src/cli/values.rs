@@ -1,6 +1,8 @@
 //! Numbers on the command line, checked where they enter.
 
+use crate::formula;
 use crate::rigfile::Quantity;
+use shared::effect::Effect;
 
 /// A finite number above zero.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
@@ -22,11 +24,24 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A formula, such as `torque = -k*omega; k in 0..1e-3 N·m`.
+pub(super) fn custom_effect(text: &str) -> Result<&'static Effect<f64>, String> {
+    // The command line's own sentence comes first; the formula with its mark begins on a line of its own.
+    formula::read(text).map_err(|error| error.to_string())
+}
+
 /// `NAME=VALUE`, the name a symbol such as `Cq`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Assignment {
-    pub(super) quantity: Quantity,
+    pub(super) name: String,
     pub(super) value: f64,
+}
+
+impl Assignment {
+    /// The number that is meant; those of a formula come first.
+    pub(super) fn quantity(&self, custom: Option<&'static Effect<f64>>) -> Result<Quantity, String> {
+        custom.and_then(|effect| Quantity::by_formula_name(&self.name, effect)).map_or_else(|| quantity(&self.name), Ok)
+    }
 }
 
 impl std::str::FromStr for Assignment {
@@ -34,7 +49,7 @@ impl std::str::FromStr for Assignment {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE, such as Cq=1e-4")?;
-        Ok(Self { quantity: quantity(name)?, value: finite(value)? })
+        Ok(Self { name: name.trim().to_owned(), value: finite(value)? })
     }
 }
 

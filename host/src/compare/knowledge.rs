@@ -10,10 +10,10 @@ use crate::fit::descent::{Patience, descend};
 use crate::fit::identify::{problem_of, smooth};
 use crate::fit::linear::{Linear, Steps, SwingLinear, dot, linearise, solve_damped};
 use crate::fit::problem::{PER_SWING, Point, Problem, Quantity, Unknown};
+use crate::formula::effect_of;
 use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
-use shared::effect::Effect;
 use shared::parameters::Parameters;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::sync::atomic::AtomicUsize;
@@ -36,6 +36,18 @@ pub enum Identifiability {
     Not,
     /// At its bound: zero within its uncertainty.
     Zero,
+}
+
+impl Identifiability {
+    /// For a person.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Identified => "identified",
+            Self::Weak => "weak",
+            Self::Not => "not identifiable",
+            Self::Zero => "zero",
+        }
+    }
 }
 
 /// A value with its uncertainty.
@@ -139,7 +151,7 @@ pub fn knowledge(swings: &[Swing], rig: &Parameters<f64>, followed: &[Followed])
             unit: unknown.unit,
             given: given[j],
             agreement: agreement(&alone),
-            advice: advice(unknown, verdict),
+            advice: advice(unknown, &problem, verdict),
             chosen,
             verdict,
             alone,
@@ -227,11 +239,11 @@ fn verdict(unknown: &Unknown, problem: &Problem, chosen: &Estimate, at_bound: bo
 }
 
 /// The experiment that shows the effect best.
-fn advice(unknown: &Unknown, verdict: Identifiability) -> Option<String> {
+fn advice(unknown: &Unknown, problem: &Problem, verdict: Identifiability) -> Option<String> {
     let needed = matches!(verdict, Identifiability::Weak | Identifiability::Not);
     let experiment = match unknown.quantity {
         Quantity::Inertia => "A release from a small angle: the period tells the inertia.",
-        Quantity::Effect { id, .. } => Effect::<f64>::by_id(id)?.experiment,
+        Quantity::Effect { id, .. } => effect_of(&problem.template, id)?.experiment,
     };
     needed.then(|| experiment.to_owned())
 }

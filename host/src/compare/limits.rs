@@ -1,6 +1,7 @@
 //! What a set of recordings cannot tell, in words.
 
 use super::measurement::Measurement;
+use super::pictures::short_name;
 use super::recording::Judged;
 
 /// Swings that a friction law needs to show.
@@ -32,7 +33,7 @@ pub fn limits(measurements: &[Measurement], recordings: &[Judged]) -> Vec<String
 }
 
 fn of_recording(measurement: &Measurement, judged: &Judged) -> Vec<String> {
-    let name = &judged.name;
+    let name = short_name(&judged.name);
     let mut limits = Vec::new();
     if judged.swings.len() < FEW_SWINGS {
         let n_swings = judged.swings.len();

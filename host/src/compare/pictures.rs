@@ -25,6 +25,6 @@ fn milli(value: f64) -> f64 {
 }
 
 /// The part of a path that people call a recording.
-fn short_name(name: &str) -> &str {
+pub(crate) fn short_name(name: &str) -> &str {
     name.rsplit(['/', '\\']).next().unwrap_or(name)
 }

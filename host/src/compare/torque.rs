@@ -2,9 +2,9 @@
 //! much?
 //!
 //! The windows of [`super::weak`] average over several bins each; which torques at the middles of the bins, interpolated
-//! linearly between them, explain the windows best is a linear least-squares problem with the windows' known noise. A smooth torque is preferred: second differences of bins in a
-//! row, along the angle and along the velocity on one side of ω = 0, have prior spreads that are chosen by the evidence
-//! (D. J. C. MacKay, Neural Comput. 4 (1992) 415).
+//! linearly between them, explain the windows best is a linear least-squares problem with the windows' known noise. A
+//! smooth torque is preferred: second differences of bins in a row, along the angle and along the velocity on one side
+//! of ω = 0, have prior spreads that are chosen by the evidence (D. J. C. MacKay, Neural Comput. 4 (1992) 415).
 //! Standard errors are the larger of the posterior's and the scatter between swings.
 
 use super::weak::Windows;

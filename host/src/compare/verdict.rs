@@ -27,6 +27,9 @@ const SLOW_SHARE: f64 = 0.02;
 /// Where the noise of the sensor is coloured, only its size can be judged; up to here it may be noise.
 const COLOURED_NOISE: f64 = 1.3;
 
+/// Held-out recordings that are missed by less than this many times what the others are, are missed alike.
+const ALIKE: f64 = 1.2;
+
 /// Explained, residual, noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Totals {
@@ -142,7 +145,7 @@ fn nothing(totals: &Totals) -> String {
 }
 
 fn beyond(totals: &Totals, conclusion: &str) -> String {
-    format!("{}: {:.1} times the noise, {conclusion}.", milliradians(totals), totals.ratio)
+    format!("{}: {} times the noise, {conclusion}.", milliradians(totals), times(totals.ratio))
 }
 
 fn fails_most(comparison: &Comparison) -> Option<String> {
@@ -210,17 +213,24 @@ fn torque(comparison: &Comparison) -> Option<String> {
     ))
 }
 
+/// A multiple of the noise, with digits that mean something.
+fn times(ratio: f64) -> String {
+    if ratio < 100.0 { format!("{ratio:.1}") } else { format!("{ratio:.0}") }
+}
+
 fn held_out(comparison: &Comparison) -> Option<String> {
     let totals = comparison.held_out_totals.as_ref()?;
-    let conclusion = if comparison.held_out.iter().any(|recording| recording.more_than_noise) {
-        ", so the model does not carry over to them: the rig has changed, or they show physics that the others hide"
-    } else {
+    let conclusion = if !comparison.held_out.iter().any(|recording| recording.more_than_noise) {
         ": the model carries over to them"
+    } else if totals.ratio < ALIKE * comparison.totals.ratio {
+        ", as on the others: the model carries over, and lacks the same"
+    } else {
+        ", so the model does not carry over to them: the rig has changed, or they show physics that the others hide"
     };
     let residual = in_mrad(totals.residual_rad);
     Some(format!(
-        "On held-out recordings the residual is {residual} mrad, {:.1} times the noise{conclusion}.",
-        totals.ratio
+        "On held-out recordings the residual is {residual} mrad, {} times the noise{conclusion}.",
+        times(totals.ratio)
     ))
 }
 

@@ -5,7 +5,9 @@
 
 use super::trial::Trial;
 use crate::fit::problem::Problem;
-use shared::effect::{Action, Effect, MAX_VALUES};
+use crate::formula::effect_of;
+use shared::effect::{Action, MAX_VALUES};
+use shared::formula::Program;
 use shared::motion::Motion;
 use shared::parameters::{Parameters, base};
 
@@ -41,12 +43,13 @@ pub fn brakes_everywhere(problem: &Problem, trial: &Trial) -> bool {
 fn friction_nm(parameters: &Parameters<f64>, motion: &Motion<f64>) -> f64 {
     let base_value = |id| parameters.values(id).map_or(0.0, |values| values[0]);
     let base_nm = base_value(base::VISCOUS) * motion.velocity_rad_s + base_value(base::COULOMB) * motion.direction;
-    let added = parameters.effects.iter().filter_map(|present| match Effect::<f64>::by_id(present.id)?.action {
-        Action::Friction(torque) => {
-            let values: [f64; MAX_VALUES] = std::array::from_fn(|i| present.values.get(i).copied().unwrap_or(0.0));
-            Some(torque(motion, &values))
+    let added = parameters.effects.iter().filter_map(|present| {
+        let values: [f64; MAX_VALUES] = std::array::from_fn(|i| present.values.get(i).copied().unwrap_or(0.0));
+        match effect_of(parameters, present.id)?.action {
+            Action::Friction(torque) => Some(torque(motion, &values)),
+            Action::Formula(formula) => Some(Program::new(formula).friction_nm(motion, &values)),
+            _ => None,
         }
-        _ => None,
     });
     added.sum::<f64>() - base_nm
 }

@@ -9,7 +9,7 @@ use crate::fit::problem::Problem;
 use crate::fit::stiction::{self, Settled};
 use crate::swing::Window;
 use rayon::prelude::*;
-use shared::effect::Effect;
+use shared::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
 
 /// A residual this far above the noise variance is worth an explanation; the noise itself is known to about 2 %.
 pub const EXCESS_WORTH_EXPLAINING: f64 = 0.03;
@@ -134,7 +134,9 @@ fn next_level(problem: &Problem, beam: &[Trial], candidates: &[&'static Effect<f
     let Some(lowest) = level.first().map(|best| best.cost) else { return level };
     // Models far above the best one stay as they are: nothing that follows depends on their last digit.
     let near = level.iter().take(MAX_FINISHED).take_while(|trial| trial.cost < NEAR * lowest).count();
-    let rest = level.split_off(near);
+    let mut rest = level.split_off(near);
+    // What somebody typed deserves its last digit anyway.
+    level.extend(rest.extract_if(.., |trial| trial.has(CUSTOM_FORMULA_NAME)));
     level = level.par_iter().map(|trial| finish(problem, trial)).collect();
     sort(&mut level);
     if !is_explained(problem, &level[0]) {
@@ -169,10 +171,15 @@ fn worth_fitting(promises: Vec<Promise>) -> (Vec<Promise>, Vec<Promise>) {
     let best = promises.first().map_or(0.0, |promise| promise.gain);
     let needless = needless_generalisations(&promises);
     let (mut first, mut second): (Vec<Promise>, Vec<Promise>) = (Vec::new(), Vec::new());
-    for promise in promises.into_iter().filter(|promise| promise.gain > SHARE_OF_BEST_PROMISE * best) {
+    let is_promising = |promise: &Promise| promise.gain > SHARE_OF_BEST_PROMISE * best;
+    let is_typed = |promise: &Promise| promise.effect.id == CUSTOM_FORMULA_ID;
+    for promise in promises.into_iter().filter(|promise| is_promising(promise) || is_typed(promise)) {
         let has = |kept: &[Promise]| kept.iter().any(|other| other.effect.id == promise.effect.id);
         let waits = needless.contains(&promise.effect.id);
-        if !waits && !has(&first) && first.len() < MAX_FITTED {
+        if is_typed(&promise) {
+            // Nobody chose its starts with care, so all of them are tried.
+            first.push(promise);
+        } else if !waits && !has(&first) && first.len() < MAX_FITTED {
             first.push(promise);
         } else if (waits || has(&first)) && !has(&second) {
             second.push(promise);

@@ -1,10 +1,13 @@
 //! A model that is tried: the base effects and some added ones, fitted to the swings.
 
+use crate::fit::covariance::covariance;
 use crate::fit::descent::{Descent, Patience, descend};
-use crate::fit::linear::Steps;
+use crate::fit::linear::{Steps, linearise};
 use crate::fit::problem::{Point, Problem, Unknown};
 use crate::fit::stiction::{self, Settled, Stiction, with_stiction};
+use crate::formula::add;
 use crate::swing::Window;
+use serde::Serialize;
 use shared::effect::Effect;
 use shared::parameters::Parameters;
 
@@ -23,6 +26,38 @@ pub struct Trial {
     pub point: Point,
     /// Sum of squared errors, rad².
     pub cost: f64,
+}
+
+/// A fitted number.
+#[derive(Clone, Debug, Serialize)]
+pub struct Value {
+    /// The effect whose number it is, or `inertia`.
+    pub effect: &'static str,
+    /// The literature's symbol.
+    pub symbol: &'static str,
+    /// The value.
+    pub value: f64,
+    /// Standard deviation, if the data give one.
+    pub std: Option<f64>,
+    /// SI unit.
+    pub unit: &'static str,
+}
+
+/// All fitted numbers of a model with their uncertainties; Ms and DV, in which the error is not smooth, are not there.
+pub fn values(of: &Problem, trial: &Trial) -> Vec<Value> {
+    let problem = trial.problem(of);
+    let mut steps = Steps::new(&problem);
+    // The first pass finds the sizes of the finite differences.
+    linearise(&problem, &trial.point, Window::Whole, &mut steps);
+    let covariance = covariance(&linearise(&problem, &trial.point, Window::Whole, &mut steps));
+    let value = |(j, unknown): (usize, &Unknown)| Value {
+        effect: unknown.name,
+        symbol: unknown.symbol,
+        value: trial.point.values[j],
+        std: covariance.as_ref().and_then(|covariance| covariance.std(j)),
+        unit: unknown.unit,
+    };
+    trial.unknowns.iter().enumerate().map(value).collect()
 }
 
 impl Trial {
@@ -65,7 +100,7 @@ impl Trial {
         values: &[f64],
     ) -> Option<(Vec<Unknown>, Parameters<f64>)> {
         let mut parameters = self.parameters.clone();
-        parameters.set(effect.id, values).ok()?;
+        add(&mut parameters, effect, values).ok()?;
         let mut unknowns = self.unknowns.clone();
         unknowns.extend(Unknown::all_of_effect(effect, &of.template));
         Some((unknowns, parameters))
@@ -77,6 +112,13 @@ pub fn fit_from(problem: &Problem, effects: Vec<&'static Effect<f64>>, point: &P
     let fixed = with_stiction(problem, stiction);
     let descent = descend(&fixed, point, Window::Whole, Patience::SCREEN, Steps::new(&fixed));
     Trial::of(&fixed, effects, stiction, descent)
+}
+
+/// Fits on, Ms and DV fixed, also where the numbers depend on each other.
+pub fn refined(of: &Problem, trial: &Trial) -> Trial {
+    let problem = with_stiction(&trial.problem(of), trial.stiction);
+    let descent = descend(&problem, &trial.point, Window::Whole, Patience::LONG, Steps::new(&problem));
+    Trial::of(&problem, trial.effects.clone(), trial.stiction, descent)
 }
 
 /// Fits on until nothing moves, and searches Ms; no velocity band is sought.

@@ -1,18 +1,19 @@
 //! What may be claimed: which effects are missing, which can't be told apart, what stays unexplained.
 
+use super::evidence::{Evidence, evidence};
+use super::formulas::{Found as FoundFormula, formulas};
 use super::replacement::replacements;
 use super::search::{EXCESS_WORTH_EXPLAINING, Found, excess, is_explained, search};
-use super::trial::{Trial, finish, fit_from};
+use super::trial::{Trial, Value, finish, fit_from, values};
 use super::zero::{self, ANGLE_OFFSET, Zero};
-use crate::fit::covariance::covariance;
 use crate::fit::identify::{held_out_rmse, problem_of, smooth};
-use crate::fit::linear::{Steps, linearise};
 use crate::fit::problem::{Point, Problem, Unknown};
 use crate::fit::stiction::{self, Settled, Stiction, with_stiction};
 use crate::fit::{start, windows};
+use crate::formula::effect_of;
 use crate::swing::{Swing, Window};
 use serde::Serialize;
-use shared::effect::Effect;
+use shared::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
 use shared::parameters::{Parameters, base};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -35,19 +36,6 @@ const ALIKE_NOISES: f64 = 0.05;
 /// A residual above this many noises is called unexplained.
 const UNEXPLAINED_NOISES: f64 = 1.10;
 
-/// A number of a candidate effect.
-#[derive(Clone, Debug, Serialize)]
-pub struct Value {
-    /// The literature's symbol.
-    pub symbol: &'static str,
-    /// The value.
-    pub value: f64,
-    /// Standard deviation, if the data give one.
-    pub std: Option<f64>,
-    /// SI unit.
-    pub unit: &'static str,
-}
-
 /// A model that was fitted.
 #[derive(Clone, Debug, Serialize)]
 pub struct Candidate {
@@ -59,6 +47,29 @@ pub struct Candidate {
     pub criterion: f64,
     /// The added effects' numbers.
     pub parameters: Vec<Value>,
+}
+
+/// A formula for what no candidate explains.
+#[derive(Clone, Debug, Serialize)]
+pub struct Suggestion {
+    /// The torque with its numbers, N·m: `-3.1e-5·|ω|^2.3·sgn ω`.
+    pub words: String,
+    /// The law as `--effect` takes it.
+    pub formula: &'static str,
+    /// Root mean square error with it, rad.
+    pub rmse: f64,
+    /// On held-out swings, rad.
+    pub held_out: Option<f64>,
+    /// Share of the excess over the noise (as a variance) that it removes.
+    pub removed: f64,
+    /// As of a candidate, with a penalty for length.
+    pub criterion: f64,
+    /// Its numbers.
+    pub parameters: Vec<Value>,
+    /// Effects of the verdict that it stands beside; it may explain more without them.
+    pub beside: Vec<&'static str>,
+    /// Largest angle it was seen at, rad.
+    pub within_rad: f64,
 }
 
 /// What is missing.
@@ -90,9 +101,18 @@ pub struct Diagnosis {
     pub simulations: usize,
     /// Everything that was fitted, best first.
     pub candidates: Vec<Candidate>,
+    /// Where more than the noise remains: small formulas that explain some of it, the best first.
+    pub formulas: Vec<Suggestion>,
+    /// What each claimed effect does to a swing.
+    pub evidence: Vec<Evidence>,
+    /// All numbers of the enlarged model but Ms and DV.
+    pub values: Vec<Value>,
     /// The enlarged model.
     #[serde(skip)]
     pub parameters: Parameters<f64>,
+    /// The claimed model and those that come closest to it, as fitted.
+    #[serde(skip)]
+    pub leading: Vec<Trial>,
     /// The base model alone.
     #[serde(skip)]
     pub base_parameters: Parameters<f64>,
@@ -113,15 +133,32 @@ pub struct Step {
 
 /// Finds what is missing from the base model of a rig.
 pub fn diagnose(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>) -> Diagnosis {
-    diagnose_counted(swings, held_out, rig, &AtomicUsize::new(0))
+    diagnose_with(swings, held_out, rig, None)
+}
+
+/// The same with an effect that somebody typed beside those of the list; one that the rig has already is tried as well.
+pub fn diagnose_with(
+    swings: &[Swing],
+    held_out: &[Swing],
+    rig: &Parameters<f64>,
+    typed: Option<&'static Effect<f64>>,
+) -> Diagnosis {
+    diagnose_counted(swings, held_out, rig, typed, &AtomicUsize::new(0))
 }
 
 /// The same for somebody who wants to see the count of simulated swings grow.
-pub fn diagnose_counted(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>, count: &AtomicUsize) -> Diagnosis {
+pub fn diagnose_counted(
+    swings: &[Swing],
+    held_out: &[Swing],
+    rig: &Parameters<f64>,
+    typed: Option<&'static Effect<f64>>,
+    count: &AtomicUsize,
+) -> Diagnosis {
     let began = Instant::now();
     let problem = base_problem(swings, rig, count);
     let base = fit_base(&problem);
-    let candidates = candidates(swings);
+    let mut candidates = candidates(swings);
+    candidates.extend(typed.or(effect_of(rig, CUSTOM_FORMULA_ID)));
     let found = search(&problem, &base, &candidates);
     let judge = Judge { problem: &problem, found: &found, candidates: &candidates };
     let (claimed, others) = judge.refined(judge.claimed());
@@ -148,6 +185,7 @@ const DRIFTING: &str = "drifting-friction";
 fn base_problem<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a AtomicUsize) -> Problem<'a> {
     let mut bare = rig.clone();
     bare.effects.retain(|effect| effect.id <= base::STICTION);
+    bare.formula = None;
     let mut problem = smooth(&problem_of(swings, &bare, count));
     for (unknown, start) in problem.unknowns.clone().iter().zip(problem.template_values()) {
         if unknown.name != "inertia" && start <= unknown.low {
@@ -334,23 +372,11 @@ impl Judge<'_, '_> {
 
     fn candidate(&self, trial: &Trial) -> Candidate {
         let n_samples = self.problem.n_samples(Window::Whole) as f64;
-        let is_added = |unknown: &Unknown| trial.has(unknown.name);
-        let problem = trial.problem(self.problem);
-        let mut steps = Steps::new(&problem);
-        linearise(&problem, &trial.point, Window::Whole, &mut steps);
-        let covariance = covariance(&linearise(&problem, &trial.point, Window::Whole, &mut steps));
-        let value = |(j, unknown): (usize, &Unknown)| Value {
-            symbol: unknown.symbol,
-            value: trial.point.values[j],
-            std: covariance.as_ref().and_then(|covariance| covariance.std(j)),
-            unit: unknown.unit,
-        };
-        let added = trial.unknowns.iter().enumerate().filter(|(_, unknown)| is_added(unknown));
         Candidate {
             name: if trial.effects.is_empty() { "none".to_owned() } else { trial.names().join("+") },
             rmse: (trial.cost / n_samples).sqrt(),
             criterion: self.criterion(trial),
-            parameters: added.map(value).collect(),
+            parameters: values(self.problem, trial).into_iter().filter(|value| trial.has(value.effect)).collect(),
         }
     }
 }
@@ -397,8 +423,12 @@ impl Summary<'_, '_, '_> {
         let is_claimed = |trial: &Trial| trial.names() == self.claimed.names();
         trials.extend(self.judge.found.levels.iter().flatten().chain([base]).filter(|trial| !is_claimed(trial)));
         trials.sort_by(|a, b| self.judge.criterion(a).total_cmp(&self.judge.criterion(b)));
+        let rivals = trials.iter().copied().filter(|trial| !is_claimed(trial)).take(MAX_RIVALS);
+        let leading = std::iter::once(&self.claimed).chain(rivals).cloned().collect();
         trials.truncate(MAX_LISTED);
         let staircase = self.staircase(rmse_before, &held_out);
+        let unexplained = rmse_after > UNEXPLAINED_NOISES * noise;
+        let formulas = if unexplained { self.formulas(&held_out) } else { Vec::new() };
         Diagnosis {
             version: 1,
             undecided: self.undecided,
@@ -407,9 +437,13 @@ impl Summary<'_, '_, '_> {
             held_out_before: held_out(&base.parameters),
             held_out_after: held_out(&self.claimed.parameters),
             noise,
-            unexplained: rmse_after > UNEXPLAINED_NOISES * noise,
+            unexplained,
+            formulas,
+            evidence: evidence(problem, &self.claimed.parameters),
+            values: values(problem, &self.claimed),
             candidates: trials.into_iter().map(|trial| self.judge.candidate(trial)).collect(),
             parameters: self.claimed.parameters,
+            leading,
             base_parameters: base.parameters.clone(),
             staircase,
             seconds: self.began.elapsed().as_secs_f64(),
@@ -417,6 +451,41 @@ impl Summary<'_, '_, '_> {
             verdict,
             ranked,
         }
+    }
+
+    fn formulas(&self, held_out: &dyn Fn(&Parameters<f64>) -> Option<f64>) -> Vec<Suggestion> {
+        let problem = self.judge.problem;
+        let weight = (problem.n_samples(Window::Whole) as f64).ln();
+        let angles = problem.swings.iter().flat_map(|swing| &swing.angles_rad);
+        let within_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+        let before = excess(problem, self.claimed.cost);
+        let suggestion = |found: FoundFormula| {
+            let candidate = self.judge.candidate(&found.trial);
+            let parameters = candidate.parameters.into_iter().filter(|value| value.effect == CUSTOM_FORMULA_NAME);
+            Suggestion {
+                words: found.words,
+                formula: found.typed,
+                rmse: candidate.rmse,
+                held_out: held_out(&found.trial.parameters),
+                removed: 1.0 - excess(problem, found.trial.cost) / before,
+                criterion: candidate.criterion + weight * found.length as f64,
+                parameters: parameters.collect(),
+                beside: found.trial.names().into_iter().filter(|name| *name != CUSTOM_FORMULA_NAME).collect(),
+                within_rad,
+            }
+        };
+        if self.claimed.has(CUSTOM_FORMULA_NAME) {
+            return Vec::new();
+        }
+        let on_top_of = |trial: &Trial| formulas(problem, trial, |trial| self.judge.criterion(trial), weight);
+        let mut found: Vec<Suggestion> = on_top_of(&self.claimed).into_iter().map(suggestion).collect();
+        if !self.claimed.effects.is_empty() {
+            // An effect that was claimed for want of a better one may be in the way.
+            found.extend(on_top_of(&self.judge.found.base).into_iter().map(suggestion));
+        }
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found.truncate(MAX_FORMULAS);
+        found
     }
 
     fn staircase(&self, rmse_before: f64, held_out: &dyn Fn(&Parameters<f64>) -> Option<f64>) -> Vec<Step> {
@@ -440,6 +509,12 @@ impl Summary<'_, '_, '_> {
         steps
     }
 }
+
+/// At most this many formulas are offered.
+const MAX_FORMULAS: usize = 3;
+
+/// At most this many models are set against the claimed one.
+const MAX_RIVALS: usize = 2;
 
 /// At most this many models are listed.
 const MAX_LISTED: usize = 12;

@@ -24,6 +24,8 @@ impl Patience {
     pub const SCREEN: Self = Self { max_iterations: 5, least_gain: 3.0, least_share: 0.02 };
     /// To go on with a longer window.
     pub const ROUGH: Self = Self { max_iterations: 6, least_gain: 3.0, least_share: 1e-3 };
+    /// Where the numbers of a law depend on each other.
+    pub const LONG: Self = Self { max_iterations: 12, least_gain: 3.0, least_share: 1e-4 };
     /// For the final answer.
     pub const FINE: Self = Self { max_iterations: 15, least_gain: 1e-2, least_share: 0.0 };
 }

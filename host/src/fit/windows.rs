@@ -9,6 +9,10 @@ use crate::swing::Window;
 /// The first windows, s; then follows all of the lively motion.
 pub const WINDOWS_S: [f64; 6] = [1.2, 2.5, 5.0, 10.0, 20.0, 40.0];
 
+/// After the lively motion, these shares of the last swings: near rest, the angle depends on Ms and DV ever more
+/// strongly, and in jumps from the wrong ones.
+pub const CALMING: [f64; 4] = [0.5, 0.75, 0.9, 0.97];
+
 /// Descends through all windows up to the last swings before rest, which [`super::stiction`] decides.
 pub fn grow(problem: &Problem, from: &Point) -> Descent {
     let longest_s = problem.longest_s();

@@ -138,6 +138,12 @@ pub enum LinkError {
         /// As read back.
         got: f32,
     },
+    /// Firmware from before custom formulas.
+    #[error("the rig's firmware does not know custom formulas")]
+    NoFormulas,
+    /// A formula whose program is not what this program makes of its text.
+    #[error("the rig holds a custom formula that this program does not understand")]
+    UnknownFormula,
 }
 
 impl LinkError {
@@ -165,6 +171,8 @@ impl LinkError {
                 "press the rig's reset button and repeat the command"
             }
             Self::Refused { refusal, .. } => return after_refusal(refusal).to_owned(),
+            Self::NoFormulas => "update the firmware, or take the formula out: host improve … --remove custom",
+            Self::UnknownFormula => "update the older of rig and program, or push another model",
             Self::NotKept { .. } => "push again; if it stays so, the rig's flash is worn out or its firmware is another",
         }
         .to_owned()
@@ -181,6 +189,7 @@ fn after_refusal(refusal: &Refusal) -> &'static str {
         Refusal::SensorDisconnected => "check the potentiometer's three wires",
         Refusal::Flash => "repeat the command; if it stays so, the rig's flash is worn out",
         Refusal::NothingStored => "store something first with `host push`",
+        Refusal::Formula => "update the rig's firmware, or write a simpler formula",
         Refusal::NotHere => "use a board that can, or do without",
     }
 }

@@ -2,7 +2,7 @@
 
 use super::hello::{Heard, OWN_NAME, version};
 use super::{LinkError, Port, Tally};
-use shared::wire::{self, Answer, Command, Deframer, Frame, Hello, MAX_FRAME, Stream};
+use shared::wire::{self, Answer, Command, Deframer, Frame, Hello, MAX_FRAME, Refusal, Stream};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -20,6 +20,9 @@ const ANSWER_PATIENCE: Duration = Duration::from_secs(1);
 
 /// Erasing a flash sector stops the rig for up to a second or two.
 const FLASH_PATIENCE: Duration = Duration::from_secs(5);
+
+/// A formula in the words of "the rig refused to …".
+const FORMULA_WORDS: &str = "exchange a custom formula";
 
 /// A rig that was greeted and understood.
 pub struct Session {
@@ -140,6 +143,31 @@ impl Session {
             Answer::Done => Ok(()),
             _ => Err(LinkError::WrongAnswer { command: words(command) }),
         }
+    }
+
+    /// Sends the law of a custom effect, or nothing to ask for it; gives the one that the rig then holds.
+    ///
+    /// # Errors
+    /// As [`Session::ask`]; firmware without formulas refuses.
+    pub fn exchange_formula(&mut self, bytes: &[u8]) -> Result<Vec<u8>, LinkError> {
+        let frame = Frame::CustomFormula(bytes.iter().copied().collect());
+        for _ in 0..N_ATTEMPTS {
+            self.send(&frame)?;
+            let deadline = self.port.elapsed() + ANSWER_PATIENCE;
+            while let Some(frame) = self.next_frame(deadline, None)? {
+                match frame {
+                    Frame::CustomFormula(held) => return Ok(held.to_vec()),
+                    Frame::Answer(0, Answer::Refused(Refusal::NotHere)) => return Err(LinkError::NoFormulas),
+                    Frame::Answer(0, Answer::Refused(refusal)) => {
+                        return Err(LinkError::Refused { command: FORMULA_WORDS, refusal });
+                    }
+                    Frame::Samples(_) | Frame::Live(_) if self.streaming => self.waiting.push_back(frame),
+                    _ => {}
+                }
+            }
+        }
+        let port = self.port.name().to_owned();
+        Err(LinkError::NoAnswer { port, command: FORMULA_WORDS, n_times: N_ATTEMPTS })
     }
 
     /// Starts a stream.

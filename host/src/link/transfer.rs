@@ -2,8 +2,12 @@
 
 use super::{LinkError, Session};
 use crate::error::Failure;
+use crate::formula;
 use crate::rigfile::{Quantity, RigFile, Source};
+use shared::effect::{Action, CUSTOM_FORMULA_ID};
+use shared::formula::Formula;
 use shared::parameters::Parameters;
+use shared::potentiometer::Potentiometer;
 use shared::wire::{Answer, Command, Settings, Statistics};
 
 impl Session {
@@ -13,9 +17,23 @@ impl Session {
     /// As [`Session::ask`].
     pub fn parameters(&mut self) -> Result<Parameters<f32>, LinkError> {
         match self.ask(&Command::GetParameters)? {
-            Answer::Parameters(parameters) => Ok(parameters),
+            Answer::Parameters(parameters) => self.with_formula(parameters),
             _ => Err(LinkError::WrongAnswer { command: "give its parameters" }),
         }
+    }
+
+    /// The custom effect's law, if there is such an effect.
+    fn with_formula(&mut self, mut parameters: Parameters<f32>) -> Result<Parameters<f32>, LinkError> {
+        if parameters.values(CUSTOM_FORMULA_ID).is_some() {
+            let held = self.exchange_formula(&[])?;
+            parameters.formula = Formula::from_bytes(&held);
+            let understood = formula::effect_of(&parameters, CUSTOM_FORMULA_ID).map(|effect| effect.action);
+            let same = matches!(understood, Some(Action::Formula(law)) if Some(law) == parameters.formula.as_ref());
+            if !same {
+                return Err(LinkError::UnknownFormula);
+            }
+        }
+        Ok(parameters)
     }
 
     /// The settings in use.
@@ -59,11 +77,35 @@ impl Session {
     /// A refusal, no answer, or a value that came back different.
     pub fn push(&mut self, parameters: &Parameters<f64>) -> Result<(), LinkError> {
         let sent = parameters.map(|value| value as f32);
+        if let Some(formula) = &sent.formula {
+            // First a question: firmware that knows no formulas can say so.
+            self.exchange_formula(&[])?;
+            self.exchange_formula(formula.bytes())?;
+        }
         self.tell(&Command::SetParameters(sent.clone()))?;
         self.tell(&Command::Save)?;
         self.tell(&Command::Load)?;
         let got = self.parameters()?;
         compare(&sent, &got)
+    }
+
+    /// Sets the sensor's calibration, saves it to flash with everything else in use, loads it from there and compares.
+    ///
+    /// # Errors
+    /// A refusal, no answer, or a value that came back different.
+    pub fn calibrate(&mut self, potentiometer: &Potentiometer) -> Result<(), LinkError> {
+        let settings = Settings { potentiometer: *potentiometer, ..self.settings()? };
+        self.tell(&Command::SetSettings(settings))?;
+        self.tell(&Command::Save)?;
+        self.tell(&Command::Load)?;
+        let got = self.settings()?.potentiometer;
+        let numbers = |of: &Potentiometer| [of.zero_code, of.radian_per_code];
+        let names = ["the zero code", "the angle per code"];
+        let pairs = names.into_iter().zip(numbers(potentiometer)).zip(numbers(&got));
+        match pairs.into_iter().find(|((_, sent), got)| sent != got) {
+            None => Ok(()),
+            Some(((what, sent), got)) => Err(LinkError::NotKept { what: what.to_owned(), sent, got }),
+        }
     }
 }
 
@@ -71,6 +113,9 @@ impl Session {
 fn compare(sent: &Parameters<f32>, got: &Parameters<f32>) -> Result<(), LinkError> {
     if sent == got {
         return Ok(());
+    }
+    if sent.formula != got.formula {
+        return Err(LinkError::UnknownFormula);
     }
     let (sent, got) = (sent.map(f64::from), got.map(f64::from));
     let quantities = [Quantity::all(&sent), Quantity::all(&got)].concat();

@@ -66,7 +66,8 @@ fn parse(bytes: &[u8], options: &ReadOptions) -> Result<Recording, Fault> {
     let header = read_header(&table)?;
     let mut notes = Vec::new();
     let sources = Sources::choose(&table, &header, options, &mut notes)?;
-    let samples = Samples::collect(&table, &sources, &mut notes)?;
+    let is_ours = header.version.is_some();
+    let samples = Samples::collect(&table, &sources, is_ours, &mut notes)?;
     let angles_rad = sources.angles_rad(&samples, &header, &mut notes)?;
     let times_s = sources.times_s(&samples)?;
     let codes = (!samples.codes.is_empty()).then_some(samples.codes);
@@ -271,16 +272,20 @@ fn position_of_name(table: &Table, wanted: &str) -> Option<usize> {
 }
 
 impl Samples {
-    fn collect(table: &Table, sources: &Sources, notes: &mut Vec<String>) -> Result<Self, Fault> {
+    fn collect(table: &Table, sources: &Sources, is_ours: bool, notes: &mut Vec<String>) -> Result<Self, Fault> {
         let mut samples = Self::default();
         let mut n_doubled = 0_usize;
         for row in table.rows() {
-            match samples.take(table, sources, &row) {
-                // Our own writer ends every line, so a row without an end was cut off while it was written.
-                Err(_) if !row.is_complete => {
+            // Our own writer ends every line: in a row without an end, even what looks like a number may be the
+            // beginning of one. The writers of others often leave out the last end.
+            let may_be_whole = row.is_complete || !is_ours;
+            match may_be_whole.then(|| samples.take(table, sources, &row)) {
+                Some(Ok(())) => {}
+                Some(Err(fault)) if row.is_complete => return Err(fault),
+                _ => {
                     notes.push(format!("line {}: cut off while it was written, left out", row.line));
+                    continue;
                 }
-                taken => taken?,
             }
             n_doubled += usize::from(samples.drop_doubled());
         }

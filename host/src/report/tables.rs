@@ -3,8 +3,8 @@
 use crate::compare::Comparison;
 use crate::compare::knowledge::Known;
 use crate::compare::per_swing::Row;
+use crate::compare::pictures::short_name;
 use crate::compare::recording::Judged;
-use crate::compare::text::words;
 use crate::compare::verdict::in_mrad;
 use maud::{Markup, html};
 
@@ -13,7 +13,7 @@ pub(super) fn recordings(comparison: &Comparison) -> Markup {
     let row = |judged: &Judged, held_out: bool| {
         html! {
             tr {
-                td { (judged.name) @if held_out { " (held out)" } }
+                td { (short_name(&judged.name)) @if held_out { " (held out)" } }
                 td { (format!("{:.1}", judged.duration_s)) }
                 td { (in_mrad(judged.noise.level_rad())) }
                 td { (in_mrad(judged.predictions.free_run_rad)) }
@@ -45,7 +45,7 @@ pub(super) fn parameters(comparison: &Comparison) -> Markup {
                 td { (format!("{:.4e}", known.chosen.value)) }
                 td { @if let Some((low, high)) = interval { (format!("{low:.4e} … {high:.4e}")) } @else { "–" } }
                 td { (known.unit) }
-                td { (words(known.verdict)) @if known.disagrees() { ", recordings disagree" } }
+                td { (known.verdict.words()) @if known.disagrees() { ", recordings disagree" } }
             }
         }
     };

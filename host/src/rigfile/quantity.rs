@@ -1,6 +1,7 @@
 //! The numbers of a model by name: m, l, I, g, and every effect's parameters by symbol.
 
-use shared::effect::Effect;
+use crate::formula::{add, effect_of};
+use shared::effect::{Action, CUSTOM_FORMULA_ID, Effect};
 use shared::parameters::{ParameterError, Parameters};
 
 /// A number of the model.
@@ -21,6 +22,13 @@ pub enum Quantity {
         /// Position in its parameter list.
         index: usize,
     },
+    /// A number of a formula that somebody typed.
+    Custom {
+        /// The formula as an effect.
+        effect: &'static Effect<f64>,
+        /// Position in its parameter list.
+        index: usize,
+    },
 }
 
 /// Symbol, key in the file, unit and meaning of the pendulum's own numbers.
@@ -37,11 +45,28 @@ impl Quantity {
 
     /// Every number of a model: the pendulum's and those of its effects.
     pub fn all(parameters: &Parameters<f64>) -> Vec<Self> {
-        let of_effects = parameters
-            .effects
-            .iter()
-            .flat_map(|effect| (0..effect.values.len()).map(|index| Self::Effect { id: effect.id, index }));
+        let present = parameters.effects.iter().filter_map(|present| effect_of(parameters, present.id));
+        let of_effects = present.flat_map(Self::all_of_effect);
         Self::PENDULUM.into_iter().chain(of_effects).collect()
+    }
+
+    /// Every number of an effect.
+    pub fn all_of_effect(effect: &'static Effect<f64>) -> impl Iterator<Item = Self> {
+        (0..effect.parameters.len()).map(move |index| Self::of_effect(effect, index))
+    }
+
+    /// A number of an effect.
+    pub(super) fn of_effect(effect: &'static Effect<f64>, index: usize) -> Self {
+        match effect.action {
+            Action::Formula(_) => Self::Custom { effect, index },
+            _ => Self::Effect { id: effect.id, index },
+        }
+    }
+
+    /// By symbol (`k`) or effect and symbol (`custom.k`) among the numbers of a formula.
+    pub fn by_formula_name(name: &str, effect: &'static Effect<f64>) -> Option<Self> {
+        let symbol = name.strip_prefix(effect.name).and_then(|rest| rest.strip_prefix('.')).unwrap_or(name);
+        Self::all_of_effect(effect).find(|quantity| quantity.symbol() == symbol)
     }
 
     /// By symbol (`Mw`), key (`inertia`), or effect and symbol (`viscous.Mw`).
@@ -88,22 +113,37 @@ impl Quantity {
     pub fn owner(self) -> &'static str {
         match self {
             Self::Effect { id, .. } => Effect::<f64>::by_id(id).map_or("?", |effect| effect.name),
+            Self::Custom { effect, .. } => effect.name,
             _ => "pendulum",
         }
     }
 
     /// The key in the model file.
-    pub(super) fn key(self) -> &'static str {
+    pub fn key(self) -> &'static str {
         self.described().1
     }
 
     pub(super) fn is_of(self, wanted: u16) -> bool {
-        matches!(self, Self::Effect { id, .. } if id == wanted)
+        self.place().is_some_and(|(id, _)| id == wanted)
+    }
+
+    /// Its effect's id and its position there.
+    pub(super) fn place(self) -> Option<(u16, usize)> {
+        match self {
+            Self::Effect { id, index } => Some((id, index)),
+            Self::Custom { index, .. } => Some((CUSTOM_FORMULA_ID, index)),
+            _ => None,
+        }
     }
 
     fn described(self) -> (&'static str, &'static str, &'static str, &'static str) {
-        if let Self::Effect { id, index } = self {
-            let parameter = Effect::<f64>::by_id(id).and_then(|effect| effect.parameters.get(index));
+        let effect = match self {
+            Self::Effect { id, .. } => Effect::<f64>::by_id(id),
+            Self::Custom { effect, .. } => Some(effect),
+            _ => None,
+        };
+        if let Some((_, index)) = self.place() {
+            let parameter = effect.and_then(|effect| effect.parameters.get(index));
             return parameter.map_or(("?", "?", "?", "?"), |p| (p.symbol, p.symbol, p.unit, p.meaning));
         }
         let found = PENDULUM.iter().find(|(quantity, ..)| *quantity == self);
@@ -119,6 +159,7 @@ impl Quantity {
             Self::Inertia => Some(pendulum.inertia_kg_m2),
             Self::Gravity => Some(pendulum.gravity_m_s2),
             Self::Effect { id, index } => parameters.values(id)?.get(index).copied(),
+            Self::Custom { index, .. } => parameters.values(CUSTOM_FORMULA_ID)?.get(index).copied(),
         }
     }
 
@@ -130,7 +171,8 @@ impl Quantity {
             Self::Length => pendulum.length_m = value,
             Self::Inertia => pendulum.inertia_kg_m2 = value,
             Self::Gravity => pendulum.gravity_m_s2 = value,
-            Self::Effect { id, index } => {
+            Self::Effect { .. } | Self::Custom { .. } => {
+                let Some((id, index)) = self.place() else { return };
                 let effect = parameters.effects.iter_mut().find(|effect| effect.id == id);
                 if let Some(slot) = effect.and_then(|effect| effect.values.get_mut(index)) {
                     *slot = value;
@@ -141,13 +183,16 @@ impl Quantity {
 
     /// Adds its effect with start values if it is absent; tells whether it had to.
     pub fn add_effect(self, parameters: &mut Parameters<f64>) -> Result<bool, ParameterError> {
-        let Self::Effect { id, .. } = self else { return Ok(false) };
+        let Some((id, _)) = self.place() else { return Ok(false) };
         if parameters.values(id).is_some() {
             return Ok(false);
         }
-        let effect = Effect::<f64>::by_id(id).ok_or(ParameterError::UnknownEffect { id })?;
+        let effect = match self {
+            Self::Custom { effect, .. } => effect,
+            _ => Effect::<f64>::by_id(id).ok_or(ParameterError::UnknownEffect { id })?,
+        };
         let start: Vec<f64> = effect.parameters.iter().map(|parameter| parameter.start).collect();
-        parameters.set(id, &start).map(|()| true)
+        add(parameters, effect, &start).map(|()| true)
     }
 }
 

@@ -1,7 +1,8 @@
 //! Text → model file, with line and key in every message.
 
 use super::{FORMAT_VERSION, Knowledge, Quantity, RigFile, RigFileError, Source};
-use shared::effect::Effect;
+use crate::formula::{self, FormulaError, effect_of};
+use shared::effect::{CUSTOM_FORMULA_NAME, Effect};
 use shared::motion::Pendulum;
 use shared::parameters::{ParameterError, Parameters};
 use shared::potentiometer::Potentiometer;
@@ -13,6 +14,7 @@ type Result<T> = std::result::Result<T, RigFileError>;
 const TOP_KEYS: [&str; 5] = ["format", "pendulum", "sensor", "effect", "notes"];
 const PENDULUM_KEYS: [&str; 5] = ["mass", "length", "inertia", "gravity", "normalised"];
 const SENSOR_KEYS: [&str; 3] = ["zero_code", "radians_per_code", "full_scale"];
+const FORMULA_KEY: &str = "formula";
 const VALUE_KEYS: [&str; 4] = ["value", "std", "method", "recordings"];
 
 pub(super) fn parse(file: &str, text: &str) -> Result<RigFile> {
@@ -84,31 +86,45 @@ impl Reader<'_> {
     ) -> Result<()> {
         let effects = self.as_table(item, "effect")?;
         for (name, item) in effects.iter() {
-            let Some(effect) = Effect::<f64>::by_name(name) else {
+            let known = if name == CUSTOM_FORMULA_NAME { Some(self.formula(item)?) } else { Effect::by_name(name) };
+            let Some(effect) = known else {
                 let span = effects.key(name).and_then(toml_edit::Key::span).or(item.span());
-                let known: Vec<&str> = Effect::<f64>::ALL.iter().map(|effect| effect.name).collect();
+                let names = Effect::<f64>::ALL.iter().map(|effect| effect.name);
+                let known: Vec<&str> = names.chain([CUSTOM_FORMULA_NAME]).collect();
                 let problem = format!("there is no such effect; known are {}", known.join(", "));
                 return Err(self.bad(span, &joined("effect", name), problem));
             };
             let values = self.effect(effect, item, knowledge)?;
             let too_many = |error: ParameterError| self.bad(item.span(), &joined("effect", name), error.to_string());
-            parameters.set(effect.id, &values).map_err(too_many)?;
+            formula::add(parameters, effect, &values).map_err(too_many)?;
         }
         Ok(())
     }
 
+    /// The law of the custom effect.
+    fn formula(&self, item: &Item) -> Result<&'static Effect<f64>> {
+        let name = joined("effect", CUSTOM_FORMULA_NAME);
+        let (table, key) = (self.as_table(item, &name)?, joined(&name, FORMULA_KEY));
+        let expected = "a formula, such as \"torque = -k*omega; k in 0..1e-3 N·m·s/rad\"";
+        let item = table.get(FORMULA_KEY).ok_or_else(|| self.missing(&key, expected.to_owned()))?;
+        let text = item.as_str().ok_or_else(|| self.bad(item.span(), &key, format!("expected {expected}")))?;
+        formula::read(text).map_err(|error: FormulaError| self.bad(item.span(), &key, error.to_string()))
+    }
+
     fn effect(
         &self,
-        effect: &Effect<f64>,
+        effect: &'static Effect<f64>,
         item: &Item,
         knowledge: &mut Vec<(Quantity, Knowledge)>,
     ) -> Result<Vec<f64>> {
         let name = joined("effect", effect.name);
         let table = self.as_table(item, &name)?;
-        let symbols: Vec<&str> = effect.parameters.iter().map(|parameter| parameter.symbol).collect();
-        self.check_keys(&name, table, &symbols)?;
-        let quantity = |index| Quantity::Effect { id: effect.id, index };
-        (0..symbols.len()).map(|index| self.value(table, &name, quantity(index), knowledge)).collect()
+        let mut keys: Vec<&str> = effect.parameters.iter().map(|parameter| parameter.symbol).collect();
+        if effect.name == CUSTOM_FORMULA_NAME {
+            keys.push(FORMULA_KEY);
+        }
+        self.check_keys(&name, table, &keys)?;
+        Quantity::all_of_effect(effect).map(|quantity| self.value(table, &name, quantity, knowledge)).collect()
     }
 
     /// A number, or a table with the number and what is known of it.
@@ -170,12 +186,17 @@ impl Reader<'_> {
         let Err(error) = parameters.check() else { return Ok(()) };
         let quantity = match error {
             ParameterError::Pendulum { index } => Quantity::PENDULUM[usize::from(index)],
-            ParameterError::OutOfRange { id, index } => Quantity::Effect { id, index: usize::from(index) },
+            ParameterError::OutOfRange { id, index } => match effect_of(parameters, id) {
+                Some(effect) => Quantity::of_effect(effect, usize::from(index)),
+                None => return Err(RigFileError::Model(error)),
+            },
             _ => return Err(RigFileError::Model(error)),
         };
         let owner = quantity.owner();
         let (table, name) = match quantity {
-            Quantity::Effect { .. } => (top.get("effect").and_then(|item| item.get(owner)), joined("effect", owner)),
+            Quantity::Effect { .. } | Quantity::Custom { .. } => {
+                (top.get("effect").and_then(|item| item.get(owner)), joined("effect", owner))
+            }
             _ => (top.get("pendulum"), owner.to_owned()),
         };
         let span = table.and_then(|item| item.get(quantity.key())).and_then(Item::span);

@@ -123,3 +123,34 @@ fn mistakes_are_told_with_line_and_key() {
         assert!(complaint.contains(expected), "{complaint}\nexpected {expected}");
     }
 }
+
+#[test]
+fn many_recordings_are_counted_instead_of_named() {
+    let paths: Vec<std::path::PathBuf> = (1..=9).map(|i| format!("a/folder/swing{i}.csv").into()).collect();
+    assert_eq!(Source::new("least squares", &paths[..2]).recordings, ["swing1.csv", "swing2.csv"]);
+    assert_eq!(Source::new("", &paths).recordings, ["swing1.csv", "swing2.csv", "swing3.csv", "and 6 more"]);
+}
+
+#[test]
+fn a_formula_stands_in_a_file_and_can_be_changed_for_another() {
+    let mut file = paper();
+    let text = "-k*omega*abs(omega)^p; k in 0..1e-3 N·m; p in 0..3";
+    for (symbol, value) in [("k", 2e-5), ("p", 1.5)] {
+        let quantity = Quantity::by_formula_name(symbol, crate::formula::read(text).unwrap()).unwrap();
+        file.set(quantity, value, Knowledge { std: Some(0.01 * value), source: None }).unwrap();
+    }
+    let again = RigFile::parse("rig.toml", &file.to_string()).unwrap();
+    assert_eq!(again.parameters(), file.parameters());
+    assert_eq!(again.parameters().formula.as_ref().unwrap().text(), text);
+
+    let mut reported = file.parameters().map(|value| value as f32);
+    let other = crate::formula::read("-c*theta; c in 0..1").unwrap();
+    let shared::effect::Action::Formula(law) = other.action else { panic!() };
+    reported.set_formula(law, &[0.25]).unwrap();
+    file.take_over(&reported, &Source::default()).unwrap();
+    let again = RigFile::parse("rig.toml", &file.to_string()).unwrap();
+    assert_eq!(again.parameters().values(1000), Some(&[0.25][..]));
+    assert_eq!(again.parameters().formula.as_ref(), Some(law));
+    file.remove_effect(1000);
+    assert!(!file.to_string().contains("custom") && file.parameters().formula.is_none());
+}

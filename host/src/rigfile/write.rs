@@ -1,7 +1,8 @@
 //! Model file → text: the first version with its comments, and updates that leave a person's own comments alone.
 
 use super::{FORMAT_VERSION, Knowledge, Quantity};
-use shared::effect::Effect;
+use crate::formula::effect_of;
+use shared::effect::{Action, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
 use shared::parameters::Parameters;
 use shared::potentiometer::Potentiometer;
 use std::fmt::Write;
@@ -35,8 +36,11 @@ pub(super) fn template(parameters: &Parameters<f64>, normalised: bool) -> String
         let _ = writeln!(text, "{} = {} # {unit}, {meaning}", quantity.key(), plain(value));
     }
     for present in &parameters.effects {
-        let Some(effect) = Effect::<f64>::by_id(present.id) else { continue };
+        let Some(effect) = effect_of(parameters, present.id) else { continue };
         let _ = write!(text, "\n[effect.{}]\n# {}\n", effect.name, effect.summary);
+        if let Action::Formula(formula) = effect.action {
+            let _ = writeln!(text, "formula = {}", Value::from(formula.text()));
+        }
         for (parameter, value) in effect.parameters.iter().zip(&present.values) {
             let (symbol, unit, meaning) = (parameter.symbol, parameter.unit, parameter.meaning);
             let value = plain(*value);
@@ -49,7 +53,7 @@ pub(super) fn template(parameters: &Parameters<f64>, normalised: bool) -> String
 /// Sets one value in its table, which must be there.
 pub(super) fn set_value(document: &mut DocumentMut, quantity: Quantity, value: f64, knowledge: &Knowledge) {
     let table = match quantity {
-        Quantity::Effect { .. } => &mut document["effect"][quantity.owner()],
+        Quantity::Effect { .. } | Quantity::Custom { .. } => &mut document["effect"][quantity.owner()],
         _ => &mut document["pendulum"],
     };
     let Some(table) = table.as_table_like_mut() else { return };
@@ -70,10 +74,13 @@ pub(super) fn set_value(document: &mut DocumentMut, quantity: Quantity, value: f
 
 /// Adds the table of an effect, with a comment and its values.
 pub(super) fn add_effect(document: &mut DocumentMut, quantity: Quantity, parameters: &Parameters<f64>) {
-    let Quantity::Effect { id, .. } = quantity else { return };
-    let Some((effect, values)) = Effect::<f64>::by_id(id).zip(parameters.values(id)) else { return };
+    let Some((id, _)) = quantity.place() else { return };
+    let Some((effect, values)) = effect_of(parameters, id).zip(parameters.values(id)) else { return };
     let mut table = Table::new();
     table.decor_mut().set_prefix(format!("\n# {}\n", effect.summary));
+    if let Action::Formula(formula) = effect.action {
+        table.insert("formula", Item::Value(Value::from(formula.text())));
+    }
     for (parameter, value) in effect.parameters.iter().zip(values) {
         table.insert(parameter.symbol, Item::Value(number(*value)));
         let comment = format!("# {}, {}\n", parameter.unit, parameter.meaning);
@@ -94,7 +101,8 @@ pub(super) fn add_effect(document: &mut DocumentMut, quantity: Quantity, paramet
 
 /// Takes the table of an effect out.
 pub(super) fn remove_effect(document: &mut DocumentMut, id: u16) {
-    let name = Effect::<f64>::by_id(id).map(|effect| effect.name);
+    let custom = (id == CUSTOM_FORMULA_ID).then_some(CUSTOM_FORMULA_NAME);
+    let name = custom.or(Effect::<f64>::by_id(id).map(|effect| effect.name));
     let effects = document.get_mut("effect").and_then(Item::as_table_like_mut);
     if let Some((effects, name)) = effects.zip(name) {
         effects.remove(name);

@@ -3,10 +3,11 @@
 use super::guard::{self, Access};
 use super::live::{Wish, ports};
 use super::recordings::{MOST_BYTES, of_bytes, take_in};
-use super::simulate::{Question, Slider, Values, answer, sliders_of, unknown_recording, with};
+use super::simulate::{Question, Slider, Values, answer, named, sliders_of, unknown_recording, with};
 use super::state::{App, Named};
 use super::{draw, files, socket, surfaces, work};
 use crate::error::Failure;
+use crate::formula::{self, effect_of};
 use crate::improve::Change;
 use crate::report::report;
 use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
@@ -20,7 +21,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use serde::{Deserialize, Serialize};
-use shared::effect::Effect;
+use shared::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
 use shared::motion::Pendulum;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -53,6 +54,7 @@ pub(super) fn router(app: &Arc<App>, access: Access) -> Router {
         .route("/api/simulate", post(simulate))
         .route("/api/values", post(set_values))
         .route("/api/change", post(change))
+        .route("/api/formula", post(add_formula))
         .route("/api/undo", post(undo))
         .route("/api/diagnose", post(diagnose))
         .route("/api/fit", post(fit))
@@ -304,7 +306,7 @@ async fn set_values(State(app): Shared, Sent(Set { values }): Sent<Set>) -> Done
     with(model.parameters(), &values)?;
     let source = Source { method: "set by hand".to_owned(), recordings: Vec::new() };
     for (name, value) in &values {
-        let Some(quantity) = Quantity::by_name(name) else { continue };
+        let quantity = named(model.parameters(), name)?;
         let knowledge = Knowledge { std: None, source: Some(source.clone()) };
         model.set(quantity, *value, knowledge).map_err(Failure::from)?;
     }
@@ -327,7 +329,13 @@ struct Changes {
 }
 
 async fn change(State(app): Shared, Sent(changes): Sent<Changes>) -> Done {
+    let custom = model(&app)?.file.parameters().clone();
     let effect = |name: &String| {
+        if name == CUSTOM_FORMULA_NAME
+            && let Some(effect) = effect_of(&custom, CUSTOM_FORMULA_ID)
+        {
+            return Ok(effect);
+        }
         let missing = || Failure::wrong_use(format!("there is no effect called {name}")).next("choose one of the list");
         Effect::<f64>::by_name(name).ok_or_else(missing)
     };
@@ -340,6 +348,26 @@ async fn change(State(app): Shared, Sent(changes): Sent<Changes>) -> Done {
     let names = [changes.add.join(" and "), changes.remove.join(" and ")].concat();
     let name = if changes.remove.is_empty() { format!("adding {names}") } else { format!("removing {names}") };
     app.jobs.ask(&name, work::change_model(all))?;
+    DONE
+}
+
+/// A law that somebody typed.
+#[derive(Deserialize)]
+struct Typed {
+    formula: String,
+}
+
+/// Longer ones nobody reads.
+const LONGEST_FORMULA: usize = 400;
+
+async fn add_formula(State(app): Shared, Sent(Typed { formula }): Sent<Typed>) -> Done {
+    if formula.len() > LONGEST_FORMULA {
+        let what = format!("the formula has {} bytes, {LONGEST_FORMULA} are allowed", formula.len());
+        return Err(Failure::wrong_use(what).next("write it shorter").into());
+    }
+    let hint = "write it like torque = -k*omega*abs(omega)^p; k in 0..1e-3 N·m; p in 0..3";
+    let effect = formula::read(&formula).map_err(|error| Failure::wrong_use(error).next(hint))?;
+    app.jobs.ask("adding a formula", work::change_model(vec![Change::Add(effect)]))?;
     DONE
 }
 

@@ -5,9 +5,10 @@ use super::state::{App, State};
 use crate::compare::follow::run;
 use crate::error::Failure;
 use crate::fit::problem::{Problem, Start};
+use crate::formula::effect_of;
 use crate::rigfile::Quantity;
 use serde::{Deserialize, Serialize};
-use shared::effect::Effect;
+use shared::effect::{CUSTOM_FORMULA_ID, Effect, Parameter};
 use shared::parameters::Parameters;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -83,15 +84,26 @@ fn start(state: &State, id: u32) -> Option<Start> {
 pub(super) fn with(model: &Parameters<f64>, values: &BTreeMap<String, f64>) -> Result<Parameters<f64>, Failure> {
     let mut parameters = model.clone();
     for (name, value) in values {
-        let quantity = Quantity::by_name(name).ok_or_else(|| {
-            Failure::wrong_use(format!("there is no value called {name}")).next("use the names of the model")
-        })?;
+        let quantity = named(model, name)?;
         let refused = |error| Failure::wrong_use(error).next("choose a value within the range");
         quantity.add_effect(&mut parameters).map_err(refused)?;
         quantity.set(&mut parameters, *value);
     }
     parameters.check().map_err(|error| Failure::wrong_use(error).next("choose values within their ranges"))?;
     Ok(parameters)
+}
+
+/// A number by its name; those of the model's own formula come first.
+///
+/// # Errors
+/// There is none of this name.
+pub(super) fn named(model: &Parameters<f64>, name: &str) -> Result<Quantity, Failure> {
+    let custom = effect_of(model, CUSTOM_FORMULA_ID);
+    let of_formula = custom.filter(|custom| name.starts_with(custom.name));
+    let found =
+        of_formula.and_then(|custom| Quantity::by_formula_name(name, custom)).or_else(|| Quantity::by_name(name));
+    let missing = || Failure::wrong_use(format!("there is no value called {name}")).next("use the names of the model");
+    found.ok_or_else(missing)
 }
 
 /// A slider: a value and how far it can sensibly be moved.
@@ -128,10 +140,8 @@ pub(super) fn sliders(parameters: &Parameters<f64>, std: impl Fn(Quantity) -> Op
 
 /// Sliders of an effect that is not in the model, at its start values.
 pub(super) fn sliders_of(effect: &'static Effect<f64>) -> Vec<Slider> {
-    let of = |(index, parameter): (usize, &shared::effect::Parameter)| {
-        slider(Quantity::Effect { id: effect.id, index }, parameter.start, None)
-    };
-    effect.parameters.iter().enumerate().map(of).collect()
+    let starts = effect.parameters.iter().map(|parameter| parameter.start);
+    Quantity::all_of_effect(effect).zip(starts).map(|(quantity, start)| slider(quantity, start, None)).collect()
 }
 
 fn slider(quantity: Quantity, value: f64, std: Option<f64>) -> Slider {
@@ -142,12 +152,14 @@ fn slider(quantity: Quantity, value: f64, std: Option<f64>) -> Slider {
 }
 
 fn reach(quantity: Quantity, value: f64) -> (f64, f64) {
-    let Quantity::Effect { id, index } = quantity else {
+    let parameter = match quantity {
+        Quantity::Effect { id, index } => Effect::<f64>::by_id(id).and_then(|effect| effect.parameters.get(index)),
+        Quantity::Custom { effect, index } => effect.parameters.get(index),
+        _ => None,
+    };
+    let Some(&Parameter { low, high, .. }) = parameter else {
         return ((1.0 - INERTIA_SHARE) * value, (1.0 + INERTIA_SHARE) * value);
     };
-    let (low, high) = Effect::<f64>::by_id(id)
-        .and_then(|effect| effect.parameters.get(index))
-        .map_or((0.0, 1.0), |parameter| (parameter.low, parameter.high));
     let half = (REACH * value.abs()).max(LEAST_REACH * (high - low));
     ((value - half).max(low).min(value), value + half)
 }

@@ -7,10 +7,10 @@ use crate::compare::verdict::{Answer, Totals};
 use crate::diagnose::Diagnosis;
 use crate::error::Failure;
 use crate::fit::identify::Identified;
+use crate::formula::effect_of;
 use crate::improve::Step;
 use crate::rigfile::RigFile;
 use serde::Serialize;
-use shared::effect::Effect;
 use std::sync::Arc;
 
 /// Everything but curves.
@@ -103,7 +103,7 @@ pub(super) fn view(app: &App) -> View {
 
 fn model_view(file: &RigFile, origin: &str) -> ModelView {
     let parameters = file.parameters();
-    let names = parameters.effects.iter().filter_map(|effect| Effect::<f64>::by_id(effect.id));
+    let names = parameters.effects.iter().filter_map(|effect| effect_of(parameters, effect.id));
     ModelView {
         origin: origin.to_owned(),
         fresh: file.is_fresh(),

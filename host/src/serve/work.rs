@@ -16,6 +16,7 @@ use crate::swing::Swing;
 use rayon::prelude::*;
 use shared::parameters::Parameters;
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -60,7 +61,7 @@ impl Data {
 
     fn source(&self, method: &str) -> Source {
         let fitted = self.recordings.iter().filter(|recording| !recording.held_out);
-        Source { method: method.to_owned(), recordings: fitted.map(|recording| recording.name.clone()).collect() }
+        Source::new(method, &fitted.map(|recording| PathBuf::from(&recording.name)).collect::<Vec<_>>())
     }
 
     /// Does the state still have the recordings that this began with?
@@ -127,7 +128,7 @@ fn first_fit(app: &Arc<App>, data: Data, progress: &Progress) -> Result<Data, Fa
     progress.say("first fit: friction and inertia are still a guess", Some(0.1));
     let (trial, step) = data.bench(&progress.count).fitted(data.parameters());
     let mut model = data.model.clone();
-    model.adopt(&trial.parameters, &data.source("least squares"))?;
+    model.adopt(&trial.parameters, &step.values, &data.source("least squares"))?;
     app.change(|state| {
         if let Some(named) = state.model.as_mut().filter(|named| named.file.is_fresh()) {
             named.file = model.clone();
@@ -202,7 +203,7 @@ fn change_once(app: &Arc<App>, data: &Data, change: Change, progress: &Progress)
     let hint = "choose another effect from the list";
     let (trial, step) = bench.changed(&before, change).map_err(|error| Failure::failed(error).next(hint))?;
     let mut model = app.read(|state| state.model.clone()).map_or(data.model.clone(), |named| named.file);
-    model.adopt(&trial.parameters, &data.source("least squares, effects added"))?;
+    model.adopt(&trial.parameters, &step.values, &data.source("least squares, effects added"))?;
     progress.say("letting the model run beside each recording", Some(0.9));
     let runs = runs(data, &trial.parameters);
     app.change(|state| {
@@ -246,7 +247,7 @@ pub(super) fn undo(app: &App) -> Result<(), Failure> {
 pub(super) fn find_missing(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
     let data = Data::of(app)?;
     progress.say("fitting the base model, then every effect", None);
-    let found = diagnose_counted(&data.swings, &data.held_out, data.parameters(), &progress.count);
+    let found = diagnose_counted(&data.swings, &data.held_out, data.parameters(), None, &progress.count);
     app.change(|state| {
         if data.is_current(state) {
             state.diagnosis = Some(Arc::new(found));
@@ -292,6 +293,7 @@ fn step_of(fit: &Fit) -> Step {
         rmse: fit.rmse_rad,
         held_out: fit.held_out_rmse_rad,
         noise: fit.noise_rad,
+        values: Vec::new(),
         parameters: fit.parameters.clone(),
     }
 }

@@ -1,17 +1,19 @@
-//! Repeatable Gaussian noise: SplitMix64 (Steele, Lea, Flood, OOPSLA 2014) through the transform of Box and Muller
-//! (Ann. Math. Stat. 29 (1958) 610).
+//! Repeatable Gaussian noise, by the transform of Box and Muller (Ann. Math. Stat. 29 (1958) 610).
+
+use rand_xoshiro::SplitMix64;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
 /// A source of normal numbers; equal seeds give equal numbers.
 #[derive(Clone, Debug)]
 pub struct Noise {
-    state: u64,
+    bits: SplitMix64,
     spare: Option<f64>,
 }
 
 impl Noise {
     /// Any seed will do, zero included.
     pub fn new(seed: u64) -> Self {
-        Self { state: seed, spare: None }
+        Self { bits: SplitMix64::seed_from_u64(seed), spare: None }
     }
 
     /// The next number of mean 0 and standard deviation 1.
@@ -27,14 +29,7 @@ impl Noise {
 
     /// Uniform, above 0 and up to 1.
     fn above_zero(&mut self) -> f64 {
-        ((self.next() >> 11) + 1) as f64 / (1u64 << 53) as f64
-    }
-
-    fn next(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.state ^ (self.state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
+        ((self.bits.next_u64() >> 11) + 1) as f64 / (1u64 << 53) as f64
     }
 }
 

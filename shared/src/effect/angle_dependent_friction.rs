@@ -23,7 +23,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: -1e-2,
                 high: 1e-2,
                 start: 0.0,
-                meaning: "cosine part of the added friction",
+                meaning: prose!("cosine part of the added friction"),
             },
             Parameter {
                 symbol: "Mb",
@@ -31,9 +31,9 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: -1e-2,
                 high: 1e-2,
                 start: 0.0,
-                meaning: "sine part of the added friction",
+                meaning: prose!("sine part of the added friction"),
             },
-            Parameter { symbol: "n", unit: "1", low: 0.5, high: 20.0, start: 2.0, meaning: "periods a turn" },
+            Parameter { symbol: "n", unit: "1", low: 0.5, high: 20.0, start: 2.0, meaning: prose!("periods a turn") },
         ],
         starts: &[
             [0.0, 0.0, 2.0, 0.0],

@@ -20,7 +20,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             low: -0.2,
             high: 0.2,
             start: 0.0,
-            meaning: "reading of the hanging pendulum",
+            meaning: prose!("reading of the hanging pendulum"),
         }],
         starts: &[[0.0, 0.0, 0.0, 0.0]],
         generalises: None,

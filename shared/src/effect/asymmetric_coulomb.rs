@@ -23,7 +23,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             low: -1e-2,
             high: 1e-2,
             start: 0.0,
-            meaning: "half the difference between the directions",
+            meaning: prose!("half the difference between the directions"),
         }],
         starts: &[[0.0, 0.0, 0.0, 0.0]],
         generalises: None,

@@ -17,14 +17,21 @@ pub const fn effect<R: Real>() -> Effect<R> {
         source: "M. A. Krasnosel'skii, A. V. Pokrovskii, Systems with Hysteresis (Springer, 1989)",
         experiment: "Slow small swings: flat tops at the turning points.",
         parameters: &[
-            Parameter { symbol: "b", unit: "rad", low: 0.0, high: 0.1, start: 0.0, meaning: "width of the play" },
+            Parameter {
+                symbol: "b",
+                unit: "rad",
+                low: 0.0,
+                high: 0.1,
+                start: 0.0,
+                meaning: prose!("width of the play"),
+            },
             Parameter {
                 symbol: "b0",
                 unit: "1",
                 low: -1.0,
                 high: 1.0,
                 start: 0.0,
-                meaning: "where in the play the sensor stood at the release, -1 to 1",
+                meaning: prose!("where in the play the sensor stood at the release, -1 to 1"),
             },
         ],
         starts: &[[0.0, 0.0, 0.0, 0.0], [4e-3, 0.0, 0.0, 0.0], [4e-3, 0.7, 0.0, 0.0], [4e-3, -0.7, 0.0, 0.0]],

@@ -19,7 +19,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             low: 0.0,
             high: 2e-2,
             start: 0.0,
-            meaning: "torque while sliding",
+            meaning: prose!("torque while sliding"),
         }],
         starts: &[[0.0; MAX_VALUES]],
         generalises: None,

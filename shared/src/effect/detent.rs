@@ -25,7 +25,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: -2e-2,
                 high: 2e-2,
                 start: 0.0,
-                meaning: "sine part of the torque",
+                meaning: prose!("sine part of the torque"),
             },
             Parameter {
                 symbol: "Mdc",
@@ -33,9 +33,9 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: -2e-2,
                 high: 2e-2,
                 start: 0.0,
-                meaning: "cosine part of the torque",
+                meaning: prose!("cosine part of the torque"),
             },
-            Parameter { symbol: "n", unit: "1", low: 1.5, high: 60.0, start: 6.0, meaning: "periods a turn" },
+            Parameter { symbol: "n", unit: "1", low: 1.5, high: 60.0, start: 6.0, meaning: prose!("periods a turn") },
         ],
         starts: &[
             [0.0, 0.0, 6.0, 0.0],

@@ -25,7 +25,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: -1e-2,
                 high: 1e-2,
                 start: 0.0,
-                meaning: "added dry friction at the release",
+                meaning: prose!("added dry friction at the release"),
             },
             Parameter {
                 symbol: "Mw1",
@@ -33,7 +33,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: -2e-3,
                 high: 2e-3,
                 start: 0.0,
-                meaning: "added viscous friction at the release",
+                meaning: prose!("added viscous friction at the release"),
             },
             Parameter {
                 symbol: "tau",
@@ -41,7 +41,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: 0.5,
                 high: 300.0,
                 start: 10.0,
-                meaning: "time after which 37 % of it is left",
+                meaning: prose!("time after which 37 % of it is left"),
             },
         ],
         starts: &[[0.0, 0.0, 10.0, 0.0], [0.0, 0.0, 3.0, 0.0], [0.0, 0.0, 35.0, 0.0], [0.0, 0.0, 120.0, 0.0]],

@@ -20,7 +20,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             low: 0.0,
             high: 2e-2,
             start: 0.0,
-            meaning: "friction torque per newton of load: coefficient times bearing radius",
+            meaning: prose!("friction torque per newton of load: coefficient times bearing radius"),
         }],
         starts: &[[0.0, 0.0, 0.0, 0.0]],
         generalises: None,

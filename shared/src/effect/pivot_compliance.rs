@@ -26,7 +26,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             low: 0.0,
             high: 5e-3,
             start: 0.0,
-            meaning: "how far the support gives way per newton",
+            meaning: prose!("how far the support gives way per newton"),
         }],
         starts: &[[0.0, 0.0, 0.0, 0.0]],
         generalises: None,

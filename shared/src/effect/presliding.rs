@@ -25,7 +25,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: 0.0,
                 high: 2e-2,
                 start: 0.0,
-                meaning: "friction torque once it slides",
+                meaning: prose!("friction torque once it slides"),
             },
             Parameter {
                 symbol: "zc",
@@ -33,7 +33,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: 1e-5,
                 high: 0.2,
                 start: 5e-3,
-                meaning: "angle over which friction builds up",
+                meaning: prose!("angle over which friction builds up"),
             },
         ],
         starts: &[[0.0, 5e-3, 0.0, 0.0], [0.0, 5e-4, 0.0, 0.0], [0.0, 3e-2, 0.0, 0.0]],

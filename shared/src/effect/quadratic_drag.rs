@@ -20,7 +20,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             low: 0.0,
             high: 1e-2,
             start: 0.0,
-            meaning: "drag torque at 1 rad/s",
+            meaning: prose!("drag torque at 1 rad/s"),
         }],
         starts: &[[0.0; MAX_VALUES]],
         generalises: None,

@@ -20,7 +20,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             low: -0.2,
             high: 0.2,
             start: 0.0,
-            meaning: "relative error of the gain",
+            meaning: prose!("relative error of the gain"),
         }],
         starts: &[[0.0; MAX_VALUES]],
         generalises: None,

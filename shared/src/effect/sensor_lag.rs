@@ -23,7 +23,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             low: 0.0,
             high: 0.2,
             start: 0.0,
-            meaning: "time by which the reading is late",
+            meaning: prose!("time by which the reading is late"),
         }],
         starts: &[[0.0, 0.0, 0.0, 0.0], [5e-3, 0.0, 0.0, 0.0], [2e-2, 0.0, 0.0, 0.0]],
         generalises: None,

@@ -23,7 +23,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: -0.2,
                 high: 0.2,
                 start: 0.0,
-                meaning: "relative error of the gain at zero",
+                meaning: prose!("relative error of the gain at zero"),
             },
             Parameter {
                 symbol: "q2",
@@ -31,7 +31,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: -0.2,
                 high: 0.2,
                 start: 0.0,
-                meaning: "bend: unlike on the two sides",
+                meaning: prose!("bend: unlike on the two sides"),
             },
             Parameter {
                 symbol: "q3",
@@ -39,7 +39,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: -0.2,
                 high: 0.2,
                 start: 0.0,
-                meaning: "curvature: alike on the two sides",
+                meaning: prose!("curvature: alike on the two sides"),
             },
         ],
         starts: &[[0.0, 0.0, 0.0, 0.0]],

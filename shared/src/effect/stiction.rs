@@ -21,7 +21,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: 0.0,
                 high: 5e-2,
                 start: 0.0,
-                meaning: "largest torque it can hold",
+                meaning: prose!("largest torque it can hold"),
             },
             Parameter {
                 symbol: "DV",
@@ -29,7 +29,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: 0.0,
                 high: 0.3,
                 start: 0.0,
-                meaning: "speeds below count as standing",
+                meaning: prose!("speeds below count as standing"),
             },
         ],
         starts: &[[0.0; MAX_VALUES]],

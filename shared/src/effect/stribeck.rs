@@ -21,7 +21,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: 0.0,
                 high: 2e-2,
                 start: 0.0,
-                meaning: "extra friction at very low speed",
+                meaning: prose!("extra friction at very low speed"),
             },
             Parameter {
                 symbol: "ws",
@@ -29,7 +29,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 low: 0.02,
                 high: 10.0,
                 start: 0.5,
-                meaning: "speed at which it has fallen to 37 %",
+                meaning: prose!("speed at which it has fallen to 37 %"),
             },
         ],
         starts: &[[0.0, 0.5, 0.0, 0.0], [0.0, 0.12, 0.0, 0.0], [0.0, 1.5, 0.0, 0.0], [0.0, 4.0, 0.0, 0.0]],

@@ -17,14 +17,14 @@ pub const fn effect<R: Real>() -> Effect<R> {
         source: "R. Hooke, De Potentia Restitutiva (London, 1678)",
         experiment: "Small and large releases on both sides: a spring shortens the period of small swings more.",
         parameters: &[
-            Parameter { symbol: "ks", unit: "N·m/rad", low: 0.0, high: 0.2, start: 0.0, meaning: "stiffness" },
+            Parameter { symbol: "ks", unit: "N·m/rad", low: 0.0, high: 0.2, start: 0.0, meaning: prose!("stiffness") },
             Parameter {
                 symbol: "ths",
                 unit: "rad",
                 low: -3.2,
                 high: 3.2,
                 start: 0.0,
-                meaning: "angle at which it is relaxed",
+                meaning: prose!("angle at which it is relaxed"),
             },
         ],
         starts: &[[0.0, 0.0, 0.0, 0.0], [0.0, 0.3, 0.0, 0.0], [0.0, -0.3, 0.0, 0.0]],

@@ -19,7 +19,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             low: 0.0,
             high: 5e-3,
             start: 0.0,
-            meaning: "torque at 1 rad/s",
+            meaning: prose!("torque at 1 rad/s"),
         }],
         starts: &[[0.0; MAX_VALUES]],
         generalises: None,

@@ -47,6 +47,7 @@ struct Laws {
     asymmetric: f64,
     angle_friction: [f64; 3],
     brake: [f64; 3],
+    outside: [f64; 3],
     drift: [f64; 3],
     spring: [f64; 2],
     detent: [f64; 3],
@@ -67,6 +68,7 @@ impl Laws {
             asymmetric: one("asymmetric-coulomb"),
             angle_friction: three("angle-dependent-friction"),
             brake: three("eddy-brake"),
+            outside: three("outside"),
             drift: three("drifting-friction"),
             spring: two("torsional-spring"),
             detent: three("detent"),
@@ -202,6 +204,9 @@ impl<'a> Plant<'a> {
         }
         if law.brake[0] != 0.0 {
             smooth += law.brake[0] * velocity * (-((angle - law.brake[1]) / law.brake[2]).powi(2)).exp();
+        }
+        if law.outside[0] != 0.0 {
+            smooth += law.outside[0] * velocity * (-((angle.abs() - law.outside[1]) / law.outside[2]).powi(2)).exp();
         }
         -dry * direction - smooth
     }

@@ -3,6 +3,7 @@
 use crate::noise::Noise;
 use shared::effect::Effect;
 use shared::filter::{Butterworth, FilterState};
+use shared::formula::{Formula, code};
 use shared::model::Model;
 use shared::observer::Observer;
 use shared::parameters::Parameters;
@@ -35,6 +36,7 @@ pub const ALL: &[Trace] = &[
     Trace { name: "filter", run: filter },
     Trace { name: "model", run: |emit| swing(&mut |angle_rad| emit(angle_rad.to_bits())) },
     Trace { name: "every-effect", run: every_effect },
+    Trace { name: "formula", run: formula },
     Trace { name: "observer", run: observer },
     Trace { name: "rig", run: rig },
 ];
@@ -119,6 +121,29 @@ fn every_effect(emit: &mut dyn FnMut(u32)) {
             emit(state.angle_rad.to_bits());
             emit(model.read(&state, &mut sensor).to_bits());
         }
+    }
+}
+
+/// A swing with a typed torque: −k·ω·|ω|^p·e^(−(θ/c)²) − ω³·10⁻⁶ + 10⁻⁴·sin 4θ.
+fn formula(emit: &mut dyn FnMut(u32)) {
+    use code::{
+        ABS, ADD, CONSTANT, DIVIDE, EXP, MULTIPLY, NEGATE, OMEGA, PARAMETER, POWER, SINE, SUBTRACT, THETA, WHOLE_POWER,
+    };
+    let drag = [PARAMETER, NEGATE, OMEGA, MULTIPLY, OMEGA, ABS, PARAMETER + 1, POWER, MULTIPLY];
+    let bump = [THETA, CONSTANT, DIVIDE, WHOLE_POWER + 2, NEGATE, EXP, MULTIPLY, OMEGA, WHOLE_POWER + 3];
+    let rest = [CONSTANT + 1, MULTIPLY, SUBTRACT, THETA, CONSTANT + 2, MULTIPLY, SINE, CONSTANT + 3, MULTIPLY];
+    let mut law = [ADD; 28];
+    law[..9].copy_from_slice(&drag);
+    law[9..18].copy_from_slice(&bump);
+    law[18..27].copy_from_slice(&rest);
+    let Some(formula) = Formula::new(&law, &[0.4, 1e-6, 4.0, 1e-4], 2, "") else { return };
+    let mut parameters = parameters();
+    let _ = parameters.set_formula(&formula, &[2e-4, 1.3]);
+    let model = Model::new(&parameters);
+    let mut state = model.release(1.0, 0.0);
+    for _ in 0..5000 {
+        model.step(&mut state, DT_S);
+        emit(state.angle_rad.to_bits());
     }
 }
 

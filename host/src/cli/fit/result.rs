@@ -46,8 +46,7 @@ struct Object<'a> {
     recordings: &'a [PathBuf],
     method: &'static str,
     parameters: &'a [Identified],
-    correlated: Vec<&'static str>,
-    correlations: &'a [Vec<f64>],
+    correlations: &'a [Vec<Option<f64>>],
     rmse: f64,
     noise: f64,
     held_out_rmse: Option<f64>,
@@ -80,7 +79,6 @@ fn object<'a>(options: &Options, recordings: &'a [PathBuf], outcome: &'a Outcome
         recordings,
         method: options.method.words(),
         parameters: &fit.identified,
-        correlated: correlated(fit).iter().map(|found| found.symbol).collect(),
         correlations: &fit.correlations,
         rmse: fit.rmse_rad,
         noise: fit.noise_rad,
@@ -202,23 +200,15 @@ fn innovation(check: &Check) -> String {
     )
 }
 
-/// The numbers that the correlations are about: those whose spread comes from the covariance.
-fn correlated(fit: &Fit) -> Vec<&Identified> {
-    let has_band = fit.identified.iter().any(|found| found.symbol == "DV" && found.value > 0.0);
-    let smooth = |found: &&Identified| found.std.is_some() && (has_band || found.name != "stiction");
-    let found: Vec<&Identified> = fit.identified.iter().filter(smooth).collect();
-    if found.len() == fit.correlations.len() { found } else { Vec::new() }
-}
-
 fn strong_correlations(fit: &Fit) -> Vec<String> {
-    let found = correlated(fit);
+    let found = &fit.identified;
     let pairs = (0..found.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
-    let size = |(j, i): &(usize, usize)| fit.correlations[*j][*i].abs();
+    let size = |(j, i): &(usize, usize)| fit.correlations[*j][*i].map_or(0.0, f64::abs);
     let mut strong: Vec<(usize, usize)> = pairs.filter(|pair| size(pair) > STRONG_CORRELATION).collect();
     strong.sort_by(|a, b| size(b).total_cmp(&size(a)));
     strong.truncate(MOST_CORRELATIONS);
     let sentence = |(j, i): (usize, usize)| {
-        let (correlation, [a, b]) = (fit.correlations[j][i], [found[j].symbol, found[i].symbol]);
+        let (correlation, [a, b]) = (fit.correlations[j][i].unwrap_or(0.0), [found[j].symbol, found[i].symbol]);
         let alike = if correlation < 0.0 { "more of one and less of the other" } else { "more of both" };
         format!(
             "{a} and {b} are hard to tell apart (correlation {correlation:.2}): {alike} gives nearly the same swing."

@@ -11,6 +11,11 @@ let done = () => {};
 export function begin(report, all) {
   done = report;
   effects = new Map(all.map((effect) => [effect.name, effect]));
+  byId('formula-form').addEventListener('submit', (event) => {
+    event.preventDefault();
+    const formula = byId('formula').value.trim();
+    if (formula) done(post('api/formula', { formula }));
+  });
   byId('diagnose').addEventListener('click', () => done(post('api/diagnose')));
 }
 
@@ -19,6 +24,8 @@ export function show(now) {
   byId('diagnose').disabled = !now.model || !now.recordings.some((recording) => !recording.held_out);
   showWords();
   showCandidates();
+  byId('formula-add').disabled = byId('diagnose').disabled;
+  showSuggestions();
   showExplanation();
   showStaircase();
 }
@@ -33,6 +40,18 @@ function showWords() {
   words.textContent = found.verdict.length === 0
     ? (found.unexplained ? 'More than noise is left, but no effect of the list explains it.' : 'Nothing is missing at this noise level.')
     : `Missing: ${names}. With it the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${tie}${rest}`;
+}
+
+/** Small formulas for what no effect explains. */
+function showSuggestions() {
+  const box = byId('suggestions');
+  const made = JSON.stringify(state.diagnosis?.formulas ?? []);
+  if (box.dataset.made === made) return;
+  box.dataset.made = made;
+  const row = (suggestion) => element('p', {}, element('code', {}, suggestion.words), ` leaves ${mrad(suggestion.rmse)}, seen within ${number(suggestion.within_rad, 2)} rad. `,
+    element('button', { class: 'add', click: () => { byId('formula').value = suggestion.formula; byId('formula').focus(); } }, 'Use it'));
+  const all = (state.diagnosis?.formulas ?? []).map(row);
+  box.replaceChildren(...(all.length ? [element('h3', {}, 'Formulas that would do'), ...all] : []));
 }
 
 const namesOf = (candidate) => (candidate.name === 'none' ? [] : candidate.name.split('+'));
@@ -83,7 +102,8 @@ function showExplanation(name = opened) {
   const values = candidate.parameters.map((value) => `${value.symbol} = ${number(value.value)}${value.std ? ` ± ${number(value.std, 2)}` : ''}${value.unit === '1' ? '' : ` ${value.unit}`}`);
   const base = found.candidates.find((one) => one.name === 'none');
   const evidence = base && candidate !== base ? ` Evidence (difference of criterion to the base model): ${number(base.criterion - candidate.criterion, 3)}.` : '';
-  box.replaceChildren(...[...namesOf(candidate).map(of), values.length ? element('p', {}, values.join(', ')) : null,
+  const told = (found.evidence ?? []).filter((one) => namesOf(candidate).includes(one.effect)).map((one) => element('p', {}, one.words));
+  box.replaceChildren(...[...namesOf(candidate).map(of), ...told, values.length ? element('p', {}, values.join(', ')) : null,
     element('p', {}, `Predicted: the error goes from ${mrad(found.rmse_before)} to ${mrad(candidate.rmse)}; the noise is ${mrad(found.noise)}.${evidence}`)].filter(Boolean));
 }
 

@@ -1,0 +1,236 @@
+//! `host calibrate`: from codes to angles, measured instead of taken from the data sheet.
+
+use super::number::significant;
+use super::table::table;
+use super::values::positive;
+use super::{output, port, rig};
+use crate::calibrate::{CalibrationError, HoldError, Known, Line, gain_of_swings, hold, line};
+use crate::error::Failure;
+use crate::link::Session;
+use crate::recording::segment::SegmentOptions;
+use crate::recording::{self, ReadOptions};
+use crate::rigfile::{RigFile, USUAL_NAME};
+use crate::swing::Swing;
+use clap::Args;
+use serde::Serialize;
+use shared::potentiometer::{ELECTRICAL_TRAVEL_RAD, Potentiometer};
+use shared::wire::Stream;
+use std::path::{Path, PathBuf};
+
+/// The data sheet's linearity, percent of the travel.
+const LINEARITY_PERCENT: f64 = 2.0;
+
+/// Measure the sensor's zero and gain, check that its track is even, and save both in the rig and in rig.toml.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLE)]
+pub(super) struct Options {
+    /// Serial device, sim, or sim:NAME
+    #[arg(long, value_name = "PORT", required_unless_present = "recording")]
+    port: Option<String>,
+    /// The model file to update, or to make from what the rig reports; ./rig.toml if none is named
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+    /// Known angles in degrees from hanging, in the order in which you will hold them
+    #[arg(long, value_name = "DEG,DEG", value_delimiter = ',', allow_hyphen_values = true, value_parser = angle)]
+    angles: Vec<f64>,
+    /// Find the gain from this swing's period against amplitude (may be repeated)
+    #[arg(long, value_name = "FILE", conflicts_with = "angles")]
+    recording: Vec<PathBuf>,
+    /// Give up if the pendulum is not still within so many seconds
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value = "120")]
+    wait: f64,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLE: &str = "\
+Example:
+  host calibrate --port /dev/ttyACM0                      the zero: let it hang still
+  host calibrate --port /dev/ttyACM0 --angles 45,90,-45   zero, gain and linearity
+  host calibrate --port sim --angles 85.94,-68.75,45.84
+  host calibrate --recording swing.csv --rig rig.toml     the gain, from a wide swing
+
+Nothing is pressed: each angle is taken as soon as the pendulum has been still there for a second.
+Recordings made before keep the angles of their old calibration.";
+
+/// An angle that tells something about the gain.
+fn angle(text: &str) -> Result<f64, String> {
+    match super::values::finite(text.trim())? {
+        value if (5.0..180.0).contains(&value.abs()) => Ok(value),
+        _ => Err("expected degrees from hanging, between 5 and 180 either way".to_owned()),
+    }
+}
+
+#[derive(Serialize)]
+struct Calibrated {
+    port: Option<String>,
+    file: PathBuf,
+    before: Potentiometer,
+    after: Potentiometer,
+    known: Vec<Known>,
+    line: Option<Line>,
+    /// Relative standard deviation of a gain from swings.
+    gain_std: Option<f64>,
+    /// The largest distance from the line, percent of the travel.
+    nonlinearity_percent: Option<f64>,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let path = rig::chosen_path(options.rig.as_deref()).unwrap_or_else(|| USUAL_NAME.into());
+    let mut session = options.port.as_deref().map(port::connect).transpose()?;
+    let mut file = model(&path, session.as_mut())?;
+    let mut done = match &mut session {
+        Some(session) => at_rig(options, session)?,
+        None => untouched(&file)?,
+    };
+    if !options.recording.is_empty() {
+        by_swings(options, &file, &mut done)?;
+    }
+    if let Some(session) = &mut session {
+        session.calibrate(&done.after)?;
+    }
+    file.set_potentiometer(done.after);
+    file.save(&path)?;
+    done.file = path;
+    if options.json {
+        output::json("calibrate", &done)
+    } else {
+        output::result(&in_words(&done))
+    }
+    Ok(())
+}
+
+/// The file, or what the rig reports if there is none yet.
+fn model(path: &Path, session: Option<&mut Session>) -> Result<RigFile, Failure> {
+    match session {
+        Some(session) if !path.exists() => session.model_file(),
+        _ => Ok(RigFile::load(path)?),
+    }
+}
+
+fn untouched(file: &RigFile) -> Result<Calibrated, Failure> {
+    let Some(before) = file.potentiometer() else {
+        return Err(Failure::wrong_use("the model file has no [sensor] table, so there is no gain to correct")
+            .next("add --port, so that the rig's calibration is used"));
+    };
+    Ok(nothing_done(*before))
+}
+
+fn nothing_done(before: Potentiometer) -> Calibrated {
+    Calibrated {
+        port: None,
+        file: PathBuf::new(),
+        before,
+        after: before,
+        known: Vec::new(),
+        line: None,
+        gain_std: None,
+        nonlinearity_percent: None,
+    }
+}
+
+/// Zero, and the gain if there are angles.
+fn at_rig(options: &Options, session: &mut Session) -> Result<Calibrated, Failure> {
+    let settings = session.settings()?;
+    let mut done = Calibrated { port: options.port.clone(), ..nothing_done(settings.potentiometer) };
+    let stream = Stream { raw: true, live_every: 0 };
+    output::say("let the pendulum hang still …");
+    session.start(stream)?;
+    let zero = hold(session, &settings, &[], options.wait)?.code;
+    done.after.zero_code = zero as f32;
+    let mut codes = vec![zero];
+    for (idx, degrees) in options.angles.iter().enumerate() {
+        output::say(&format!("hold it still at {degrees}° …"));
+        if idx > 0 {
+            session.start(stream)?;
+        }
+        let code = hold(session, &settings, &codes, options.wait)?.code;
+        codes.push(code);
+        done.known.push(Known { angle_rad: degrees.to_radians(), code });
+    }
+    session.stop()?;
+    if !done.known.is_empty() {
+        let found = line(zero, &done.known, settings.potentiometer.full_scale)?;
+        done.after.radian_per_code = found.radian_per_code as f32;
+        let worst_rad = found.off_rad.iter().fold(0.0, |worst: f64, off| worst.max(off.abs()));
+        let share = worst_rad / f64::from(ELECTRICAL_TRAVEL_RAD);
+        done.nonlinearity_percent = (done.known.len() > 1).then_some(100.0 * share);
+        done.line = Some(found);
+    }
+    Ok(done)
+}
+
+/// The gain from swings; each is measured with the gain that its file names, or else the one in use.
+fn by_swings(options: &Options, file: &RigFile, done: &mut Calibrated) -> Result<(), Failure> {
+    let mut swings = Vec::new();
+    let mut gain = f64::from(done.before.radian_per_code);
+    for path in &options.recording {
+        let recording = recording::read(path, &ReadOptions::default()).map_err(Failure::failed)?;
+        gain = recording.header().calibration.as_ref().map_or(gain, |calibration| calibration.radians_per_code);
+        let name = path.display().to_string();
+        let (swing, _) = Swing::from_recording(&name, &recording, &SegmentOptions::default())
+            .map_err(|error| Failure::failed(format!("{name}: {error}")))?;
+        swings.push(swing);
+    }
+    output::say("fitting the swings with the gain among the unknowns …");
+    let (factor, std) = gain_of_swings(&swings, file.parameters())?;
+    done.after.radian_per_code = (gain / factor) as f32;
+    done.gain_std = Some(std);
+    Ok(())
+}
+
+fn in_words(done: &Calibrated) -> String {
+    let mut text = Vec::new();
+    let (before, after) = (&done.before, &done.after);
+    if done.port.is_some() {
+        text.push(format!("zero       code {:.2} (was {:.2})", after.zero_code, before.zero_code));
+    }
+    let relative = done.line.as_ref().and_then(|line| line.std.map(|std| std / line.radian_per_code.abs()));
+    let spread =
+        done.gain_std.or(relative).map_or(String::new(), |std| format!(" ± {} %", significant(100.0 * std, 2)));
+    let mrad = |potentiometer: &Potentiometer| 1e3 * potentiometer.radian_per_code;
+    text.push(match after.radian_per_code == before.radian_per_code {
+        true => format!("gain       {:.5} mrad a code, as before", mrad(after)),
+        false => format!("gain       {:.5} mrad a code{spread} (was {:.5})", mrad(after), mrad(before)),
+    });
+    text.push(linearity(done));
+    if let Some(line) = done.line.as_ref().filter(|line| line.off_rad.len() > 1) {
+        let row = |(point, off): (&Known, &f64)| {
+            let (angle, off) = (point.angle_rad.to_degrees(), off.to_degrees());
+            vec![format!("{angle:.2}"), format!("{:.2}", point.code), format!("{off:+.2}")]
+        };
+        let rows = done.known.iter().zip(&line.off_rad).map(row).collect();
+        text.push(format!("\n{}\n", table(["angle (°)", "code", "off the line (°)"], rows, 0)));
+    }
+    let saved = if done.port.is_some() { "saved in the rig and read back the same; wrote" } else { "wrote" };
+    text.push(format!("{saved} {}", done.file.display()));
+    text.join("\n")
+}
+
+fn linearity(done: &Calibrated) -> String {
+    match done.nonlinearity_percent {
+        None => "linearity  not looked at: that takes two angles or more besides hanging".to_owned(),
+        Some(percent) if percent <= LINEARITY_PERCENT => {
+            format!(
+                "linearity  {percent:.2} % of the travel off a line at most; the data sheet allows {LINEARITY_PERCENT} %"
+            )
+        }
+        Some(percent) => format!(
+            "linearity  look here: {percent:.2} % of the travel off a line, the data sheet allows {LINEARITY_PERCENT} %; \
+             check the angles, then the potentiometer"
+        ),
+    }
+}
+
+impl From<HoldError> for Failure {
+    fn from(error: HoldError) -> Self {
+        Self::failed(&error).next(error.next_step())
+    }
+}
+
+impl From<CalibrationError> for Failure {
+    fn from(error: CalibrationError) -> Self {
+        Self::failed(&error).next(error.next_step())
+    }
+}

@@ -1,0 +1,155 @@
+//! What an effect does to one swing, told by numbers that a person can picture: energy lost, period, reading.
+//!
+//! The fitted model swings once from a usual amplitude, with the effect and without it.
+
+use crate::fit::problem::Problem;
+use crate::formula::effect_of;
+use serde::Serialize;
+use shared::model::Model;
+use shared::parameters::Parameters;
+
+/// The amplitude, rad, unless the recordings did not reach it.
+const AMPLITUDE_RAD: f64 = 1.0;
+
+/// Steps in one period.
+const STEPS: f64 = 2000.0;
+
+/// Shares of lost energy and of the period, and angles as shares of the amplitude, below these are not worth a word.
+const LEAST_LOSS: f64 = 0.01;
+const LEAST_PERIOD: f64 = 1e-4;
+const LEAST_READING: f64 = 1e-3;
+
+/// What one effect does.
+#[derive(Clone, Debug, Serialize)]
+pub struct Evidence {
+    /// The effect.
+    pub effect: &'static str,
+    /// The amplitude of the swing, rad.
+    pub amplitude_rad: f64,
+    /// Its share of the energy that one period loses; negative if less is lost with it.
+    pub loss_share: f64,
+    /// By how much it lengthens the period, as a share.
+    pub period_share: f64,
+    /// The most by which it moves the reading of the same motion, rad.
+    pub reading_rad: f64,
+    /// The same in words.
+    pub words: String,
+    /// The picture of `host compare` in which it shows.
+    pub picture: &'static str,
+}
+
+/// One period of a model.
+struct Period {
+    lost_j: f64,
+    period_s: f64,
+    readings_rad: Vec<f64>,
+}
+
+/// Evidence for each added effect of a fitted model.
+pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence> {
+    let angles = problem.swings.iter().flat_map(|swing| &swing.angles_rad);
+    let reached_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+    let amplitude_rad = AMPLITUDE_RAD.min(0.9 * reached_rad);
+    let added = parameters.effects.iter().filter_map(|present| effect_of(parameters, present.id));
+    let of = |effect: &'static shared::effect::Effect<f64>| {
+        let mut without = parameters.clone();
+        without.remove(effect.id);
+        Some(compared(
+            effect.name,
+            amplitude_rad,
+            &period(parameters, amplitude_rad)?,
+            &period(&without, amplitude_rad)?,
+        ))
+    };
+    added.filter(|effect| !effect.is_base()).filter_map(of).collect()
+}
+
+/// From a turning point to the next on the same side; `None` if it comes to rest before.
+fn period(parameters: &Parameters<f64>, amplitude_rad: f64) -> Option<Period> {
+    let model = Model::new(parameters);
+    let pendulum = parameters.pendulum;
+    let small_s = 2.0 * std::f64::consts::PI * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt();
+    let step_s = small_s / STEPS;
+    let mut state = model.release(amplitude_rad, 0.0);
+    let mut sensor = model.sensor_at_rest(&state);
+    let (energy_j, mut readings_rad, mut turns) = (model.energy_j(&state), Vec::new(), 0);
+    for _ in 0..(3.0 * STEPS) as usize {
+        let before = state;
+        model.step(&mut state, step_s);
+        readings_rad.push(model.read(&state, &mut sensor) - state.angle_rad);
+        let (old, new) = (before.velocity_rad_s, state.velocity_rad_s);
+        turns += usize::from(old * new < 0.0);
+        if turns == 2 {
+            let period_s = before.time_s + step_s * old / (old - new);
+            return Some(Period { lost_j: energy_j - model.energy_j(&state), period_s, readings_rad });
+        }
+    }
+    None
+}
+
+fn compared(effect: &'static str, amplitude_rad: f64, with: &Period, without: &Period) -> Evidence {
+    let loss_share = 1.0 - without.lost_j / with.lost_j;
+    let period_share = with.period_s / without.period_s - 1.0;
+    let apart = with.readings_rad.iter().zip(&without.readings_rad).map(|(a, b)| (a - b).abs());
+    let reading_rad = apart.fold(0.0, f64::max);
+    let at = format!("at {amplitude_rad:.2} rad amplitude");
+    let percent = |share: f64| format!("{:.2} %", 100.0 * share.abs());
+    let (words, picture) = if reading_rad > LEAST_READING * amplitude_rad {
+        let words = format!("{at} it moves the reading by up to {:.1} mrad", 1e3 * reading_rad);
+        (words, "Residual against angle")
+    } else if loss_share > LEAST_LOSS {
+        (
+            format!("{at} it takes {:.0} % of the energy lost", 100.0 * loss_share),
+            "Energy lost per path against amplitude",
+        )
+    } else if loss_share < -LEAST_LOSS {
+        let words = format!("{at} the pendulum loses {:.0} % less energy with it", -100.0 * loss_share);
+        (words, "Energy lost per path against amplitude")
+    } else if period_share.abs() > LEAST_PERIOD {
+        let change = if period_share < 0.0 { "shorter" } else { "longer" };
+        (format!("{at} it makes the period {} {change}", percent(period_share)), "Period against amplitude")
+    } else {
+        (format!("{at} it changes neither loss nor period visibly"), "Measured minus modelled")
+    };
+    Evidence { effect, amplitude_rad, loss_share, period_share, reading_rad, words, picture }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::identify::problem_of;
+    use crate::swing::Swing;
+    use shared::effect::Effect;
+    use std::sync::atomic::AtomicUsize;
+
+    fn of(name: &str, values: &[f64], viscous: f64) -> Evidence {
+        let mut parameters = Parameters::paper();
+        parameters.set_friction(viscous, 0.0, 0.0, 0.0);
+        parameters.set(Effect::<f64>::by_name(name).unwrap().id, values).unwrap();
+        let swings = [Swing::new("wide", &[0.0, 0.1, 0.2], &[1.4, 1.3, 1.1], 1e-3)];
+        let count = AtomicUsize::new(0);
+        evidence(&problem_of(&swings, &parameters, &count), &parameters).remove(0)
+    }
+
+    #[test]
+    fn a_drag_beside_viscous_friction_takes_its_share_of_the_energy() {
+        // Over a small swing of speed v the losses are as (8/3π)·Cq·v to Mw; at 1 rad the swing is still nearly sine.
+        let (viscous, drag) = (5e-4, 1e-4);
+        let p = Parameters::paper().pendulum;
+        let fastest = (2.0 * p.gravity_torque_nm() * (1.0 - 1.0_f64.cos()) / p.pivot_inertia_kg_m2()).sqrt();
+        let ratio = 8.0 / (3.0 * std::f64::consts::PI) * drag * fastest / viscous;
+        let found = of("quadratic-drag", &[drag], viscous);
+        assert!((found.loss_share - ratio / (1.0 + ratio)).abs() < 0.03, "{found:?} for {ratio}");
+        assert!(found.words.contains("of the energy lost") && found.picture.starts_with("Energy lost"), "{found:?}");
+    }
+
+    #[test]
+    fn a_spring_shortens_the_period_and_a_gain_moves_the_reading() {
+        let spring = of("torsional-spring", &[5e-3, 0.0], 1e-4);
+        let stiffer = 5e-3 / Parameters::paper().pendulum.gravity_torque_nm();
+        assert!((spring.period_share / (-0.5 * stiffer) - 1.0).abs() < 0.25, "{spring:?}");
+        assert!(spring.words.contains("shorter") && spring.picture == "Period against amplitude", "{spring:?}");
+        let gain = of("sensor-gain", &[0.02], 1e-4);
+        assert!((gain.reading_rad - 0.02).abs() < 1e-3 && gain.words.contains("mrad"), "{gain:?}");
+    }
+}

@@ -1,0 +1,280 @@
+//! What no effect of the list explains: a search through small formulas for the torque that is left.
+//!
+//! A formula is a strength times a law of speed, a law of angle, or both: powers of |ω|, sgn ω, sines and cosines of
+//! nθ, powers of |θ|, bumps. Each is judged by the score test over all parameters ([`super::score`]), as the effects
+//! of the list are: a torque map would have to be averaged over bins and would not let friction and inertia answer.
+//! First the laws of speed and of angle alone, then the best laws of speed times those of angle; the best few are fitted
+//! with their exponents, widths and places free. Every number and every factor counts against a formula.
+
+use super::physical::brakes_everywhere;
+use super::score::{Promise, promises};
+use super::search::{excess, fit_promise};
+use super::trial::{Trial, finish, fit_from, refined};
+use crate::fit::problem::{Point, Problem};
+use crate::formula::read;
+use crate::swing::Window;
+use rayon::prelude::*;
+use shared::effect::{Effect, MAX_VALUES};
+
+/// Laws of speed that are combined with laws of angle.
+const COMBINED: usize = 3;
+
+/// Formulas that are fitted in earnest.
+const FITTED: usize = 5;
+
+/// Formulas offered, at most.
+const OFFERED: usize = 3;
+
+/// A formula that removes less of the excess than this share is not worth a word.
+const WORTH_A_WORD: f64 = 0.25;
+
+/// The strength is sought up to this share of m·g·l, at middle speed and angle.
+const STRONGEST: f64 = 0.1;
+
+/// A factor of a formula with its own numbers.
+#[derive(Clone, Copy, Debug)]
+struct Law {
+    /// As it is typed.
+    typed: &'static str,
+    /// As it is said; numbers in braces.
+    said: &'static str,
+    /// Its numbers: symbol, ends of the range.
+    numbers: &'static [(&'static str, f64, f64)],
+    /// Where the search begins.
+    starts: &'static [&'static [f64]],
+    /// How long it is, in factors.
+    length: usize,
+}
+
+const fn law(
+    typed: &'static str,
+    said: &'static str,
+    numbers: &'static [(&'static str, f64, f64)],
+    starts: &'static [&'static [f64]],
+    length: usize,
+) -> Law {
+    Law { typed, said, numbers, starts, length }
+}
+
+const NO_NUMBER: &[&[f64]] = &[&[]];
+
+/// Laws of speed; all but the last oppose or drive the motion.
+const OF_SPEED: [Law; 5] = [
+    law("sgn(omega)", "sgn ω", &[], NO_NUMBER, 1),
+    law("omega", "ω", &[], NO_NUMBER, 1),
+    law("abs(omega)^p*sgn(omega)", "|ω|^{p}·sgn ω", &[("p", 0.2, 6.0)], &[&[0.5], &[1.5], &[2.0], &[3.0], &[4.0]], 2),
+    law("exp(-(omega/a)^2)*sgn(omega)", "exp(-(ω/{a})²)·sgn ω", &[("a", 0.02, 12.0)], &[&[0.2], &[0.8], &[2.5]], 2),
+    law("omega^2", "ω²", &[], NO_NUMBER, 1),
+];
+
+/// Laws of angle.
+const OF_ANGLE: [Law; 5] = [
+    law("sin(n*theta)", "sin({n}·θ)", &[("n", 0.3, 24.0)], &[&[1.0], &[2.0], &[4.0], &[8.0]], 1),
+    law("cos(n*theta)", "cos({n}·θ)", &[("n", 0.3, 24.0)], &[&[1.0], &[2.0], &[4.0], &[8.0]], 1),
+    law("abs(theta)^n", "|θ|^{n}", &[("n", 0.3, 6.0)], &[&[1.0], &[2.0], &[4.0]], 1),
+    law("theta*abs(theta)^n", "θ·|θ|^{n}", &[("n", 0.3, 6.0)], &[&[1.0], &[2.0]], 2),
+    law(
+        "exp(-((abs(theta)-c)/b)^2)",
+        "exp(-((|θ|-{c})/{b})²)",
+        &[("c", 0.0, 3.0), ("b", 0.02, 2.0)],
+        &[&[0.0, 0.2], &[0.35, 0.1], &[0.7, 0.2], &[1.1, 0.2]],
+        2,
+    ),
+];
+
+/// A formula that was tried.
+#[derive(Clone, Debug)]
+struct Guess {
+    laws: Vec<Law>,
+    effect: &'static Effect<f64>,
+}
+
+/// A formula that was fitted.
+#[derive(Clone, Debug)]
+pub struct Found {
+    guess: Guess,
+    /// The law as it is said, with its numbers: `3.1e-5·|ω|^2.3·sgn ω`.
+    pub words: String,
+    /// The law as `--effect` takes it.
+    pub typed: &'static str,
+    /// The fitted model.
+    pub trial: Trial,
+    /// Factors and numbers, which count against it.
+    pub length: usize,
+}
+
+/// The best few formulas on top of a fitted model, the best first; `score` is the criterion of a model, `weight` what a
+/// factor costs there.
+pub fn formulas(problem: &Problem, trial: &Trial, score: impl Fn(&Trial) -> f64, weight: f64) -> Vec<Found> {
+    let alone = |laws: &[Law]| laws.iter().filter_map(|law| guess(problem, vec![*law], NO_NUMBER[0])).collect();
+    let (of_speed, of_angle): (Vec<Guess>, Vec<Guess>) = (alone(&OF_SPEED), alone(&OF_ANGLE));
+    let first = judged(problem, trial, &[of_speed, of_angle].concat());
+    let combined = combined(problem, &first);
+    let mut all = [first, judged(problem, trial, &combined)].concat();
+    let unit = weight * problem.noise_rad().powi(2).max(trial.cost / problem.n_samples(Window::Whole) as f64);
+    let worth = |(guess, promise): &(Guess, Promise)| promise.gain - unit * guess.length() as f64;
+    all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+    all.truncate(FITTED);
+    let mut found: Vec<Found> =
+        all.par_iter().flat_map(|(guess, promise)| fitted(problem, trial, guess, promise)).collect();
+    let rank = |found: &Found| score(&found.trial) + weight * found.length as f64;
+    found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+    found.dedup_by(|a, b| a.typed == b.typed);
+    found.truncate(OFFERED);
+    let mut found: Vec<Found> = found.par_iter().map(|found| found.finished(problem)).collect();
+    found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+    found
+}
+
+/// The best promise of each guess that has one.
+fn judged(problem: &Problem, trial: &Trial, guesses: &[Guess]) -> Vec<(Guess, Promise)> {
+    let effects: Vec<&'static Effect<f64>> = guesses.iter().map(|guess| guess.effect).collect();
+    let promises = promises(problem, trial, &effects);
+    let best = |guess: &Guess| {
+        let promise = promises.iter().find(|promise| promise.effect == guess.effect && promise.gain > 0.0)?;
+        Some((guess.clone(), promise.clone()))
+    };
+    guesses.iter().filter_map(best).collect()
+}
+
+/// The best laws of speed times every law of angle.
+fn combined(problem: &Problem, judged: &[(Guess, Promise)]) -> Vec<Guess> {
+    let is_of_speed = |guess: &Guess| OF_SPEED.iter().any(|law| law.typed == guess.laws[0].typed);
+    let mut of_speed: Vec<&(Guess, Promise)> = judged.iter().filter(|(guess, _)| is_of_speed(guess)).collect();
+    of_speed.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+    let product = |(guess, promise): &(Guess, Promise), angle: &Law| {
+        let n_own = guess.laws[0].numbers.len();
+        let own = &promise.point.values[promise.point.values.len() - n_own..];
+        self::guess(problem, vec![guess.laws[0], *angle], own)
+    };
+    let of_speed = of_speed.into_iter().take(COMBINED);
+    of_speed.flat_map(|speed| OF_ANGLE.iter().filter_map(move |angle| product(speed, angle))).collect()
+}
+
+/// The product of laws as an effect; `first` are the numbers that the first law is known to want.
+fn guess(problem: &Problem, laws: Vec<Law>, first: &[f64]) -> Option<Guess> {
+    let typed: Vec<&str> = laws.iter().map(|law| law.typed).collect();
+    let most = STRONGEST * problem.template.pendulum.gravity_torque_nm();
+    let numbers = laws.iter().flat_map(|law| law.numbers);
+    let ranges = numbers.map(|(symbol, low, high)| format!("; {symbol} in {low}..{high}")).collect::<String>();
+    let effect = read(&format!("-k*{}; k in -{most:.0e}..{most:.0e} N·m{ranges}", typed.join("*"))).ok()?;
+    let last = laws.last()?;
+    let starts = last.starts.iter().map(|own| {
+        let all: Vec<f64> = [0.0].iter().chain(first).chain(*own).copied().collect();
+        std::array::from_fn(|i| all.get(i).copied().unwrap_or(0.0))
+    });
+    let starts: Vec<[f64; MAX_VALUES]> = starts.collect();
+    let effect = Box::leak(Box::new(Effect { starts: Vec::leak(starts), ..*effect }));
+    Some(Guess { laws, effect })
+}
+
+impl Guess {
+    /// Factors and numbers.
+    fn length(&self) -> usize {
+        self.laws.iter().map(|law| law.length + law.numbers.len()).sum()
+    }
+
+    /// With numbers, as a person would write it.
+    fn words(&self, values: &[f64]) -> String {
+        let said: Vec<&str> = self.laws.iter().map(|law| law.said).collect();
+        let mut words = format!("{}·{}", short(-values[0]), said.join("·"));
+        let numbers = self.laws.iter().flat_map(|law| law.numbers);
+        for ((symbol, ..), value) in numbers.zip(&values[1..]) {
+            words = words.replace(&format!("{{{symbol}}}"), &short(*value));
+        }
+        words
+    }
+}
+
+/// Two digits.
+fn short(value: f64) -> String {
+    let plain = (0.01..100.0).contains(&value.abs());
+    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    if plain { format!("{rounded}") } else { format!("{value:.1e}") }
+}
+
+/// A formula fitted in earnest, and its special case where that is near; none of those that explain little.
+fn fitted(problem: &Problem, before: &Trial, guess: &Guess, promise: &Promise) -> Vec<Found> {
+    let Some(screened) = fit_promise(problem, before, promise) else { return Vec::new() };
+    let general = found(problem, guess, &screened);
+    let special = general.as_ref().and_then(|general| special_case(problem, before, guess, &general.trial));
+    general.into_iter().chain(special).filter(|found| is_worth_a_word(problem, before, &found.trial)).collect()
+}
+
+fn found(problem: &Problem, guess: &Guess, start: &Trial) -> Option<Found> {
+    let trial = refined(problem, start);
+    let values = trial.parameters.values(guess.effect.id)?;
+    let (words, typed) = (guess.words(values), guess.effect.formula);
+    Some(Found { guess: guess.clone(), words, typed, length: guess.length(), trial })
+}
+
+impl Found {
+    /// With Ms searched and every number at its last digit.
+    fn finished(&self, problem: &Problem) -> Self {
+        let trial = finish(problem, &self.trial);
+        let words = trial.parameters.values(self.guess.effect.id).map(|values| self.guess.words(values));
+        Self { words: words.unwrap_or_default(), trial, ..self.clone() }
+    }
+}
+
+/// The same with ω in place of a power of it whose exponent came out near 1.
+fn special_case(problem: &Problem, before: &Trial, guess: &Guess, general: &Trial) -> Option<Found> {
+    let values = general.parameters.values(guess.effect.id)?;
+    let is_power = guess.laws[0].typed == OF_SPEED[POWER].typed;
+    if !is_power || (values[1] - 1.0).abs() > NEARLY_LINEAR {
+        return None;
+    }
+    let laws = [&[OF_SPEED[LINEAR]], &guess.laws[1..]].concat();
+    let linear = self::guess(problem, laws, &[])?;
+    let values = [&values[..1], &values[2..]].concat();
+    let (unknowns, template) = before.with(problem, linear.effect, &values)?;
+    let n_known = before.unknowns.len();
+    let point =
+        Point { values: [&general.point.values[..n_known], &values].concat(), starts: general.point.starts.clone() };
+    let effects = [before.effects.as_slice(), &[linear.effect]].concat();
+    let start = fit_from(&Problem { unknowns, template, ..problem.clone() }, effects, &point, general.stiction);
+    found(problem, &linear, &start)
+}
+
+fn is_worth_a_word(problem: &Problem, before: &Trial, trial: &Trial) -> bool {
+    let left = excess(problem, trial.cost) / excess(problem, before.cost);
+    brakes_everywhere(problem, trial) && left < 1.0 - WORTH_A_WORD
+}
+
+/// Places in [`OF_SPEED`].
+const LINEAR: usize = 1;
+const POWER: usize = 2;
+
+/// An exponent this near to 1 may be 1.
+const NEARLY_LINEAR: f64 = 0.3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::identify::problem_of;
+    use shared::parameters::Parameters;
+    use std::sync::atomic::AtomicUsize;
+
+    #[test]
+    fn every_combination_is_a_formula_that_fits_the_rig() {
+        let count = AtomicUsize::new(0);
+        let problem = problem_of(&[], &Parameters::paper(), &count);
+        for speed in OF_SPEED {
+            for angle in OF_ANGLE {
+                let own = speed.starts[0];
+                let guess = guess(&problem, vec![speed, angle], own);
+                let guess = guess.unwrap_or_else(|| panic!("{} {}", speed.typed, angle.typed));
+                assert_eq!(guess.effect.starts.len(), angle.starts.len());
+                assert_eq!(guess.effect.parameters.len(), 1 + speed.numbers.len() + angle.numbers.len());
+            }
+        }
+    }
+
+    #[test]
+    fn formulas_are_said_with_their_numbers() {
+        let count = AtomicUsize::new(0);
+        let problem = problem_of(&[], &Parameters::paper(), &count);
+        let drag = guess(&problem, vec![OF_SPEED[2]], &[]).unwrap();
+        assert_eq!(drag.words(&[3.14e-5, 2.31]), "-3.1e-5·|ω|^2.3·sgn ω");
+    }
+}

@@ -1,0 +1,59 @@
+//! What the board says of itself.
+
+use super::Finding;
+use crate::link::Session;
+use shared::wire::{PROTOCOL, ResetCause, Statistics, StoreState};
+
+pub(super) fn greeting(session: &Session) -> Finding {
+    let [major, minor, patch] = session.rig().version;
+    let name = &session.rig().name;
+    Finding::ok("rig", format!("{name}, firmware {major}.{minor}.{patch}, protocol {PROTOCOL}"))
+}
+
+pub(super) fn effects(session: &Session) -> Finding {
+    if session.knows_the_same_effects() {
+        Finding::ok("effects", "program and firmware know the same")
+    } else {
+        Finding::look("effects", "program and firmware know different ones", "update the older of the two")
+    }
+}
+
+pub(super) fn health(statistics: &Statistics) -> Vec<Finding> {
+    vec![restarts(statistics), losses(statistics), store(statistics.health.store)]
+}
+
+fn restarts(statistics: &Statistics) -> Finding {
+    let health = &statistics.health;
+    let found = match health.last_fault.as_str() {
+        "" => format!("{} since power came on", health.resets),
+        fault => format!("{} since power came on, last fault: {fault}", health.resets),
+    };
+    let by_itself = !matches!(health.cause, ResetCause::Power | ResetCause::Asked);
+    let next = "the firmware restarted by itself; report the fault with what was done before it";
+    Finding::of("restarts", found, by_itself.then_some(next))
+}
+
+fn losses(statistics: &Statistics) -> Finding {
+    let Statistics { samples, overruns, dropped_frames, bad_frames, .. } = statistics;
+    let found = format!(
+        "of {samples} samples {overruns} lost; {dropped_frames} frames not taken by the PC, {bad_frames} bad ones received"
+    );
+    let complaint = if *overruns > 0 {
+        Some("the processor is too slow for this rate: lower the sampling rate")
+    } else if *dropped_frames > 0 {
+        Some("a program had stopped reading; if it goes on, use another port or cable, without a hub")
+    } else {
+        None
+    };
+    Finding::of("losses", found, complaint)
+}
+
+fn store(state: StoreState) -> Finding {
+    let push = "`host fit --port` finds a model for this rig, `host push` sends one that you have";
+    match state {
+        StoreState::Loaded => Finding::ok("flash", "holds a model and a calibration"),
+        StoreState::Empty => Finding::look("flash", "empty: the paper's pendulum is in use", push),
+        StoreState::OtherVersion => Finding::look("flash", "written by another firmware, not in use", push),
+        StoreState::Damaged => Finding::look("flash", "damaged: the paper's pendulum is in use", push),
+    }
+}

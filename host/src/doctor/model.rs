@@ -1,0 +1,56 @@
+//! What the rig believes against what the file says.
+
+use super::Finding;
+use crate::rigfile::{Quantity, RigFile};
+use shared::parameters::Parameters;
+use shared::potentiometer::Potentiometer;
+
+pub(super) fn calibration(in_use: &Potentiometer) -> Finding {
+    let found = format!(
+        "zero at code {:.1} of {}, {:.5} mrad a code",
+        in_use.zero_code,
+        in_use.full_scale,
+        1e3 * in_use.radian_per_code
+    );
+    let nominal = Potentiometer::nominal(in_use.full_scale);
+    let next = "this is the data sheet's, off by a percent and by wherever the shaft was clamped: `host calibrate`";
+    Finding::of("calibration", found, (*in_use == nominal).then_some(next))
+}
+
+pub(super) fn parameters(rig: &Parameters<f32>, sensor: &Potentiometer, file: Option<&RigFile>) -> Vec<Finding> {
+    let Some(file) = file else {
+        return vec![Finding::ok("model", "no model file here to compare with; name one with --rig")];
+    };
+    vec![numbers(rig, file), sensors(sensor, file)]
+}
+
+/// The rig counts with 32 bits, so that is how they are compared.
+fn numbers(rig: &Parameters<f32>, file: &RigFile) -> Finding {
+    let (ours, theirs) = (file.parameters(), rig.map(f64::from));
+    let mut all = Quantity::all(ours);
+    all.extend(Quantity::all(&theirs).into_iter().filter(|quantity| quantity.get(ours).is_none()));
+    let as_stored = |of, quantity: &Quantity| quantity.get(of).map(|value| value as f32);
+    let differs = |quantity: &&Quantity| as_stored(ours, quantity) != as_stored(&theirs, quantity);
+    let different: Vec<&str> = all.iter().filter(differs).map(|quantity| quantity.symbol()).collect();
+    if different.is_empty() {
+        return Finding::ok("model", format!("all {} numbers as in the file", all.len()));
+    }
+    Finding::look(
+        "model",
+        format!("the rig's {} differ from the file's", different.join(", ")),
+        "`host push --rig FILE` sends the file's model, `host pull --force -o FILE` takes the rig's",
+    )
+}
+
+fn sensors(rig: &Potentiometer, file: &RigFile) -> Finding {
+    let what = "sensor in file";
+    match file.potentiometer() {
+        Some(ours) if ours == rig => Finding::ok(what, "the calibration is the rig's"),
+        Some(_) => Finding::look(
+            what,
+            "the file's calibration is not the rig's",
+            "`host push --calibration` sends the file's, `host calibrate` measures it anew",
+        ),
+        None => Finding::ok(what, "the file holds no calibration"),
+    }
+}

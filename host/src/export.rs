@@ -1,0 +1,89 @@
+//! The model in another language: one C header or Python module that needs nothing else.
+//!
+//! The physics is not written a second time. The model is generic over its number type, so it is run once with numbers
+//! that write down what is done to them (`symbol.rs`); what they wrote is printed in the other language (`print.rs`).
+//! Every effect in the list is exported that way, those added later too. Only the loop over the pieces of a step is
+//! written by hand, in `c.rs` and `python.rs`.
+
+mod c;
+mod print;
+mod python;
+mod symbol;
+mod trace;
+
+use crate::rigfile::{Quantity, RigFile};
+use shared::effect::Effect;
+use shared::parameters::Parameters;
+use trace::Trace;
+
+/// What can be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    /// A C99 header.
+    C,
+    /// A Python 3 module.
+    Python,
+}
+
+/// Why a model can't be exported.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ExportError {
+    /// An effect decides by its numbers which way its program goes, so that one run does not show all of it.
+    #[error("{name} can't be exported: its program takes different ways for different numbers")]
+    Effect {
+        /// Its name.
+        name: &'static str,
+    },
+    /// The same of no effect in particular.
+    #[error("this model can't be exported: its program takes different ways for different numbers")]
+    Model,
+}
+
+/// The text of a header or module.
+///
+/// # Errors
+/// A model whose program one run does not show.
+pub fn export(file: &RigFile, language: Language) -> Result<String, ExportError> {
+    let parameters = file.parameters();
+    let trace = Trace::of(parameters).ok_or_else(|| culprit(parameters))?;
+    let numbers = numbers(file);
+    Ok(match language {
+        Language::C => c::header(&numbers, &trace, &laws(parameters)),
+        Language::Python => python::module(&numbers, &trace, &laws(parameters)),
+    })
+}
+
+fn culprit(parameters: &Parameters<f64>) -> ExportError {
+    let alone = |id: u16| {
+        let mut single = Parameters::frictionless(parameters.pendulum);
+        let values = parameters.values(id).unwrap_or_default();
+        single.set(id, values).ok().and_then(|()| Trace::of(&single)).is_none()
+    };
+    let effect = parameters.effects.iter().find(|effect| alone(effect.id));
+    match effect.and_then(|effect| Effect::<f64>::by_id(effect.id)) {
+        Some(effect) => ExportError::Effect { name: effect.name },
+        None => ExportError::Model,
+    }
+}
+
+/// A number of the model under the name it has in formulas.
+struct Number {
+    name: String,
+    value: f64,
+    comment: String,
+}
+
+fn numbers(file: &RigFile) -> Vec<Number> {
+    let describe = |quantity: Quantity| Number {
+        name: trace::name_of(quantity),
+        value: quantity.get(file.parameters()).unwrap_or_default(),
+        comment: format!("{}, {}", quantity.unit(), quantity.meaning()),
+    };
+    Quantity::all(file.parameters()).into_iter().map(describe).collect()
+}
+
+/// Name and law of each effect, for a comment.
+fn laws(parameters: &Parameters<f64>) -> Vec<String> {
+    let known = parameters.effects.iter().filter_map(|effect| Effect::<f64>::by_id(effect.id));
+    known.map(|effect| format!("{}: {}", effect.name, effect.formula)).collect()
+}

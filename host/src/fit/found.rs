@@ -1,0 +1,68 @@
+//! What an identification finds.
+
+use super::problem::Start;
+use super::quality::Responses;
+use super::sequential::Stage;
+use serde::Serialize;
+use shared::parameters::Parameters;
+
+/// An identified number.
+#[derive(Clone, Debug, Serialize)]
+pub struct Identified {
+    /// The literature's symbol.
+    pub symbol: &'static str,
+    /// The effect, or `inertia`.
+    pub name: &'static str,
+    /// The value.
+    pub value: f64,
+    /// Standard deviation; absent if the data don't give one.
+    pub std: Option<f64>,
+    /// SI unit.
+    pub unit: &'static str,
+    /// How well the swings tell it.
+    pub verdict: Verdict,
+}
+
+/// How well the swings tell a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Known within 10 %.
+    Identified,
+    /// Known within a factor of about two.
+    Weak,
+    /// The swings say next to nothing about it.
+    Not,
+}
+
+/// The result of an identification.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The pendulum with all its effects.
+    pub parameters: Parameters<f64>,
+    /// The identified numbers.
+    pub identified: Vec<Identified>,
+    /// Correlations, a row and a column for each of `identified`, in that order; absent for numbers that the
+    /// covariance says nothing about: those on a bound, and Ms and DV where the error depends on them in jumps.
+    pub correlations: Vec<Vec<Option<f64>>>,
+    /// How each swing began.
+    pub starts: Vec<Start>,
+    /// Root mean square error, rad.
+    pub rmse_rad: f64,
+    /// Noise of the measurement, rad.
+    pub noise_rad: f64,
+    /// Root mean square error on the held-out swings, rad.
+    pub held_out_rmse_rad: Option<f64>,
+    /// The five responses before and after.
+    pub responses_before: Responses,
+    /// The five responses at the end.
+    pub responses: Responses,
+    /// The designs, if response surfaces were used.
+    pub stages: Vec<Stage>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// Simulated swings.
+    pub n_simulations: usize,
+    /// Time taken.
+    pub seconds: f64,
+}

@@ -1,0 +1,112 @@
+//! The runs of a design: swings simulated with given values, their starts solved for, and their five responses.
+//!
+//! Start angle, velocity and offset of each swing are solved for in every run, to first order.
+
+use super::linear::{dot, solve_damped};
+use super::problem::{PER_SWING, Point, Problem, Start};
+use super::quality::{Measured, Responses};
+use crate::swing::Window;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// Derivative step for start angle (rad) and velocity (rad/s).
+const START_STEP: f64 = 1e-5;
+
+/// A simulated run, its starts solved for.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The values, and the starts that suit them best.
+    pub point: Point,
+    /// How far the simulated swings are from the measured ones.
+    pub responses: Responses,
+}
+
+/// Derivatives of each swing with respect to its start angle, velocity and offset.
+pub struct Nuisance(Vec<Vec<Vec<f64>>>);
+
+impl Nuisance {
+    /// At a guess, within a window.
+    pub fn at(problem: &Problem, point: &Point, window: Window) -> Self {
+        let of_swing = |swing_idx: usize| {
+            let n_samples = problem.swings[swing_idx].samples_within(window);
+            let start = point.starts[swing_idx];
+            let values = point.values.as_slice();
+            let moved_angle = Start { angle_rad: start.angle_rad + START_STEP, ..start };
+            let moved_velocity = Start { velocity_rad_s: start.velocity_rad_s + START_STEP, ..start };
+            let guesses = [(values, start), (values, moved_angle), (values, moved_velocity)];
+            let predicted = problem.predict(swing_idx, n_samples, &guesses);
+            let slope = |k: usize| predicted[k].iter().zip(&predicted[0]).map(|(a, b)| (a - b) / START_STEP).collect();
+            vec![slope(1), slope(2), vec![1.0; n_samples]]
+        };
+        Self((0..problem.swings.len()).into_par_iter().map(of_swing).collect())
+    }
+}
+
+/// Simulates many sets of values from the starts of one guess, solving for their own starts.
+pub fn runs(problem: &Problem, from: &Point, window: Window, nuisance: &Nuisance, values: &[Vec<f64>]) -> Vec<Run> {
+    let of_swing = |swing_idx: usize| -> Vec<(Start, Responses, usize)> {
+        let swing = &problem.swings[swing_idx];
+        let n_samples = swing.samples_within(window);
+        let start = from.starts[swing_idx];
+        let guesses: Vec<(&[f64], Start)> = values.iter().map(|values| (values.as_slice(), start)).collect();
+        let measured = Measured::new(swing, window, start.offset_rad);
+        let columns = &nuisance.0[swing_idx];
+        let normal = DMatrix::from_fn(PER_SWING, PER_SWING, |i, j| dot(&columns[i], &columns[j]));
+        let solve_start = |mut simulated: Vec<f64>| {
+            let mut residuals: Vec<f64> =
+                swing.angles_rad.iter().zip(&simulated).map(|(m, s)| m - s - start.offset_rad).collect();
+            let gradient = DVector::from_fn(PER_SWING, |i, _| dot(&columns[i], &residuals));
+            let step = solve_damped(&normal, &gradient, 0.0, &[true; PER_SWING]);
+            for i in 0..n_samples {
+                let moved = step[0] * columns[0][i] + step[1] * columns[1][i];
+                simulated[i] += moved;
+                residuals[i] -= moved + step[2];
+            }
+            let solved = Start {
+                angle_rad: start.angle_rad + step[0],
+                velocity_rad_s: start.velocity_rad_s + step[1],
+                offset_rad: start.offset_rad + step[2],
+            };
+            (solved, measured.compare(&simulated, &residuals), n_samples)
+        };
+        problem.predict(swing_idx, n_samples, &guesses).into_par_iter().map(solve_start).collect()
+    };
+    let per_swing: Vec<Vec<(Start, Responses, usize)>> = (0..problem.swings.len()).map(of_swing).collect();
+    let run = |(run_idx, values): (usize, &Vec<f64>)| {
+        let parts: Vec<&(Start, Responses, usize)> = per_swing.iter().map(|swing| &swing[run_idx]).collect();
+        let starts = parts.iter().map(|part| part.0).collect();
+        Run { point: Point { values: values.clone(), starts }, responses: pooled(&parts) }
+    };
+    values.iter().enumerate().map(run).collect()
+}
+
+/// Mean squares over all samples, counts summed.
+fn pooled(parts: &[&(Start, Responses, usize)]) -> Responses {
+    let n_samples: usize = parts.iter().map(|part| part.2).sum();
+    let mean = |value: fn(&Responses) -> f64| {
+        parts.iter().map(|part| value(&part.1) * part.2 as f64).sum::<f64>() / n_samples.max(1) as f64
+    };
+    let sum = |value: fn(&Responses) -> f64| parts.iter().map(|part| value(&part.1)).sum();
+    Responses {
+        mse_angle: mean(|r| r.mse_angle),
+        mse_velocity: mean(|r| r.mse_velocity),
+        positive_peaks: sum(|r| r.positive_peaks),
+        negative_peaks: sum(|r| r.negative_peaks),
+        zero_crossings: sum(|r| r.zero_crossings),
+    }
+}
+
+/// Responses of one guess over a window.
+pub fn responses_at(problem: &Problem, point: &Point, window: Window) -> Responses {
+    let parts: Vec<(Start, Responses, usize)> = (0..problem.swings.len())
+        .map(|swing_idx| {
+            let (swing, start) = (&problem.swings[swing_idx], point.starts[swing_idx]);
+            let n_samples = swing.samples_within(window);
+            let simulated = problem.predict(swing_idx, n_samples, &[(&point.values, start)]).remove(0);
+            let residuals: Vec<f64> =
+                swing.angles_rad.iter().zip(&simulated).map(|(m, s)| m - s - start.offset_rad).collect();
+            (start, Measured::new(swing, window, start.offset_rad).compare(&simulated, &residuals), n_samples)
+        })
+        .collect();
+    pooled(&parts.iter().collect::<Vec<_>>())
+}

@@ -1,0 +1,136 @@
+//! The page docs/protocol.md: a written part, and tables that are read off the types of [`shared::wire`].
+
+use serde::de::DeserializeOwned;
+use serde_reflection::{ContainerFormat, Format, FormatHolder, Named, Registry, Tracer, TracerConfig, VariantFormat};
+use shared::parameters::ParameterError;
+use shared::wire::{
+    Answer, Command, Frame, Hello, MAX_FRAME, PROTOCOL, Refusal, ResetCause, StoreState, Stream, encode,
+};
+use std::fmt::Write;
+
+/// What the tables can't say.
+const WRITTEN: &str = include_str!("protocol_page.md");
+
+/// The page as it should be.
+pub fn page() -> String {
+    let registry = registry();
+    let mut text = WRITTEN.replace("PROTOCOL_VERSION", &PROTOCOL.to_string());
+    text += "\n## Frames as bytes\n\n| frame | bytes on the wire, in hexadecimal |\n|---|---|\n";
+    for (what, frame) in examples() {
+        let mut buffer = [0; MAX_FRAME];
+        let bytes = encode(&frame, &mut buffer).expect("short frames");
+        let hexadecimal: Vec<String> = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        let _ = writeln!(text, "| {what} | `{}` |", hexadecimal.join(" "));
+    }
+    text += "\n## Types\n";
+    for name in in_order(&registry) {
+        text += &container(&name, &registry[&name]);
+    }
+    text
+}
+
+fn examples() -> Vec<(&'static str, Frame)> {
+    let hello = Hello { catalogue: 0, version: [0, 1, 0], ..Hello::new("python") };
+    vec![
+        ("`Hello` of a program called python 0.1.0 that does not tell its effects", Frame::Hello(hello)),
+        ("command 1, `GetSettings`", Frame::Command(1, Command::GetSettings)),
+        ("command 2, `Start` raw samples", Frame::Command(2, Command::Start(Stream { raw: true, live_every: 0 }))),
+        ("command 300, `Stop`", Frame::Command(300, Command::Stop)),
+    ]
+}
+
+fn registry() -> Registry {
+    let mut tracer = Tracer::new(TracerConfig::default());
+    // Enums within enums are followed one at a time, the innermost first.
+    trace::<ParameterError>(&mut tracer);
+    trace::<Refusal>(&mut tracer);
+    trace::<ResetCause>(&mut tracer);
+    trace::<StoreState>(&mut tracer);
+    trace::<Answer>(&mut tracer);
+    trace::<Command>(&mut tracer);
+    trace::<Frame>(&mut tracer);
+    tracer.registry().expect("every variant was seen")
+}
+
+fn trace<T: DeserializeOwned>(tracer: &mut Tracer) {
+    tracer.trace_simple_type::<T>().expect("plain types");
+}
+
+/// Each type after the first that uses it, as a reader meets them.
+fn in_order(registry: &Registry) -> Vec<String> {
+    let mut names = vec!["Frame".to_owned()];
+    let mut at = 0;
+    while at < names.len() {
+        let mut used = Vec::new();
+        collect(&registry[&names[at]], &mut used);
+        for name in used {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        at += 1;
+    }
+    names
+}
+
+fn collect(container: &ContainerFormat, used: &mut Vec<String>) {
+    let _ = container.visit(&mut |format| {
+        if let Format::TypeName(name) = format {
+            used.push(name.clone());
+        }
+        Ok(())
+    });
+}
+
+fn container(name: &str, container: &ContainerFormat) -> String {
+    let mut text = format!("\n### {name}\n\n");
+    match container {
+        ContainerFormat::Enum(variants) => {
+            text += "| number | variant | content |\n|---|---|---|\n";
+            for (number, variant) in variants {
+                let _ = writeln!(text, "| {number} | {} | {} |", variant.name, content(&variant.value));
+            }
+        }
+        ContainerFormat::Struct(fields) => {
+            text += "| field | type |\n|---|---|\n";
+            for field in fields {
+                let _ = writeln!(text, "| {} | {} |", field.name, type_name(&field.value));
+            }
+        }
+        ContainerFormat::NewTypeStruct(format) => {
+            let _ = writeln!(text, "{}, nothing else.", type_name(format));
+        }
+        ContainerFormat::TupleStruct(formats) => {
+            let _ = writeln!(text, "{}.", list(formats));
+        }
+        ContainerFormat::UnitStruct => text += "Nothing.\n",
+    }
+    text
+}
+
+fn content(variant: &VariantFormat) -> String {
+    match variant {
+        VariantFormat::Unit | VariantFormat::Variable(_) => "—".to_owned(),
+        VariantFormat::NewType(format) => type_name(format),
+        VariantFormat::Tuple(formats) => list(formats),
+        VariantFormat::Struct(fields) => {
+            let field = |field: &Named<Format>| format!("{}: {}", field.name, type_name(&field.value));
+            fields.iter().map(field).collect::<Vec<_>>().join(", ")
+        }
+    }
+}
+
+fn list(formats: &[Format]) -> String {
+    formats.iter().map(type_name).collect::<Vec<_>>().join(", ")
+}
+
+fn type_name(format: &Format) -> String {
+    match format {
+        Format::TypeName(name) => format!("[{name}](#{})", name.to_lowercase()),
+        Format::Seq(item) => format!("list of {}", type_name(item)),
+        Format::TupleArray { content, size } => format!("{size} × {}", type_name(content)),
+        Format::Tuple(formats) => list(formats),
+        Format::Str => "text".to_owned(),
+        other => format!("{other:?}").to_lowercase(),
+    }
+}

@@ -1,0 +1,98 @@
+//! `doctor`, `calibrate` and `restart`, as a newcomer meets them.
+
+use tests::program::{Run, host};
+
+/// The findings that ask for a look, by name, from `host doctor --json`.
+fn to_look_at(run: &Run) -> Vec<String> {
+    let json: serde_json::Value = serde_json::from_str(run.succeeded()).unwrap();
+    let findings = json["findings"].as_array().unwrap();
+    let look: Vec<String> = findings
+        .iter()
+        .filter(|finding| finding["ok"] == false)
+        .inspect(|finding| assert!(finding["next"].is_string(), "{finding}"))
+        .map(|finding| finding["what"].as_str().unwrap().to_owned())
+        .collect();
+    assert_eq!(json["healthy"], look.is_empty());
+    look
+}
+
+#[test]
+fn the_doctor_finds_a_new_simulated_rig_uncalibrated_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = host(folder.path(), "doctor --port sim --json");
+    assert_eq!(to_look_at(&run), ["flash", "calibration"]);
+    let text = host(folder.path(), "doctor --port sim");
+    assert!(text.succeeded().contains("ok         sampling       1000 samples/s"), "{text:?}");
+}
+
+#[test]
+fn the_doctor_finds_a_broken_wire_and_another_model() {
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "init --mass 0.2 --length 0.3 --inertia 0.004").succeeded();
+    let run = host(folder.path(), "doctor --port sim:broken-wire --json");
+    assert_eq!(to_look_at(&run), ["flash", "potentiometer", "calibration", "model"]);
+}
+
+#[test]
+fn the_doctor_says_plainly_that_a_port_is_not_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = host(folder.path(), "doctor --port /dev/nope --json");
+    assert!(to_look_at(&run).contains(&"rig".to_owned()));
+}
+
+#[test]
+fn the_rule_for_udev_is_the_one_in_the_docs() {
+    let folder = tempfile::tempdir().unwrap();
+    let shipped = include_str!("../../docs/99-pendulum-rig.rules");
+    assert_eq!(host(folder.path(), "doctor --udev-rule").succeeded(), shipped);
+}
+
+#[test]
+fn known_angles_give_back_the_gain_of_the_simulated_potentiometer() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = host(folder.path(), "calibrate --port sim --angles 85.94,-68.75,45.84,-103.13 --json");
+    let json: serde_json::Value = serde_json::from_str(run.succeeded()).unwrap();
+    let nominal = json["before"]["radian_per_code"].as_f64().unwrap();
+    let found = json["after"]["radian_per_code"].as_f64().unwrap();
+    // A tenth of a code of 700 or more, and the angles' two decimals.
+    assert!((found / nominal - 1.0).abs() < 1e-3, "{run:?}");
+    assert!(json["nonlinearity_percent"].as_f64().unwrap() < 0.05, "{run:?}");
+    let written = std::fs::read_to_string(folder.path().join("rig.toml")).unwrap();
+    assert!(written.contains("radians_per_code = 0.00144"), "{written}");
+}
+
+#[test]
+fn a_swing_gives_back_the_gain() {
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "calibrate --port sim").succeeded();
+    host(folder.path(), "record --port sim -o swing.csv").succeeded();
+    let run = host(folder.path(), "calibrate --recording swing.csv --json");
+    let json: serde_json::Value = serde_json::from_str(run.succeeded()).unwrap();
+    let ratio =
+        json["after"]["radian_per_code"].as_f64().unwrap() / json["before"]["radian_per_code"].as_f64().unwrap();
+    assert!((ratio - 1.0).abs() < 1e-3 && json["gain_std"].as_f64().unwrap() < 1e-3, "{run:?}");
+}
+
+#[test]
+fn impossible_calibrations_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "calibrate --port sim --angles 4").failed(2, &["between 5 and 180"]);
+    host(folder.path(), "calibrate --port sim --angles 30").failed(1, &["twice off", "in the order"]);
+    host(folder.path(), "calibrate --port sim:broken-wire").failed(1, &["an end of its range", "three wires"]);
+    host(folder.path(), "calibrate").failed(2, &["--port"]);
+    assert!(!folder.path().join("rig.toml").exists());
+}
+
+#[test]
+fn an_angle_that_is_off_the_line_is_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = host(folder.path(), "calibrate --port sim --angles 85.94,-68.75,65");
+    assert!(run.succeeded().contains("linearity  look here"), "{run:?}");
+}
+
+#[test]
+fn the_rig_restarts_and_starts_its_bootloader() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(host(folder.path(), "restart --port sim").succeeded().contains("starts again"));
+    assert!(host(folder.path(), "restart --port sim --bootloader").succeeded().contains("bootloader"));
+}

@@ -1,0 +1,179 @@
+//! An exported model is compiled or run, and goes the same way as ours: with every effect there is, over a whole swing.
+
+use host::export::{Language, export};
+use host::rigfile::{Knowledge, Quantity, RigFile};
+use shared::effect::Effect;
+use shared::model::Model;
+use shared::motion::Pendulum;
+use shared::parameters::Parameters;
+use std::path::Path;
+use std::process::Command;
+
+/// From a wide release to rest, at the rig's usual rate.
+const N_STEPS: usize = 15_000;
+const DT_S: f64 = 1e-3;
+const RELEASE_RAD: f64 = 1.5;
+
+/// Of angle, velocity, torque and reading. Both compute in f64; sines and powers differ in their last bits.
+const TOLERANCE: f64 = 1e-9;
+
+/// Rows are compared this often, so that a wrong one is near its cause.
+const EVERY: usize = 50;
+
+fn dry() -> RigFile {
+    let pendulum = Parameters::paper().pendulum;
+    let mut file = RigFile::new(Pendulum { ..pendulum });
+    let mut parameters = Parameters::paper();
+    // More dry friction than the paper's, so that it comes to rest in time.
+    parameters.set_friction(5.4e-4, 8e-3, 1e-2, 0.055);
+    for quantity in Quantity::all(&parameters) {
+        set(&mut file, quantity, quantity.get(&parameters).unwrap());
+    }
+    file
+}
+
+fn set(file: &mut RigFile, quantity: Quantity, value: f64) {
+    file.set(quantity, value, Knowledge::default()).unwrap();
+}
+
+/// That pendulum and one effect more, at a twentieth of its largest usual size.
+fn with(effect: &'static Effect<f64>) -> RigFile {
+    let mut file = dry();
+    if !effect.is_base() {
+        for (index, parameter) in effect.parameters.iter().enumerate() {
+            let value = if parameter.start == 0.0 { 0.05 * parameter.high } else { parameter.start };
+            let quantity = Quantity::all_of_effect(effect).nth(index).unwrap();
+            set(&mut file, quantity, value);
+        }
+    }
+    file
+}
+
+/// A typed formula with a constant, a function of the angle and the time since the release.
+fn formula() -> &'static Effect<f64> {
+    let text = "torque = -k*omega*abs(omega)^p*(1 + exp(-t/5))*cos(2*theta)^2; k in 0..1e-3 N·m; p in 0..3";
+    host::formula::read(text).unwrap()
+}
+
+/// Angle, velocity, torque and reading, every so many steps.
+fn ours(file: &RigFile) -> Vec<[f64; 4]> {
+    let model = Model::new(file.parameters());
+    let mut state = model.release(RELEASE_RAD, 0.0);
+    let mut sensor = model.sensor_at_rest(&state);
+    let mut rows = Vec::new();
+    for step in 0..N_STEPS {
+        let reading = model.read(&state, &mut sensor);
+        if step % EVERY == 0 {
+            rows.push([state.angle_rad, state.velocity_rad_s, model.friction_torque_nm(&state), reading]);
+        }
+        model.step(&mut state, DT_S);
+    }
+    rows
+}
+
+fn c(folder: &Path, file: &RigFile) -> String {
+    std::fs::write(folder.join("rig.h"), export(file, Language::C).unwrap()).unwrap();
+    let program = format!(
+        r#"#include <stdio.h>
+#include "rig.h"
+int main(void) {{
+    rig_state state = rig_release({RELEASE_RAD:?}, 0.0);
+    rig_sensor sensor = rig_sensor_at_rest(&state);
+    for (int step = 0; step < {N_STEPS}; step++) {{
+        double reading = rig_read(&state, &sensor);
+        if (step % {EVERY} == 0)
+            printf("%.17g %.17g %.17g %.17g\n", state.angle_rad, state.velocity_rad_s, rig_friction_nm(&state), reading);
+        rig_step(&state, {DT_S:?});
+    }}
+    return 0;
+}}
+"#
+    );
+    std::fs::write(folder.join("main.c"), program).unwrap();
+    let strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-O1", "main.c", "-o", "main", "-lm"];
+    said_by(Command::new("cc").args(strict).current_dir(folder));
+    said_by(Command::new("./main").current_dir(folder))
+}
+
+fn python(folder: &Path, file: &RigFile) -> String {
+    std::fs::write(folder.join("rig.py"), export(file, Language::Python).unwrap()).unwrap();
+    let program = format!(
+        r#"import rig
+state = rig.release({RELEASE_RAD:?})
+sensor = rig.sensor_at_rest(state)
+for step in range({N_STEPS}):
+    reading = rig.read(state, sensor)
+    if step % {EVERY} == 0:
+        print(repr(state.angle_rad), repr(state.velocity_rad_s), repr(rig.friction_nm(state)), repr(reading))
+    rig.step(state, {DT_S:?})
+"#
+    );
+    std::fs::write(folder.join("main.py"), program).unwrap();
+    said_by(Command::new("python3").arg("-B").arg("main.py").current_dir(folder))
+}
+
+fn said_by(command: &mut Command) -> String {
+    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    assert!(output.status.success(), "{command:?}\n{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[track_caller]
+fn check(what: &str, file: &RigFile, theirs: &str) {
+    let ours = ours(file);
+    assert_eq!(ours.len(), theirs.lines().count(), "{what}");
+    for (idx, (ours, line)) in ours.iter().zip(theirs.lines()).enumerate() {
+        let theirs: Vec<f64> = line.split_whitespace().map(|word| word.parse().unwrap()).collect();
+        for (ours, theirs) in ours.iter().zip(&theirs) {
+            let off = (ours - theirs).abs();
+            assert!(off < TOLERANCE, "{what}, step {}: {ours} here, {theirs} there, {off:e} apart", EVERY * idx);
+        }
+    }
+}
+
+#[test]
+fn the_c_header_goes_the_same_way_with_every_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    for effect in Effect::<f64>::ALL {
+        let file = with(effect);
+        check(effect.name, &file, &c(folder.path(), &file));
+    }
+}
+
+#[test]
+fn the_python_module_goes_the_same_way_with_every_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    for effect in Effect::<f64>::ALL {
+        let file = with(effect);
+        check(effect.name, &file, &python(folder.path(), &file));
+    }
+}
+
+#[test]
+fn a_typed_formula_goes_the_same_way_in_both() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = with(formula());
+    check("C", &file, &c(folder.path(), &file));
+    check("Python", &file, &python(folder.path(), &file));
+}
+
+#[test]
+fn the_compared_swing_begins_fast_and_ends_at_rest() {
+    let rows = ours(&dry());
+    assert!(rows.iter().any(|row| row[1].abs() > 5.0) && rows.last().is_some_and(|row| row[1] == 0.0));
+}
+
+#[test]
+fn several_effects_at_once_and_without_friction() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut file = dry();
+    for name in ["presliding.Fd", "quadratic-drag.Cq", "backlash.b", "sensor-lag.tau", "sensor-nonlinearity.q3"] {
+        let quantity = Quantity::by_name(name).unwrap();
+        set(&mut file, quantity, 5e-4);
+    }
+    check("several", &file, &c(folder.path(), &file));
+    check("several", &file, &python(folder.path(), &file));
+    let mut bare = dry();
+    bare.parameters().clone().effects.iter().for_each(|effect| bare.remove_effect(effect.id));
+    check("frictionless", &bare, &c(folder.path(), &bare));
+}
