@@ -17,7 +17,6 @@ mod fit;
 mod improve;
 mod init;
 mod interrupt;
-mod now;
 mod number;
 mod output;
 mod plan;
@@ -27,6 +26,7 @@ mod push;
 mod record;
 mod restart;
 mod rig;
+mod serve;
 mod simulate;
 mod statistics;
 mod table;
@@ -57,6 +57,7 @@ Example:
   host diagnose swing*.csv --rig rig.toml                which physical effect is missing?
   host plan swing*.csv --rig rig.toml                    which experiment next?
   host push --rig rig.toml --port /dev/ttyACM0
+  host serve --port sim                                  all of it in the browser
 
 Ports are serial devices, sim (the simulated rig), or sim:NAME (one of its scenarios).
 `host COMMAND --help` explains a command.
@@ -81,6 +82,7 @@ enum Command {
     Statistics(statistics::Options),
     Restart(restart::Options),
     Simulate(simulate::Options),
+    Serve(serve::Options),
     Export(export::Options),
     Completions(completions::Completions),
     Man(completions::Manual),
@@ -115,6 +117,7 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
         Command::Statistics(options) => statistics::run(&options),
         Command::Restart(options) => restart::run(&options),
         Command::Simulate(options) => simulate::run(&options),
+        Command::Serve(options) => serve::run(&options),
         Command::Export(options) => export::run(&options),
         Command::Completions(options) => {
             completions::completions(&options);

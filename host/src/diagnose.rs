@@ -18,4 +18,4 @@ pub mod zero;
 
 pub use evidence::Evidence;
 pub use trial::Value;
-pub use verdict::{Candidate, Diagnosis, Step, Suggestion, diagnose, diagnose_with};
+pub use verdict::{Candidate, Diagnosis, Step, Suggestion, diagnose, diagnose_counted, diagnose_with};

@@ -72,32 +72,62 @@ pub fn change(
     rig: &Parameters<f64>,
     changes: &[Change],
 ) -> Result<Vec<Step>, ChangeError> {
-    let count = AtomicUsize::new(0);
-    let problem = smooth(&problem_of(swings, rig, &count));
-    let mut trial = fitted_as_it_is(&problem);
-    let report = |words: String, trial: &Trial| Step {
-        words,
-        rmse: (trial.cost / problem.n_samples(Window::Whole) as f64).sqrt(),
-        held_out: (!held_out.is_empty()).then(|| held_out_rmse(held_out, &trial.parameters, &count)),
-        noise: problem.noise_rad(),
-        values: values(&problem, trial),
-        parameters: trial.parameters.clone(),
-    };
-    let mut steps = vec![report("as it is".to_owned(), &trial)];
+    let bench = Bench { swings, held_out, count: &AtomicUsize::new(0) };
+    let (mut trial, first) = bench.fitted(rig);
+    let mut steps = vec![first];
     for change in changes {
-        let words = match change {
-            Change::Add(effect) => {
-                trial = added(&problem, &trial, effect)?;
-                format!("+ {}", effect.name)
-            }
-            Change::Remove(effect) => {
-                trial = removed(&problem, &trial, effect)?;
-                format!("- {}", effect.name)
-            }
-        };
-        steps.push(report(words, &trial));
+        let (next, step) = bench.changed(&trial, *change)?;
+        trial = next;
+        steps.push(step);
     }
     Ok(steps)
+}
+
+/// What the changes of a model are judged by.
+#[derive(Clone, Copy, Debug)]
+pub struct Bench<'a> {
+    /// Swings to fit.
+    pub swings: &'a [Swing],
+    /// Swings that take no part.
+    pub held_out: &'a [Swing],
+    /// Simulated swings so far.
+    pub count: &'a AtomicUsize,
+}
+
+impl Bench<'_> {
+    /// The model as it is, refitted; further changes go on from the trial.
+    pub fn fitted(&self, rig: &Parameters<f64>) -> (Trial, Step) {
+        let problem = smooth(&problem_of(self.swings, rig, self.count));
+        let trial = fitted_as_it_is(&problem);
+        let step = self.step("as it is".to_owned(), &problem, &trial);
+        (trial, step)
+    }
+
+    /// The model after one more change, refitted from where it was.
+    ///
+    /// # Errors
+    /// The effect is in already, is not in, or nothing with it could be fitted.
+    pub fn changed(&self, trial: &Trial, change: Change) -> Result<(Trial, Step), ChangeError> {
+        let problem = smooth(&problem_of(self.swings, &trial.parameters, self.count));
+        let (words, trial) = match change {
+            Change::Add(effect) => (format!("+ {}", effect.name), added(&problem, trial, effect)?),
+            Change::Remove(effect) => (format!("- {}", effect.name), removed(&problem, trial, effect)?),
+        };
+        let step = self.step(words, &problem, &trial);
+        Ok((trial, step))
+    }
+
+    fn step(&self, words: String, problem: &Problem, trial: &Trial) -> Step {
+        let held_out = |parameters| held_out_rmse(self.held_out, parameters, self.count);
+        Step {
+            words,
+            rmse: (trial.cost / problem.n_samples(Window::Whole) as f64).sqrt(),
+            held_out: (!self.held_out.is_empty()).then(|| held_out(&trial.parameters)),
+            noise: problem.noise_rad(),
+            values: values(problem, trial),
+            parameters: trial.parameters.clone(),
+        }
+    }
 }
 
 fn fitted_as_it_is(problem: &Problem) -> Trial {
@@ -114,15 +144,21 @@ fn added(problem: &Problem, trial: &Trial, effect: &'static Effect<f64>) -> Resu
     if trial.parameters.values(effect.id).is_some() {
         return Err(ChangeError::Present { name });
     }
-    let fits = promises(problem, trial, &[effect]).into_iter().take(STARTS).filter_map(|promise| {
+    // Which start leads where shows on fewer samples too; the last fit sees all of them.
+    let thin: Vec<Swing> = problem.swings.iter().map(|swing| swing.thinned(SCREEN_RATE_HZ)).collect();
+    let coarse = Problem { swings: &thin, ..problem.clone() };
+    let fits = promises(&coarse, trial, &[effect]).into_iter().take(STARTS).filter_map(|promise| {
         let n_before = trial.unknowns.len();
-        let (unknowns, template) = trial.with(problem, effect, &promise.point.values[n_before..])?;
+        let (unknowns, template) = trial.with(&coarse, effect, &promise.point.values[n_before..])?;
         let effects = [trial.effects.as_slice(), &[effect]].concat();
-        Some(fit_from(&Problem { unknowns, template, ..problem.clone() }, effects, &promise.point, trial.stiction))
+        Some(fit_from(&Problem { unknowns, template, ..coarse.clone() }, effects, &promise.point, trial.stiction))
     });
     let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or(ChangeError::Failed { name })?;
-    Ok(finish_with_band(problem, &finish(problem, &best)))
+    Ok(finish_with_band(problem, &finish(&coarse, &best)))
 }
+
+/// Samples a second at which an added effect is first fitted.
+const SCREEN_RATE_HZ: f64 = 200.0;
 
 /// Starts of an effect that are fitted.
 const STARTS: usize = 3;

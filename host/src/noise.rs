@@ -47,14 +47,18 @@ pub struct Noise {
 
 /// Noise of a whole recording from differences of neighbours; motion does not disturb it.
 pub fn estimate(recording: &Recording) -> Noise {
-    let lsb = match (recording.codes(), recording.header().calibration) {
+    of_samples(recording.times_s(), recording.angles_rad(), lsb(recording))
+}
+
+/// Smallest step of a recording's sensor, rad.
+fn lsb(recording: &Recording) -> Option<f64> {
+    match (recording.codes(), recording.header().calibration) {
         (Some(codes), Some(calibration)) => {
             let codes: Vec<f64> = codes.iter().map(|code| f64::from(*code)).collect();
             smallest_step(&codes).map(|step| step * calibration.radians_per_code.abs())
         }
         _ => smallest_step(recording.angles_rad()),
-    };
-    of_samples(recording.times_s(), recording.angles_rad(), lsb)
+    }
 }
 
 /// Noise of bare samples, with the sensor's step if it is known.
@@ -73,7 +77,7 @@ pub fn of_still(recording: &Recording, still: Range<usize>) -> Option<Noise> {
     if n < MIN_STILL {
         return None;
     }
-    let lsb = estimate(recording).lsb;
+    let lsb = lsb(recording);
     let rms = rms_about_line(angles_rad);
     let is_frozen = rms < lsb.unwrap_or(0.0) / 4.0 || rms == 0.0;
     (!is_frozen).then(|| with_parts(rms, lsb, format!("scatter of {n} still samples")))

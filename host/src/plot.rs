@@ -6,8 +6,10 @@ pub mod overlay;
 pub mod svg;
 pub mod web;
 
+use serde::Serialize;
+
 /// A picture with its explanation.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Picture {
     /// File name without ending.
     pub key: String,
@@ -24,7 +26,7 @@ pub struct Picture {
 }
 
 /// An axis.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Axis {
     /// Quantity and unit.
     pub label: String,
@@ -52,7 +54,8 @@ impl Axis {
 }
 
 /// What a picture shows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Content {
     /// Lines and dots.
     Curves(Vec<Curve>),
@@ -61,7 +64,8 @@ pub enum Content {
 }
 
 /// How a curve is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Style {
     /// A line.
     Line,
@@ -74,7 +78,7 @@ pub enum Style {
 }
 
 /// A line or a set of dots.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Curve {
     /// In the legend.
     pub name: String,
@@ -112,7 +116,7 @@ impl Curve {
 }
 
 /// Values over a plane, in rows upwards.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Heat {
     /// Middles of the columns.
     pub x: Vec<f64>,

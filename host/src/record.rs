@@ -8,14 +8,16 @@ mod detector;
 mod error;
 mod lead_in;
 mod recorder;
+mod words;
 
 pub use detector::Stage;
 pub use error::RecordError;
+pub use words::{in_words, usable};
 
 use crate::link::{LinkError, Session};
 use crate::recording::{Existing, WriteError};
 use recorder::Recorder;
-use shared::wire::Stream;
+use shared::wire::{self, Stream};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -35,6 +37,8 @@ pub struct Plan<'a> {
     pub limit_s: f64,
     /// Date and time of the start as text, for the header.
     pub started: Option<String>,
+    /// The rig sends a live point every so many samples beside the recording; 0 for none.
+    pub live_every: u16,
 }
 
 /// What a person may see while it goes on.
@@ -56,6 +60,8 @@ pub trait Watch {
     fn stage(&mut self, stage: Stage);
     /// Called for every frame.
     fn live(&mut self, live: &Live);
+    /// Live points, if the plan asks for some.
+    fn points(&mut self, _: &wire::Live) {}
 }
 
 /// Nobody watches.
@@ -122,7 +128,7 @@ pub fn record(
 ) -> Result<Taken, RecordError> {
     refuse_existing(plan)?;
     let settings = session.settings()?;
-    session.start(Stream { raw: true, live_every: 0 })?;
+    session.start(Stream { raw: true, live_every: plan.live_every })?;
     let mut recorder = Recorder::new(plan, &session.firmware(), settings);
     watch.stage(Stage::Settling);
     let end = recorder.run(session, watch, stop);

@@ -5,6 +5,7 @@
 //! there by name, parameters by symbol, in SI units and radians. A value is a number, or an inline table
 //! `{ value = 5.4e-4, std = 2e-6, method = "least squares", recordings = ["swing.csv"] }`.
 
+mod adopt;
 mod error;
 mod guess;
 mod quantity;
@@ -145,6 +146,13 @@ impl RigFile {
     /// Are torques and moments of inertia per m·g·l, because the geometry is unknown?
     pub fn is_normalised(&self) -> bool {
         self.normalised
+    }
+
+    /// Does it hold the guess for its pendulum, to the last digit, as a file straight from `init` does?
+    pub fn is_fresh(&self) -> bool {
+        let pendulum = self.parameters.pendulum;
+        let guesses = [Self::new(pendulum), Self::normalised(pendulum.gravity_m_s2)];
+        guesses.iter().any(|guess| guess.parameters == self.parameters)
     }
 
     /// The sensor's calibration, if the file has one.

@@ -6,9 +6,11 @@
 
 mod bench;
 mod noise;
+mod paced;
 mod scenario;
 
 pub use noise::Noise;
+pub use paced::Paced;
 pub use scenario::Scenario;
 
 use crate::link::{LinkError, Port};

@@ -1,5 +1,7 @@
 //! Helpers of the integration tests.
 
+#[cfg(target_os = "linux")]
+pub mod browser;
 pub mod chance;
 #[cfg(target_os = "linux")]
 pub mod device;
@@ -8,6 +10,8 @@ pub mod image;
 pub mod innovation;
 pub mod link;
 pub mod measured;
+#[cfg(unix)]
+pub mod page;
 pub mod paper_data;
 pub mod plant;
 pub mod program;

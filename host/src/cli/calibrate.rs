@@ -104,7 +104,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 /// The file, or what the rig reports if there is none yet.
 fn model(path: &Path, session: Option<&mut Session>) -> Result<RigFile, Failure> {
     match session {
-        Some(session) if !path.exists() => rig::reported(session),
+        Some(session) if !path.exists() => session.model_file(),
         _ => Ok(RigFile::load(path)?),
     }
 }

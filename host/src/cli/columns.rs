@@ -48,13 +48,22 @@ impl Reading {
 
     /// Reads a recording.
     pub(super) fn read(&self, path: &Path) -> Result<Recording, Failure> {
+        recording::read(path, &self.options()).map_err(Failure::failed)
+    }
+
+    /// How files are read.
+    pub(super) fn options(&self) -> ReadOptions {
         let angle_unit = match (self.degrees, self.radians) {
             (true, _) => Some(AngleUnit::Degrees),
             (_, true) => Some(AngleUnit::Radians),
             _ => None,
         };
-        let options = ReadOptions { columns: self.columns.clone(), rate_hz: self.rate, angle_unit };
-        recording::read(path, &options).map_err(Failure::failed)
+        ReadOptions { columns: self.columns.clone(), rate_hz: self.rate, angle_unit }
+    }
+
+    /// Where the free swing lies, if the user knows it better.
+    pub(super) fn segment(&self) -> SegmentOptions {
+        SegmentOptions { from_s: self.from, to_s: self.to }
     }
 
     /// Reads the swings of several recordings and says what was noticed.
@@ -71,7 +80,7 @@ impl Reading {
     pub(super) fn swing(&self, path: &Path) -> Result<(Swing, Vec<String>), Failure> {
         let recording = self.read(path)?;
         let name = path.display().to_string();
-        let options = SegmentOptions { from_s: self.from, to_s: self.to };
+        let options = self.segment();
         let (swing, segments) = Swing::from_recording(&name, &recording, &options)
             .map_err(|error| Failure::failed(format!("{name}: {error}")))?;
         let notes = recording.notes().iter().chain(&segments.notes).map(|note| format!("{name}: {note}")).collect();
@@ -82,7 +91,7 @@ impl Reading {
     pub(super) fn measurement(&self, path: &Path) -> Result<Measurement, Failure> {
         let recording = self.read(path)?;
         let name = path.display().to_string();
-        let options = SegmentOptions { from_s: self.from, to_s: self.to };
+        let options = self.segment();
         let failed = |error| Failure::failed(format!("{name}: {error}"));
         Measurement::from_recording(&name, &recording, &options).map_err(failed)
     }

@@ -9,7 +9,6 @@ use crate::compare::{self, Comparison, compare};
 use crate::error::Failure;
 use crate::plot::svg::svg;
 use crate::report::report;
-use crate::rigfile::RigFile;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -50,7 +49,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let model = rig::load(options.rig.as_deref())?;
     let measurements = measurements(&options.reading, &options.recordings)?;
     let held_out = self::measurements(&options.reading, &options.hold_out)?;
-    let settings = compare::Options { fit_first: is_fresh(&model) };
+    let settings = compare::Options { fit_first: model.is_fresh() };
     let comparison = compare(model.parameters(), &measurements, &held_out, &settings).map_err(Failure::failed)?;
     if let Some(folder) = &options.plot {
         draw(folder, &comparison)?;
@@ -68,13 +67,6 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 
 fn measurements(reading: &Reading, paths: &[PathBuf]) -> Result<Vec<Measurement>, Failure> {
     paths.iter().map(|path| reading.measurement(path)).collect()
-}
-
-/// A model file straight from `init` holds the guess for its pendulum, to the last digit.
-fn is_fresh(model: &RigFile) -> bool {
-    let pendulum = model.parameters().pendulum;
-    let guesses = [RigFile::new(pendulum), RigFile::normalised(pendulum.gravity_m_s2)];
-    guesses.iter().any(|guess| guess.parameters() == model.parameters())
 }
 
 fn draw(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {

@@ -7,16 +7,18 @@ mod result;
 mod stages;
 
 use super::columns::Reading;
-use super::record::{Patience, in_words, take};
+use super::record::{Patience, take};
 use super::values::{Range, custom_effect};
-use super::{now, output, port, rig};
+use super::{output, port, rig};
 use crate::diagnose::{Diagnosis, diagnose_with};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit};
 use crate::improve::{Change, change};
 use crate::link::Session;
+use crate::now;
+use crate::record::in_words;
 use crate::recording::Existing;
-use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
+use crate::rigfile::{RigFile, Source};
 use crate::swing::Swing;
 use clap::{Args, ValueEnum};
 use progress::Screen;
@@ -139,7 +141,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         Some(found) => refit(&swings, &held_out, found)?,
         None => plain,
     };
-    take_over(&mut model, &fit, options.method, &recordings)?;
+    model.adopt_fit(&fit, &Source::new(options.method.words(), &recordings))?;
     if let Some(path) = &options.output {
         model.save(path)?;
     }
@@ -164,7 +166,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 /// The named file, `rig.toml` here, or what the rig reports.
 fn model(options: &Options, session: Option<&mut Session>) -> Result<RigFile, Failure> {
     match (rig::chosen_path(options.rig.as_deref()), session) {
-        (None, Some(session)) => rig::reported(session),
+        (None, Some(session)) => session.model_file(),
         (path, _) => rig::load(path.as_deref()),
     }
 }
@@ -238,21 +240,6 @@ const NOTHING_MISSING: f64 = 1.03;
 fn refit(swings: &[Swing], held_out: &[Swing], found: &Diagnosis) -> Result<Fit, Failure> {
     let settings = identify::Options { method: identify::Method::LeastSquares, ranges: Vec::new() };
     identify::fit(swings, held_out, &found.parameters, &settings, &|_| {}).map_err(Failure::failed)
-}
-
-/// Puts what was found into the model file.
-fn take_over(model: &mut RigFile, fit: &Fit, method: Method, recordings: &[PathBuf]) -> Result<(), Failure> {
-    let source = Source::new(method.words(), recordings);
-    let quantities = Quantity::all(&fit.parameters);
-    for found in &fit.identified {
-        let is_meant = |quantity: &&Quantity| match found.name {
-            "inertia" => **quantity == Quantity::Inertia,
-            name => quantity.owner() == name && quantity.symbol() == found.symbol,
-        };
-        let Some(quantity) = quantities.iter().copied().find(|quantity| is_meant(&quantity)) else { continue };
-        model.set(quantity, found.value, Knowledge { std: found.std, source: Some(source.clone()) })?;
-    }
-    Ok(())
 }
 
 /// Pushes the model, then lets the observer judge old and new parameters by a second swing.

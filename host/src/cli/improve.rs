@@ -3,12 +3,11 @@
 use super::columns::Reading;
 use super::values::custom_effect;
 use super::{evidence, output, rig};
-use crate::diagnose::Value;
 use crate::diagnose::diagnose_with;
 use crate::error::Failure;
 use crate::formula::effect_of;
 use crate::improve::{Change, Step, change};
-use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
+use crate::rigfile::Source;
 use clap::Args;
 use serde::Serialize;
 use shared::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
@@ -79,7 +78,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         last.map_or_else(|| (model.parameters().clone(), Vec::new()), |step| (step.parameters, step.values))
     };
     if let Some(path) = &options.output {
-        take_over(&mut model, &parameters, &values, options)?;
+        model.adopt(&parameters, &values, &Source::new("least squares, effects added", &options.recordings))?;
         model.save(path)?;
         output::say(&format!("wrote {}", path.display()));
     }
@@ -118,34 +117,4 @@ fn in_words(steps: &[Step]) -> String {
         format!("  {:<32}{:>9.3} mrad  {noises:>6.2} noises{held_out}", step.words, 1e3 * step.rmse)
     };
     std::iter::once("Error after each step".to_owned()).chain(steps.iter().map(line)).collect::<Vec<_>>().join("\n")
-}
-
-/// Puts the enlarged model into the file, with where its numbers came from.
-fn take_over(
-    model: &mut RigFile,
-    parameters: &Parameters<f64>,
-    values: &[Value],
-    options: &Options,
-) -> Result<(), Failure> {
-    let source = Source::new("least squares, effects added", &options.recordings);
-    let gone: Vec<u16> = model.parameters().effects.iter().map(|effect| effect.id).collect();
-    let other_law = |id: u16| id == CUSTOM_FORMULA_ID && parameters.formula != model.parameters().formula;
-    let gone: Vec<u16> = gone.into_iter().filter(|id| parameters.values(*id).is_none() || other_law(*id)).collect();
-    gone.into_iter().for_each(|id| model.remove_effect(id));
-    for quantity in Quantity::all(parameters) {
-        let value = quantity.get(parameters).unwrap_or_default();
-        if quantity.get(model.parameters()) != Some(value) {
-            let owner = if quantity == Quantity::Inertia { "inertia" } else { quantity.owner() };
-            let known = values.iter().find(|known| known.effect == owner && known.symbol == quantity.symbol());
-            let std = known.and_then(|known| known.std);
-            let value = if std.is_none() { four_digits(value) } else { value };
-            model.set(quantity, value, Knowledge { std, source: Some(source.clone()) })?;
-        }
-    }
-    Ok(())
-}
-
-/// No value without a standard deviation is known to more.
-fn four_digits(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
 }

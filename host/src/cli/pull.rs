@@ -41,7 +41,7 @@ struct Pulled {
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     rig::refuse_existing(&options.output, options.force)?;
     let mut session = port::connect(&options.port)?;
-    let file = if options.output.exists() { updated(options, &mut session)? } else { rig::reported(&mut session)? };
+    let file = if options.output.exists() { updated(options, &mut session)? } else { session.model_file()? };
     file.save(&options.output)?;
     let (port, firmware) = (options.port.clone(), session.firmware());
     let pulled = Pulled { port, firmware, file: options.output.clone(), parameters: rig::values(&file) };

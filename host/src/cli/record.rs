@@ -1,10 +1,11 @@
 //! `host record`: a swing from the rig into a file.
 
 use super::values::positive;
-use super::{interrupt, now, output, port};
+use super::{interrupt, output, port};
 use crate::error::Failure;
 use crate::link::Session;
-use crate::record::{End, Live, Plan, Stage, Taken, Watch, record};
+use crate::now;
+use crate::record::{End, Live, Plan, Stage, Taken, Watch, in_words, record, usable};
 use crate::recording::Existing;
 use clap::Args;
 use serde::Serialize;
@@ -95,34 +96,15 @@ pub(super) fn take(
     patience: &Patience,
 ) -> Result<Taken, Failure> {
     let started = Some(now::iso());
-    let plan = Plan { path, existing, wait_s: patience.wait, limit_s: patience.limit, started };
+    let plan = Plan { path, existing, wait_s: patience.wait, limit_s: patience.limit, started, live_every: 0 };
     let mut screen = Screen::new();
     let taken = interrupt::orderly(|stop| record(session, &plan, &mut screen, stop));
     screen.clear();
-    usable(taken?)
-}
-
-fn usable(taken: Taken) -> Result<Taken, Failure> {
-    let kept = format!("{} samples are kept in {}", taken.n_samples, taken.path.display());
-    match &taken.end {
-        End::AtRest | End::TimeLimit if taken.is_usable() => Ok(taken),
-        End::AtRest | End::TimeLimit => {
-            Err(Failure::failed(format!("the pendulum came to rest before it had swung twice; {kept}"))
-                .next("release it from a larger angle, and let it swing freely"))
-        }
-        End::Stopped if taken.is_usable() => {
-            output::warn(&format!("stopped before the pendulum came to rest; the file is usable: {kept}"));
-            Ok(taken)
-        }
-        End::Stopped => Err(Failure::failed(format!("stopped before the pendulum had swung twice; {kept}"))
-            .next("record again and let it swing to rest")),
-        End::Disconnected { code } => Err(Failure::failed(format!(
-            "the potentiometer reads code {code}, an end of its range, since {:.1} s after the release; {kept}",
-            taken.swing_s
-        ))
-        .next("check the potentiometer's three wires; release from a smaller angle if it left its track")),
-        End::Lost(error) => Err(Failure::failed(format!("{error}; {kept}")).next(error.next_step())),
+    let taken = taken?;
+    if let Some(note) = usable(&taken)? {
+        output::warn(&note);
     }
+    Ok(taken)
 }
 
 fn ended(end: &End) -> &'static str {
@@ -133,22 +115,6 @@ fn ended(end: &End) -> &'static str {
         End::Disconnected { .. } => "disconnected",
         End::Lost(_) => "link lost",
     }
-}
-
-/// One swing in a sentence.
-pub(super) fn in_words(taken: &Taken) -> String {
-    let lost = match taken.samples_lost {
-        0 => "none lost".to_owned(),
-        n_lost => format!("{n_lost} lost"),
-    };
-    format!(
-        "wrote {}: released from {:.3} rad ({:.1}°), {:.1} s of swing, {} samples ({lost})",
-        taken.path.display(),
-        taken.release_rad,
-        taken.release_rad.to_degrees(),
-        taken.swing_s,
-        taken.n_samples
-    )
 }
 
 /// What the person at the rig sees.

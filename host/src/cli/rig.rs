@@ -21,15 +21,6 @@ pub(super) fn load(named: Option<&Path>) -> Result<RigFile, Failure> {
     Ok(RigFile::load(&path)?)
 }
 
-/// The model that a rig reports, as a file.
-pub(super) fn reported(session: &mut Session) -> Result<RigFile, Failure> {
-    let parameters = session.parameters()?;
-    let potentiometer = session.settings()?.potentiometer;
-    let mut file = RigFile::of_rig(&parameters, &source(session))?;
-    file.set_potentiometer(potentiometer);
-    Ok(file)
-}
-
 /// Where values came from that a rig reported.
 pub(super) fn source(session: &Session) -> Source {
     Source { method: format!("read from {}", session.rig().name), recordings: Vec::new() }

@@ -143,9 +143,19 @@ pub fn diagnose_with(
     rig: &Parameters<f64>,
     typed: Option<&'static Effect<f64>>,
 ) -> Diagnosis {
+    diagnose_counted(swings, held_out, rig, typed, &AtomicUsize::new(0))
+}
+
+/// The same for somebody who wants to see the count of simulated swings grow.
+pub fn diagnose_counted(
+    swings: &[Swing],
+    held_out: &[Swing],
+    rig: &Parameters<f64>,
+    typed: Option<&'static Effect<f64>>,
+    count: &AtomicUsize,
+) -> Diagnosis {
     let began = Instant::now();
-    let count = AtomicUsize::new(0);
-    let problem = base_problem(swings, rig, &count);
+    let problem = base_problem(swings, rig, count);
     let base = fit_base(&problem);
     let mut candidates = candidates(swings);
     candidates.extend(typed.or(effect_of(rig, CUSTOM_FORMULA_ID)));
@@ -156,7 +166,7 @@ pub fn diagnose_with(
     let Zero { model: claimed, offset_is_missing, alike } =
         zero::decide(&problem, claimed, INDISTINGUISHABLE * judge.unit());
     undecided.extend(alike);
-    Summary { judge, claimed, undecided, offset_is_missing, held_out, began, count: &count }.build()
+    Summary { judge, claimed, undecided, offset_is_missing, held_out, began, count }.build()
 }
 
 /// The effects that may be found missing: all but the base effects and the offset, which is fitted anyway. In a single

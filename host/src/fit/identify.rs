@@ -51,6 +51,18 @@ pub enum Progress {
     Uncertainty,
 }
 
+impl std::fmt::Display for Progress {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Surfaces(0) => write!(out, "response surfaces over the whole swing"),
+            Self::Surfaces(seconds) => write!(out, "response surfaces over the first {seconds} s"),
+            Self::Descent => write!(out, "least squares"),
+            Self::Stiction => write!(out, "stiction"),
+            Self::Uncertainty => write!(out, "uncertainties"),
+        }
+    }
+}
+
 /// Why nothing could be identified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {

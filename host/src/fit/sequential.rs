@@ -46,6 +46,9 @@ pub struct Stage {
     /// How far each surface can be believed, in the order of [`Responses::NAMES`].
     #[serde(skip)]
     pub goodness: Vec<Goodness>,
+    /// The surfaces themselves, in the same order.
+    #[serde(skip)]
+    pub surfaces: Vec<Surface>,
     /// R² of the mseA surface, predicted by leaving runs out.
     pub r_squared_predicted: Option<f64>,
 }
@@ -138,6 +141,7 @@ fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Seque
         before: here.responses,
         after: chosen.responses,
         goodness: surfaces.iter().map(goodness).collect(),
+        surfaces: surfaces.clone(),
         r_squared_predicted,
     };
     let region = if is_credible {

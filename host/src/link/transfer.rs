@@ -1,8 +1,9 @@
 //! Parameters, settings and counters from and to the rig.
 
 use super::{LinkError, Session};
+use crate::error::Failure;
 use crate::formula;
-use crate::rigfile::Quantity;
+use crate::rigfile::{Quantity, RigFile, Source};
 use shared::effect::{Action, CUSTOM_FORMULA_ID};
 use shared::formula::Formula;
 use shared::parameters::Parameters;
@@ -44,6 +45,19 @@ impl Session {
             Answer::Settings(settings) => Ok(settings),
             _ => Err(LinkError::WrongAnswer { command: "give its settings" }),
         }
+    }
+
+    /// The model that the rig reports, as a file.
+    ///
+    /// # Errors
+    /// As [`Session::ask`], or parameters that this program does not know.
+    pub fn model_file(&mut self) -> Result<RigFile, Failure> {
+        let parameters = self.parameters()?;
+        let potentiometer = self.settings()?.potentiometer;
+        let source = Source { method: format!("read from {}", self.rig().name), recordings: Vec::new() };
+        let mut file = RigFile::of_rig(&parameters, &source)?;
+        file.set_potentiometer(potentiometer);
+        Ok(file)
     }
 
     /// The counters since the last reset.

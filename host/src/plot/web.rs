@@ -24,6 +24,13 @@ pub fn script() -> String {
     both.split_inclusive("</script>").next().unwrap_or_default().to_owned()
 }
 
+/// The same without the element around it, to be served as a file.
+pub fn script_text() -> String {
+    let element = script();
+    let inner = element.split_once('>').map_or("", |(_, rest)| rest);
+    inner.strip_suffix("</script>").unwrap_or(inner).to_owned()
+}
+
 /// The element of a picture.
 pub fn html(picture: &Picture) -> String {
     let mut plot = Plot::new();

@@ -87,6 +87,7 @@ impl<'a> Recorder<'a> {
                     }
                     watch.live(&self.live(session.tally().frames_lost));
                 }
+                Ok(Some(Frame::Live(points))) => watch.points(&points),
                 Ok(_) if session.elapsed() > heard + SILENCE => {
                     let port = session.port().to_owned();
                     return self.ended_early(End::Lost(LinkError::StreamStopped { port }));

@@ -3,7 +3,7 @@ use crate::link;
 use crate::recording::{self, ReadOptions, Recording};
 
 fn plan(path: &Path) -> Plan<'_> {
-    Plan { path, existing: Existing::Keep, wait_s: 60.0, limit_s: 300.0, started: None }
+    Plan { path, existing: Existing::Keep, wait_s: 60.0, limit_s: 300.0, started: None, live_every: 0 }
 }
 
 /// Records in a fresh folder and reads the file, if there is one.

@@ -23,7 +23,7 @@ impl Screen {
 
     /// A step begins.
     pub(super) fn show(&self, progress: Progress) {
-        let text = in_words(progress);
+        let text = progress.to_string();
         match &self.bar {
             Some(bar) => {
                 bar.inc(1);
@@ -56,15 +56,5 @@ fn n_steps(method: Method, longest_s: f64) -> u64 {
         Method::Rsm => n_windows + 1,
         Method::LeastSquares => 3,
         Method::Both => n_windows + 3,
-    }
-}
-
-fn in_words(progress: Progress) -> String {
-    match progress {
-        Progress::Surfaces(0) => "response surfaces over the whole swing".to_owned(),
-        Progress::Surfaces(seconds) => format!("response surfaces over the first {seconds} s"),
-        Progress::Descent => "least squares".to_owned(),
-        Progress::Stiction => "stiction".to_owned(),
-        Progress::Uncertainty => "uncertainties".to_owned(),
     }
 }

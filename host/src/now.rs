@@ -7,13 +7,13 @@ use std::time::{SystemTime, UNIX_EPOCH};
 const SECONDS_PER_DAY: u64 = 86_400;
 
 /// `2026-11-21T12:00:00Z`
-pub(super) fn iso() -> String {
+pub(crate) fn iso() -> String {
     let [year, month, day, hour, minute, second] = parts(unix_seconds());
     format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
 }
 
 /// `20261121-120000`
-pub(super) fn for_file_name() -> String {
+pub(crate) fn for_file_name() -> String {
     let [year, month, day, hour, minute, second] = parts(unix_seconds());
     format!("{year:04}{month:02}{day:02}-{hour:02}{minute:02}{second:02}")
 }

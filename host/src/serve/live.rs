@@ -1,0 +1,316 @@
+//! The rig: one thread owns the session, everybody else sends it wishes.
+
+mod points;
+mod recorder;
+
+use super::state::App;
+use crate::error::Failure;
+use crate::link::{self, Session};
+use crate::rigfile::RigFile;
+use crate::sim::{Paced, Scenario};
+use points::Points;
+use serde::Serialize;
+use shared::parameters::Parameters;
+use shared::wire::{Frame, Stream};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use tokio::sync::oneshot;
+
+/// Live points per second: more than a screen can show.
+const POINTS_PER_S: f32 = 200.0;
+
+/// Wishes are looked for this often while a stream runs.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
+
+/// A stream that is silent for so long has dried up.
+const SILENCE: Duration = Duration::from_secs(3);
+
+/// The rig's own counters are asked for this often.
+const ASK_EVERY: Duration = Duration::from_secs(1);
+
+/// What may be asked of the rig.
+pub(super) enum Wish {
+    /// Opens a port and listens.
+    Connect(String),
+    /// Listens on, from a fresh stream.
+    Listen,
+    /// Stops listening.
+    Pause,
+    /// Records a swing.
+    Record,
+    /// Gives the parameters in use.
+    Read(oneshot::Sender<Result<Parameters<f32>, Failure>>),
+    /// Sends a model and saves it to flash.
+    Push(Box<RigFile>, oneshot::Sender<Result<(), Failure>>),
+    /// Ends the thread.
+    Leave,
+}
+
+/// The rig's doorbell.
+pub(super) struct Rig {
+    sender: Sender<Wish>,
+    receiver: Mutex<Option<Receiver<Wish>>>,
+    /// Ends a recording early.
+    pub(super) stop_recording: AtomicBool,
+}
+
+/// What the page shows of the rig.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub(super) struct RigView {
+    /// As named by the user.
+    port: Option<String>,
+    /// Name and version, once connected.
+    firmware: Option<String>,
+    /// Does its pendulum let go by itself?
+    simulated: bool,
+    listening: bool,
+    /// The stage of a recording.
+    recording: Option<&'static str>,
+    /// The last thing worth telling.
+    note: Option<String>,
+    failure: Option<(String, Option<String>)>,
+    frames: u64,
+    frames_lost: u64,
+    frames_damaged: u64,
+    samples_lost: u64,
+    /// By the rig's own count, over the last seconds.
+    innovation_rms_rad: Option<f64>,
+    overruns: u32,
+    dropped_frames: u32,
+    disconnected: u32,
+}
+
+impl Rig {
+    pub(super) fn new() -> Self {
+        let (sender, receiver) = channel();
+        Self { sender, receiver: Mutex::new(Some(receiver)), stop_recording: AtomicBool::new(false) }
+    }
+
+    /// Starts the thread; it connects to the port of the command line, if there is one.
+    pub(super) fn begin(&self, app: &Arc<App>) -> JoinHandle<()> {
+        let receiver = self.receiver.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(port) = &app.settings.port {
+            self.wish(Wish::Connect(port.clone()));
+        }
+        let app = app.clone();
+        std::thread::spawn(move || {
+            if let Some(wishes) = receiver {
+                Owner { app: &app, session: None, wishes, points: Points::default(), is_leaving: false }.run();
+            }
+        })
+    }
+
+    /// Asks for something.
+    pub(super) fn wish(&self, wish: Wish) {
+        let _ = self.sender.send(wish);
+    }
+
+    /// Asks for a recording, whatever ended the last one.
+    pub(super) fn wish_recording(&self) {
+        self.stop_recording.store(false, Ordering::SeqCst);
+        self.wish(Wish::Record);
+    }
+
+    /// Lets go of the rig; a recording that goes on is kept as far as it is.
+    pub(super) fn leave(&self) {
+        self.stop_recording.store(true, Ordering::SeqCst);
+        self.wish(Wish::Leave);
+    }
+}
+
+/// The ports that a page may ask for: the one of the command line and the simulated rigs.
+pub(super) fn ports(own: Option<&str>) -> Vec<String> {
+    let simulated = Scenario::ALL.iter().map(|scenario| format!("{}:{}", link::SIMULATED, scenario.name));
+    own.map(str::to_owned).into_iter().chain(simulated).collect()
+}
+
+/// Owns the session.
+struct Owner<'a> {
+    app: &'a Arc<App>,
+    session: Option<Session>,
+    wishes: Receiver<Wish>,
+    points: Points,
+    is_leaving: bool,
+}
+
+impl Owner<'_> {
+    fn run(mut self) {
+        while !self.is_leaving {
+            let wish = if self.is_listening() { self.listen() } else { self.wishes.recv().ok() };
+            let Some(wish) = wish else { continue };
+            if let Err(failure) = self.fulfil(wish) {
+                self.break_off(&failure);
+            }
+        }
+    }
+
+    fn is_listening(&self) -> bool {
+        self.app.read(|state| state.rig.listening)
+    }
+
+    fn show(&self, change: impl FnOnce(&mut RigView)) {
+        self.app.change(|state| change(&mut state.rig));
+    }
+
+    fn fulfil(&mut self, wish: Wish) -> Result<(), Failure> {
+        match wish {
+            Wish::Connect(port) => self.connect(&port),
+            Wish::Listen => self.start(),
+            Wish::Pause => self.pause(),
+            Wish::Record => self.record(),
+            Wish::Read(answer) => {
+                let parameters = self.session().and_then(|session| Ok(session.parameters()?));
+                let _ = answer.send(parameters);
+                Ok(())
+            }
+            Wish::Push(model, answer) => {
+                let _ = answer.send(self.push(&model));
+                Ok(())
+            }
+            Wish::Leave => {
+                self.is_leaving = true;
+                Ok(())
+            }
+        }
+    }
+
+    fn session(&mut self) -> Result<&mut Session, Failure> {
+        let nothing = || Failure::wrong_use("no rig is connected").next("connect one first");
+        self.session.as_mut().ok_or_else(nothing)
+    }
+
+    fn connect(&mut self, port: &str) -> Result<(), Failure> {
+        self.session = None;
+        let simulated = port == link::SIMULATED || port.starts_with("sim:");
+        self.show(|rig| *rig = RigView { port: Some(port.to_owned()), simulated, ..RigView::default() });
+        let mut opened = link::open(port)?;
+        if simulated {
+            opened = Box::new(Paced::new(opened, self.app.settings.sim_speed));
+        }
+        let mut session = Session::open(opened)?;
+        let firmware = session.firmware();
+        let knows = session.knows_the_same_effects();
+        self.take_model(&mut session)?;
+        self.session = Some(session);
+        self.show(|rig| {
+            rig.firmware = Some(firmware);
+            let older = "its firmware knows other effects than this program; update the older of the two";
+            rig.note = (!knows).then(|| older.to_owned());
+        });
+        self.start()
+    }
+
+    /// Without a model file the rig's own model is the one to begin with.
+    fn take_model(&self, session: &mut Session) -> Result<(), Failure> {
+        if self.app.read(|state| state.model.is_some()) {
+            return Ok(());
+        }
+        let model = session.model_file()?;
+        self.app.change(|state| {
+            let origin = "reported by the rig".to_owned();
+            state.model.get_or_insert(super::state::Named { file: model, origin });
+        });
+        self.app.jobs.ask_for_a_look();
+        Ok(())
+    }
+
+    /// A fresh stream; the simulated student lifts the pendulum anew.
+    fn start(&mut self) -> Result<(), Failure> {
+        let session = self.session()?;
+        let settings = session.settings()?;
+        let live_every = (settings.rate_hz / POINTS_PER_S).round().max(1.0) as u16;
+        session.start(Stream { raw: true, live_every })?;
+        self.points = Points::new(settings.rate_hz);
+        self.show(|rig| {
+            rig.listening = true;
+            rig.failure = None;
+        });
+        Ok(())
+    }
+
+    fn pause(&mut self) -> Result<(), Failure> {
+        self.show(|rig| rig.listening = false);
+        Ok(self.session()?.stop()?)
+    }
+
+    /// Passes live points on until somebody wishes something.
+    fn listen(&mut self) -> Option<Wish> {
+        let mut heard = (self.session.as_ref()?.elapsed(), Instant::now());
+        loop {
+            match self.wishes.try_recv() {
+                Ok(wish) => return Some(wish),
+                Err(TryRecvError::Disconnected) => return Some(Wish::Leave),
+                Err(TryRecvError::Empty) => {}
+            }
+            if let Err(failure) = self.pass_on(&mut heard) {
+                self.break_off(&failure);
+                return None;
+            }
+        }
+    }
+
+    /// Takes a frame; every now and then asks for the rig's counters.
+    fn pass_on(&mut self, heard: &mut (Duration, Instant)) -> Result<(), Failure> {
+        let session = self.session.as_mut().ok_or_else(|| Failure::failed("no rig is connected"))?;
+        match session.receive(LOOK_EVERY)? {
+            Some(frame) => {
+                heard.0 = session.elapsed();
+                if let Frame::Live(live) = frame
+                    && let Some(message) = self.points.take(&live)
+                {
+                    let _ = self.app.live.send(message);
+                }
+            }
+            None if session.elapsed() > heard.0 + SILENCE => {
+                return Err(link::LinkError::StreamStopped { port: session.port().to_owned() }.into());
+            }
+            None => {}
+        }
+        if heard.1.elapsed() >= ASK_EVERY {
+            heard.1 = Instant::now();
+            self.count()?;
+        }
+        Ok(())
+    }
+
+    fn count(&mut self) -> Result<(), Failure> {
+        let session = self.session()?;
+        let statistics = session.statistics()?;
+        let tally = session.tally().clone();
+        self.show(|rig| {
+            rig.frames = tally.frames;
+            rig.frames_lost = tally.frames_lost;
+            rig.frames_damaged = tally.frames_damaged;
+            rig.samples_lost = tally.samples_lost;
+            rig.innovation_rms_rad = Some(f64::from(statistics.innovation_rms_rad));
+            rig.overruns = statistics.overruns;
+            rig.dropped_frames = statistics.dropped_frames;
+            rig.disconnected = statistics.disconnected;
+        });
+        Ok(())
+    }
+
+    fn push(&mut self, model: &RigFile) -> Result<(), Failure> {
+        let was_listening = self.is_listening();
+        let session = self.session()?;
+        session.push(model.parameters())?;
+        let firmware = session.firmware();
+        self.show(|rig| rig.note = Some(format!("saved in {firmware} and read back the same")));
+        if was_listening { self.start() } else { Ok(()) }
+    }
+
+    /// The rig is gone, or says what cannot be gone on from.
+    fn break_off(&mut self, failure: &Failure) {
+        self.session = None;
+        let told = (failure.what().to_owned(), failure.next_step().map(str::to_owned));
+        self.show(|rig| {
+            rig.listening = false;
+            rig.recording = None;
+            rig.firmware = None;
+            rig.failure = Some(told);
+        });
+    }
+}

@@ -1,0 +1,81 @@
+//! Recording from the page: the same stages as on the command line, while the live curves go on.
+
+use super::points::Points;
+use super::{Owner, POINTS_PER_S};
+use crate::error::Failure;
+use crate::now;
+use crate::record::{Live, Plan, Stage, Watch, in_words, record, usable};
+use crate::recording::Existing;
+use crate::serve::recordings;
+use crate::serve::state::App;
+use shared::wire;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Give up if the pendulum was not let go within so many seconds.
+const WAIT_S: f64 = 120.0;
+
+/// End the recording so many seconds after the release.
+const LIMIT_S: f64 = 300.0;
+
+impl Owner<'_> {
+    /// Records a swing into the folder the server was started in, and adds it to the list.
+    pub(super) fn record(&mut self) -> Result<(), Failure> {
+        let app = self.app.clone();
+        let path = unused_path(&app);
+        let session = self.session()?;
+        let rate_hz = session.settings()?.rate_hz;
+        let live_every = (rate_hz / POINTS_PER_S).round().max(1.0) as u16;
+        let started = Some(now::iso());
+        let plan =
+            Plan { path: &path, existing: Existing::Keep, wait_s: WAIT_S, limit_s: LIMIT_S, started, live_every };
+        let mut watcher = Watcher { app: &app, points: Points::new(rate_hz) };
+        let result = record(session, &plan, &mut watcher, &app.rig.stop_recording);
+        self.show(|rig| rig.recording = None);
+        let note = match result {
+            Ok(taken) => usable(&taken).map(|note| note.unwrap_or_else(|| in_words(&taken))),
+            Err(error) => Err(Failure::from(error)),
+        };
+        match note.and_then(|note| Ok((note, recordings::of_file(&path, &app.settings)?))) {
+            Ok((note, loaded)) => {
+                self.show(|rig| rig.note = Some(note));
+                recordings::take_in(&app, loaded)?;
+            }
+            Err(failure) => app.change(|state| state.failure = Some(failure)),
+        }
+        // Listening goes on where the rig is still there.
+        self.start()
+    }
+}
+
+fn unused_path(app: &App) -> PathBuf {
+    let stamp = now::for_file_name();
+    let numbers = std::iter::once(String::new()).chain((2..).map(|number| format!("-{number}")));
+    let mut paths = numbers.map(|number| app.settings.folder.join(format!("swing-{stamp}{number}.csv")));
+    paths.find(|path| !path.exists()).unwrap_or_default()
+}
+
+struct Watcher<'a> {
+    app: &'a Arc<App>,
+    points: Points,
+}
+
+impl Watch for Watcher<'_> {
+    fn stage(&mut self, stage: Stage) {
+        let words = match stage {
+            Stage::Settling => "waiting until the pendulum is still",
+            Stage::Waiting => "still: lift it, hold it, and let it go",
+            Stage::Swinging => "released: recording until it rests",
+            Stage::AtRest => "at rest",
+        };
+        self.app.change(|state| state.rig.recording = Some(words));
+    }
+
+    fn live(&mut self, _: &Live) {}
+
+    fn points(&mut self, live: &wire::Live) {
+        if let Some(message) = self.points.take(live) {
+            let _ = self.app.live.send(message);
+        }
+    }
+}

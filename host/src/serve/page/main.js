@@ -1,0 +1,124 @@
+// Puts the page together: tabs, theme, uploads, progress, failures; each view is a file of its own.
+
+import * as compare from './compare.js';
+import * as discover from './discover.js';
+import * as fit from './fit.js';
+import * as live from './live.js';
+import * as rig from './rig.js';
+import { byId } from './numbers.js';
+import { redrawAll } from './plots.js';
+import { get, listen, post, send } from './server.js';
+
+const TABS = ['model', 'live', 'fit'];
+let state = null;
+
+/** Waits for what was asked; tells why it could not be done. */
+function done(promise) {
+  return promise.catch((refusal) => fail(refusal.message, refusal.next));
+}
+
+function fail(what, next) {
+  byId('failure-what').textContent = what;
+  byId('failure-next').textContent = next ? `Next: ${next}.` : '';
+  byId('failure').hidden = false;
+}
+
+function hear(message) {
+  if (message.type === 'live') live.take(message);
+  else if (message.type === 'job') showJob(message.job);
+  else if (message.type === 'state') { state = message; show(); }
+}
+
+let told = null;
+function show() {
+  for (const view of [compare, discover, fit, live, rig]) view.show(state);
+  const failure = JSON.stringify(state.failure);
+  if (state.failure && failure !== told) fail(state.failure.what, state.failure.next);
+  if (!state.failure && told !== 'null' && told !== null) byId('failure').hidden = true;
+  told = failure;
+  document.body.dataset.ready = 'true';
+}
+
+function showJob(job) {
+  byId('job').hidden = job === null;
+  document.body.dataset.busy = String(job !== null);
+  if (!job) return;
+  const bar = byId('job-bar');
+  if (job.share === null) bar.removeAttribute('value'); else bar.value = Math.max(job.share, 0.02);
+  const count = job.simulations ? `, ${job.simulations} swings simulated` : '';
+  byId('job-words').textContent = `${job.words || job.name} … ${job.seconds.toFixed(0)} s${count}`;
+}
+
+function openTab(name) {
+  for (const tab of TABS) {
+    const here = tab === name;
+    byId(`view-${tab}`).hidden = !here;
+    byId(`tab-${tab}`).setAttribute('aria-selected', String(here));
+    byId(`tab-${tab}`).tabIndex = here ? 0 : -1;
+  }
+  history.replaceState(null, '', name === 'model' ? '/' : `#${name}`);
+  if (state) show();
+  live.draw();
+  compare.redraw();
+}
+
+function beginTabs() {
+  for (const tab of TABS) {
+    byId(`tab-${tab}`).addEventListener('click', () => openTab(tab));
+    byId(`tab-${tab}`).addEventListener('keydown', (event) => {
+      const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+      if (!step) return;
+      const next = TABS[(TABS.indexOf(tab) + step + TABS.length) % TABS.length];
+      openTab(next);
+      byId(`tab-${next}`).focus();
+    });
+  }
+  const named = location.hash.slice(1);
+  openTab(TABS.includes(named) ? named : 'model');
+}
+
+function beginTheme() {
+  const root = document.documentElement;
+  const wish = window.matchMedia('(prefers-color-scheme: dark)');
+  const use = (theme) => { root.dataset.theme = theme; redrawAll(); compare.redraw(); live.draw(); };
+  use(localStorage.getItem('theme') ?? (wish.matches ? 'dark' : 'light'));
+  wish.addEventListener('change', () => { if (!localStorage.getItem('theme')) use(wish.matches ? 'dark' : 'light'); });
+  byId('theme').addEventListener('click', () => {
+    const theme = root.dataset.theme === 'dark' ? 'light' : 'dark';
+    localStorage.setItem('theme', theme);
+    use(theme);
+  });
+}
+
+async function upload(files) {
+  for (const file of files) {
+    await done(send(file.name.endsWith('.toml') ? 'api/model' : 'api/recordings', file));
+  }
+}
+
+function beginUploads() {
+  byId('upload').addEventListener('change', (event) => { upload([...event.target.files]).then(() => { event.target.value = ''; }); });
+  const isFiles = (event) => event.dataTransfer?.types.includes('Files');
+  document.addEventListener('dragover', (event) => { if (isFiles(event)) { event.preventDefault(); document.body.classList.add('dropping'); } });
+  document.addEventListener('dragleave', (event) => { if (!event.relatedTarget) document.body.classList.remove('dropping'); });
+  document.addEventListener('drop', (event) => {
+    if (!isFiles(event)) return;
+    event.preventDefault();
+    document.body.classList.remove('dropping');
+    upload([...event.dataTransfer.files]);
+  });
+}
+
+async function begin() {
+  beginTheme();
+  const effects = await get('api/effects');
+  compare.begin(done, effects);
+  discover.begin(done, effects);
+  for (const view of [fit, live, rig]) view.begin(done);
+  beginUploads();
+  byId('failure-close').addEventListener('click', () => { byId('failure').hidden = true; done(post('api/dismiss')); });
+  beginTabs();
+  listen((message) => { byId('failure').classList.remove('gone'); hear(message); }, () => fail('The connection to the program is gone', 'start it again; this page connects by itself'));
+}
+
+done(begin());

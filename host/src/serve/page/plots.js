@@ -1,0 +1,90 @@
+// Pictures by the plotting library, which is fetched from this server when the first one is needed.
+
+const LIGHT = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#56b4e9', '#e69f00', '#1b1f23'];
+const DARK = ['#56b4e9', '#f0a13a', '#2fc89b', '#e59cc4', '#8ecbf2', '#e6c34a', '#eceff2'];
+
+/** From blue through the paper to red, alike on light and dark. */
+const DIVERGING_LIGHT = [[0, '#2166ac'], [0.25, '#92c5de'], [0.5, '#f7f7f7'], [0.75, '#f4a582'], [1, '#b2182b']];
+const DIVERGING_DARK = [[0, '#6db6ff'], [0.25, '#2f5f8f'], [0.5, '#22272c'], [0.75, '#9c4a2f'], [1, '#ff8f66']];
+
+let library = null;
+function loaded() {
+  library ??= new Promise((done, failed) => {
+    const script = document.createElement('script');
+    script.src = 'plotly.js';
+    script.onload = () => done(window.Plotly);
+    script.onerror = failed;
+    document.head.append(script);
+  });
+  return library;
+}
+
+const isDark = () => document.documentElement.dataset.theme === 'dark';
+const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+export const colours = () => (isDark() ? DARK : LIGHT);
+const em = () => parseFloat(getComputedStyle(document.documentElement).fontSize);
+
+/** Everything drawn so far, so that a change of theme can draw it anew. */
+const drawn = new Map();
+
+/** Draws `make()`, which gives traces and layout; called again when the theme changes. */
+export async function draw(element, make) {
+  drawn.set(element, make);
+  const plotly = await loaded();
+  if (drawn.get(element) !== make || !element.isConnected) return;
+  const { traces, layout } = make();
+  await plotly.react(element, traces, themed(layout), { responsive: true, displaylogo: false, displayModeBar: false });
+}
+
+export function redrawAll() {
+  for (const [element, make] of drawn) {
+    if (element.isConnected) draw(element, make); else drawn.delete(element);
+  }
+}
+
+export function axis(title, more = {}) {
+  return {
+    title: { text: title, standoff: 6, font: { size: 0.8 * em() } }, gridcolor: style('grid'), zerolinecolor: style('line'), linecolor: style('line'),
+    automargin: true, exponentformat: 'power', ...more,
+  };
+}
+
+function themed(layout) {
+  return {
+    paper_bgcolor: style('card'), plot_bgcolor: style('card'), font: { color: style('ink'), size: 0.82 * em(), family: 'system-ui, sans-serif' },
+    margin: { l: 60, r: 16, t: 12, b: 48 }, legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0, font: { size: 0.72 * em() }, itemwidth: 30 }, hovermode: 'closest', ...layout,
+  };
+}
+
+/** A picture of the library `host` as traces. */
+export function pictureOf(picture) {
+  const { x, y, content } = picture;
+  const layout = {
+    xaxis: axis(x.label, x.is_logarithmic ? { type: 'log' } : x.is_count ? { dtick: 1 } : {}),
+    yaxis: axis(y.label, y.is_logarithmic ? { type: 'log' } : {}),
+  };
+  return { traces: content.curves ? content.curves.map(curveOf) : [heatOf(content.heat)], layout };
+}
+
+function curveOf(curve) {
+  const colour = curve.colour === 6 ? style('noise') : colours()[curve.colour % 7];
+  const trace = { x: curve.x, y: curve.y, name: curve.name.replace(/\.csv$/, ''), showlegend: curve.name !== '', type: 'scatter' };
+  if (curve.style === 'line' || curve.style === 'dashed') {
+    return { ...trace, mode: 'lines', line: { color: colour, width: 2, dash: curve.style === 'dashed' ? 'dash' : 'solid' } };
+  }
+  const cloud = curve.style === 'cloud';
+  const bars = curve.bars?.some((bar) => bar > 0) ? { error_y: { type: 'data', array: curve.bars, thickness: 1, width: 2 } } : {};
+  return { ...trace, ...bars, mode: 'markers', marker: { color: colour, size: cloud ? 3 : 6, opacity: cloud ? 0.4 : 1 } };
+}
+
+function heatOf(heat) {
+  const names = heat.names;
+  return {
+    type: 'heatmap', x: names ?? heat.x, y: names ?? heat.y, z: heat.values, text: heat.notes, hovertemplate: '%{text}<extra></extra>',
+    zmin: -heat.limit, zmax: heat.limit, colorscale: isDark() ? DIVERGING_DARK : DIVERGING_LIGHT,
+    colorbar: { title: { text: heat.label, side: 'right' }, thickness: 14, outlinewidth: 0 },
+  };
+}
+
+/** Light to dark in one hue, readable in grey too. */
+export const rising = () => (isDark() ? 'Cividis' : [[0, '#00204c'], [0.5, '#7c7b78'], [1, '#ffe945']]);

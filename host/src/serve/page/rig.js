@@ -1,0 +1,30 @@
+// Writing the model to the rig: old and new side by side, and only after a yes.
+
+import { byId, element, fillTable, number } from './numbers.js';
+import { get, post } from './server.js';
+
+let done = () => {};
+
+export function begin(report) {
+  done = report;
+  byId('push').addEventListener('click', () => done(open()));
+  byId('push-no').addEventListener('click', () => byId('push-dialog').close());
+  byId('push-yes').addEventListener('click', () => {
+    byId('push-dialog').close();
+    done(post('api/rig/push'));
+  });
+}
+
+export function show(state) {
+  byId('push').disabled = !state.model || state.rig.firmware === null || state.rig.recording !== null;
+  byId('push').title = state.rig.firmware === null ? 'connect a rig on the live view first' : '';
+}
+
+async function open() {
+  const values = await get('api/rig/values');
+  const cell = (value, changed) => element('td', changed ? { class: 'changed' } : {}, value === null ? 'absent' : number(value, 5));
+  const differs = (one) => one.old === null || one.new === null || Math.abs(one.old - one.new) > 1e-6 * Math.abs(one.old);
+  fillTable(byId('push-table'), ['Number', 'On the rig', 'New', 'Unit', 'Of'], values.map((one) =>
+    [one.symbol, cell(one.old, false), cell(one.new, differs(one)), one.unit === '1' ? '' : one.unit, one.name]));
+  byId('push-dialog').showModal();
+}

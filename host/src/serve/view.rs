@@ -1,0 +1,153 @@
+//! The state as the page sees it: small, and the same for every tab. Curves are asked for apart.
+
+use super::live::{RigView, ports};
+use super::simulate::{Slider, sliders};
+use super::state::{App, State};
+use crate::compare::verdict::{Answer, Totals};
+use crate::diagnose::Diagnosis;
+use crate::error::Failure;
+use crate::fit::identify::Identified;
+use crate::formula::effect_of;
+use crate::improve::Step;
+use crate::rigfile::RigFile;
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Everything but curves.
+#[derive(Serialize)]
+pub(super) struct View {
+    #[serde(rename = "type")]
+    kind: &'static str,
+    model: Option<ModelView>,
+    recordings: Vec<RecordingView>,
+    comparison: Option<ComparisonView>,
+    staircase: Vec<Step>,
+    undos: usize,
+    diagnosis: Option<Diagnosis>,
+    fit: Option<FitView>,
+    failure: Option<FailureView>,
+    rig: RigView,
+    ports: Vec<String>,
+    drawing: u64,
+}
+
+#[derive(Serialize)]
+struct ModelView {
+    origin: String,
+    fresh: bool,
+    normalised: bool,
+    effects: Vec<&'static str>,
+    sliders: Vec<Slider>,
+}
+
+#[derive(Serialize)]
+struct RecordingView {
+    id: u32,
+    name: String,
+    held_out: bool,
+    duration_s: f64,
+    samples: usize,
+    noise_rad: f64,
+    rmse_rad: Option<f64>,
+    notes: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct ComparisonView {
+    answer: Answer,
+    verdict: Vec<String>,
+    totals: Totals,
+    held_out: Option<Totals>,
+    limits: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct FitView {
+    parameters: Vec<Identified>,
+    warnings: Vec<String>,
+    n_stages: usize,
+    simulations: usize,
+    seconds: f64,
+}
+
+/// A failure in two parts.
+#[derive(Serialize)]
+pub(super) struct FailureView {
+    what: String,
+    next: Option<String>,
+}
+
+impl From<&Failure> for FailureView {
+    fn from(failure: &Failure) -> Self {
+        Self { what: failure.what().to_owned(), next: failure.next_step().map(str::to_owned) }
+    }
+}
+
+/// The state of this moment.
+pub(super) fn view(app: &App) -> View {
+    app.read(|state| View {
+        kind: "state",
+        model: state.model.as_ref().map(|model| model_view(&model.file, &model.origin)),
+        recordings: recordings(state),
+        comparison: comparison(state),
+        staircase: state.staircase.clone(),
+        undos: state.history.len(),
+        diagnosis: state.diagnosis.as_deref().cloned(),
+        fit: fit(state),
+        failure: state.failure.as_ref().map(FailureView::from),
+        rig: state.rig.clone(),
+        ports: ports(app.settings.port.as_deref()),
+        drawing: state.drawing,
+    })
+}
+
+fn model_view(file: &RigFile, origin: &str) -> ModelView {
+    let parameters = file.parameters();
+    let names = parameters.effects.iter().filter_map(|effect| effect_of(parameters, effect.id));
+    ModelView {
+        origin: origin.to_owned(),
+        fresh: file.is_fresh(),
+        normalised: file.is_normalised(),
+        effects: names.map(|effect| effect.name).collect(),
+        sliders: sliders(parameters, |quantity| file.knowledge(quantity).and_then(|knowledge| knowledge.std)),
+    }
+}
+
+fn recordings(state: &State) -> Vec<RecordingView> {
+    let of = |recording: &Arc<super::recordings::Loaded>| {
+        let measurement = &recording.measurement;
+        RecordingView {
+            id: recording.id,
+            name: recording.name.clone(),
+            held_out: recording.held_out,
+            duration_s: measurement.swing.duration_s(),
+            samples: measurement.swing.len(),
+            noise_rad: measurement.noise.level_rad(),
+            rmse_rad: state.runs.get(&recording.id).map(|run| crate::compare::rms(&run.residuals_rad)),
+            notes: measurement.notes.clone(),
+        }
+    };
+    state.recordings.iter().map(of).collect()
+}
+
+fn comparison(state: &State) -> Option<ComparisonView> {
+    let comparison = state.comparison.as_ref()?;
+    Some(ComparisonView {
+        answer: comparison.answer,
+        verdict: comparison.verdict.clone(),
+        totals: comparison.totals,
+        held_out: comparison.held_out_totals,
+        limits: comparison.limits.clone(),
+    })
+}
+
+fn fit(state: &State) -> Option<FitView> {
+    let fit = state.fit.as_ref()?;
+    Some(FitView {
+        parameters: fit.identified.clone(),
+        warnings: fit.warnings.clone(),
+        n_stages: fit.stages.len(),
+        simulations: fit.n_simulations,
+        seconds: fit.seconds,
+    })
+}

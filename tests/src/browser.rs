@@ -1,0 +1,139 @@
+//! A real browser, headless, driven through chromedriver.
+
+use fantoccini::{Client, ClientBuilder, Locator};
+use hyper_util::client::legacy::connect::HttpConnector;
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Longest that a test waits for something to show.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Between two looks.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// An open browser and its driver; both end when dropped.
+pub struct Browser {
+    /// For whatever has no name here.
+    pub client: Client,
+    driver: Child,
+}
+
+impl Browser {
+    /// Opens a page in a window of this size, pixels.
+    pub async fn open(url: &str, width: u32, height: u32) -> Self {
+        let (driver, port) = driver();
+        let arguments = [
+            "--headless=new".to_owned(),
+            "--no-sandbox".to_owned(),
+            "--disable-dev-shm-usage".to_owned(),
+            "--enable-unsafe-swiftshader".to_owned(),
+            format!("--window-size={width},{height}"),
+        ];
+        let mut capabilities = serde_json::Map::new();
+        capabilities.insert("goog:chromeOptions".to_owned(), json!({ "args": arguments }));
+        let mut builder = ClientBuilder::new(HttpConnector::new());
+        builder.capabilities(capabilities);
+        let client = builder.connect(&format!("http://127.0.0.1:{port}")).await.expect("chromium starts");
+        client.goto(url).await.expect("the page opens");
+        Self { client, driver }
+    }
+
+    /// Runs a script in the page and gives what it returns.
+    pub async fn run(&self, script: &str) -> Value {
+        self.client.execute(script, vec![]).await.unwrap_or_else(|error| panic!("{script}: {error}"))
+    }
+
+    /// Waits until an expression of the page is true.
+    pub async fn wait_for(&self, expression: &str) {
+        let began = Instant::now();
+        while began.elapsed() < PATIENCE {
+            if self.run(&format!("return !!({expression})")).await == true {
+                return;
+            }
+            tokio::time::sleep(LOOK_EVERY).await;
+        }
+        let seen = self.run("return document.body.innerText").await;
+        panic!("waited in vain for {expression}; the page says {seen}");
+    }
+
+    /// The text of an element as a person sees it; it may be redrawn at any time, so the page itself is asked.
+    pub async fn text(&self, selector: &str) -> String {
+        let text = self.run(&format!("return document.querySelector({selector:?})?.innerText ?? ''")).await;
+        text.as_str().unwrap_or_default().to_owned()
+    }
+
+    /// Clicks an element once it is there and enabled.
+    pub async fn click(&self, selector: &str) {
+        let found = format!("document.querySelector({selector:?})");
+        self.wait_for(&format!("{found} && !{found}.disabled && {found}.checkVisibility()")).await;
+        self.run(&format!("{found}.scrollIntoView({{ block: 'center' }})")).await;
+        let element =
+            self.client.find(Locator::Css(selector)).await.unwrap_or_else(|error| panic!("{selector}: {error}"));
+        element.click().await.unwrap_or_else(|error| panic!("{selector}: {error}"));
+    }
+
+    /// Chooses a file of this computer for upload.
+    pub async fn upload(&self, selector: &str, path: &Path) {
+        let element = self.client.find(Locator::Css(selector)).await.expect(selector);
+        element.send_keys(&path.display().to_string()).await.expect("chosen");
+    }
+
+    /// The number that an element begins with.
+    pub async fn number(&self, selector: &str) -> Option<f64> {
+        let text = self.text(selector).await;
+        text.split_whitespace().next().and_then(|first| first.parse().ok())
+    }
+
+    /// Keeps a picture of the page for people to look at.
+    pub async fn keep_picture(&self, name: &str) {
+        let png = self.client.screenshot().await.expect("a picture");
+        std::fs::write(pictures().join(format!("{name}.png")), png).expect("written");
+    }
+
+    /// Sets the window's size, pixels.
+    pub async fn resize(&self, width: u32, height: u32) {
+        self.client.set_window_size(width, height).await.expect("a size");
+    }
+
+    /// Closes the browser.
+    pub async fn close(self) {
+        let _ = self.client.clone().close().await;
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.driver.kill();
+        let _ = self.driver.wait();
+    }
+}
+
+/// Where pictures are kept: `target/tmp/page`.
+pub fn pictures() -> PathBuf {
+    let test = std::env::current_exe().expect("a test knows its own path");
+    let target = test.ancestors().nth(3).expect("tests lie in target/PROFILE/deps");
+    let folder = target.join("tmp/page");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+/// Starts chromedriver on a free port.
+fn driver() -> (Child, u16) {
+    let mut child = Command::new("chromedriver")
+        .arg("--port=0")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("chromedriver; tests/run installs chromium and chromium-driver");
+    let mut lines = BufReader::new(child.stdout.take().expect("piped")).lines();
+    let port = lines.by_ref().map_while(Result::ok).find_map(|line| {
+        let (_, port) = line.split_once("started successfully on port ")?;
+        port.trim_end_matches('.').parse().ok()
+    });
+    // What it says later would fill the pipe.
+    std::thread::spawn(move || lines.for_each(drop));
+    (child, port.expect("chromedriver tells its port"))
+}

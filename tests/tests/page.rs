@@ -1,0 +1,226 @@
+//! The page in a real browser: find a hidden effect, add it, push it, watch the rig follow; and what goes wrong.
+//! Pictures of every step are kept in `target/tmp/page`.
+#![cfg(target_os = "linux")]
+
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+use tests::browser::Browser;
+use tests::device::Device;
+use tests::page::Server;
+use tests::program::host;
+
+/// Several browsers at once would only slow each other down.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn block_on(test: impl Future<Output = ()>) {
+    tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(test);
+}
+
+/// The simulated rig runs so many times faster than real time.
+const SPEED: f64 = 4.0;
+
+/// A model file and swings of a rig in which something is hidden.
+fn prepare(folder: &Path) {
+    host(folder, "init --mass 0.1466084 --length 0.1562177 --inertia 0.0027 -o rig.toml").succeeded();
+    for (k, angle) in [1.5, -1.2, 0.8].into_iter().enumerate() {
+        let seed = k + 1;
+        let run = format!("simulate mystery-1 --rate 500 --start {angle} --seed {seed} -o swing{seed}.csv");
+        host(folder, &run).succeeded();
+    }
+}
+
+const IDLE: &str = "document.body.dataset.busy === 'false'";
+
+/// The least innovation that the page shows late in the swing that begins at `from_s` on the rig's clock, mrad. The
+/// simulated student lets go 3.5 s later, and the rig's own figure needs about 20 s to forget the hand.
+async fn innovation_mrad(browser: &Browser, from_s: f64) -> f64 {
+    let mut least = f64::INFINITY;
+    loop {
+        let passed_s = live_seconds(browser).await - from_s;
+        if passed_s > 31.0 {
+            return least;
+        }
+        if passed_s > 22.0 {
+            least = least.min(browser.number("#innovation").await.unwrap_or(f64::INFINITY));
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+}
+
+/// The rig's clock at the last point that the page has, s.
+async fn live_seconds(browser: &Browser) -> f64 {
+    let text = browser.run("return document.body.dataset.liveSeconds").await;
+    text.as_str().and_then(|text| text.parse().ok()).unwrap_or(0.0)
+}
+
+#[test]
+fn a_hidden_effect_is_found_added_and_pushed_and_the_rig_follows_its_pendulum() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    prepare(folder.path());
+    let server = Server::start(folder.path(), &format!("--port sim:mystery-1 --sim-speed {SPEED}"));
+    block_on(async {
+        let browser = Browser::open(&server.url, 1440, 900).await;
+        browser.wait_for("document.body.dataset.ready === 'true'").await;
+        for k in 1..=3 {
+            browser.upload("#upload", &folder.path().join(format!("swing{k}.csv"))).await;
+            browser.wait_for(&format!("document.querySelectorAll('#recordings li').length === {k}")).await;
+        }
+        browser.wait_for("document.querySelector('#verdict.bad')").await;
+        browser.wait_for(IDLE).await;
+        let verdict = browser.text("#verdict").await;
+        assert!(verdict.contains("physics is missing"), "{verdict}");
+        let before = browser.number("#ratio").await.unwrap();
+        assert!(before > 5.0, "{before}");
+        browser.wait_for("document.querySelectorAll('#pictures .main-svg').length >= 3").await;
+        browser.keep_picture("1-physics-is-missing").await;
+
+        browser.click("#diagnose").await;
+        browser.wait_for("document.querySelectorAll('#candidates li').length > 1").await;
+        browser.wait_for(IDLE).await;
+        browser.click("#candidates li:first-child .name").await;
+        let explanation = browser.text("#explanation").await;
+        assert!(explanation.contains("quadratic-drag") && explanation.contains("torque ="), "{explanation}");
+        browser.keep_picture("2-candidates").await;
+
+        browser.click("#candidates li:first-child .add").await;
+        browser.wait_for("document.querySelectorAll('#staircase .step').length === 3").await;
+        browser.wait_for("document.querySelector('#verdict.good')").await;
+        browser.wait_for(IDLE).await;
+        let after = browser.number("#ratio").await.unwrap();
+        assert!((0.95..1.05).contains(&after), "the error fell from {before} to {after} noises");
+        browser.keep_picture("3-only-noise-is-left").await;
+
+        browser.click("#tab-live").await;
+        browser.click("#again").await;
+        let from_s = live_seconds(&browser).await;
+        let old_mrad = innovation_mrad(&browser, from_s).await;
+        browser.keep_picture("4-live-before").await;
+        browser.click("#tab-model").await;
+        browser.click("#push").await;
+        browser.wait_for("document.getElementById('push-dialog').open").await;
+        let table = browser.text("#push-table").await;
+        assert!(table.contains("absent") && table.contains("Cq"), "{table}");
+        browser.keep_picture("5-push").await;
+        let from_s = live_seconds(&browser).await;
+        browser.click("#push-yes").await;
+        browser.click("#tab-live").await;
+        let new_mrad = innovation_mrad(&browser, from_s).await;
+        browser.keep_picture("6-live-after").await;
+        assert!(new_mrad < 0.6 * old_mrad, "innovation before {old_mrad} mrad, after {new_mrad} mrad");
+
+        browser.click("#tab-model").await;
+        browser.click("#undo").await;
+        browser.wait_for("document.querySelector('#verdict.bad')").await;
+        assert!(browser.number("#ratio").await.unwrap() > 5.0);
+        browser.close().await;
+    });
+}
+
+#[test]
+fn a_slider_shows_what_a_number_does_and_the_fit_tells_its_story() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    prepare(folder.path());
+    let server = Server::start(folder.path(), "--rig rig.toml swing1.csv");
+    block_on(async {
+        let browser = Browser::open(&server.url, 1280, 720).await;
+        browser.wait_for("document.querySelector('#verdict.bad')").await;
+        browser.wait_for(IDLE).await;
+        let before = browser.number("#ratio").await.unwrap();
+        browser
+            .run(
+                "const slider = document.querySelector('#sliders input[data-name=\"coulomb.Mc\"]');
+                 slider.value = slider.max; slider.dispatchEvent(new Event('input'));",
+            )
+            .await;
+        browser.wait_for("document.querySelector('#ratio')?.innerText.includes('what if')").await;
+        assert!(browser.number("#ratio").await.unwrap() > 2.0 * before);
+        browser.keep_picture("7-what-if").await;
+        browser.click("#reset-values").await;
+
+        browser.click("#tab-fit").await;
+        browser.click("#fit").await;
+        browser.wait_for("document.querySelectorAll('#identified tbody tr').length >= 5").await;
+        browser
+            .wait_for("document.querySelector('#contour .main-svg') && document.querySelector('#path .main-svg')")
+            .await;
+        browser.wait_for("document.querySelectorAll('#anova tbody tr').length >= 5").await;
+        browser.wait_for(IDLE).await;
+        browser.keep_picture("8-fit").await;
+        browser.run("document.getElementById('contour').scrollIntoView()").await;
+        tokio::time::sleep(Duration::from_secs(1)).await;
+        browser.keep_picture("9-surface").await;
+
+        browser.click("#theme").await;
+        browser.click("#tab-model").await;
+        browser.keep_picture("10-dark").await;
+        browser.close().await;
+    });
+}
+
+#[test]
+fn a_wrong_file_is_named_and_the_page_goes_on() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    prepare(folder.path());
+    std::fs::write(folder.path().join("holiday.csv"), b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR and so on").unwrap();
+    let server = Server::start(folder.path(), "--rig rig.toml");
+    block_on(async {
+        let browser = Browser::open(&server.url, 1280, 720).await;
+        browser.wait_for("document.body.dataset.ready === 'true'").await;
+        browser.upload("#upload", &folder.path().join("holiday.csv")).await;
+        browser.wait_for("!document.getElementById('failure').hidden").await;
+        let words = browser.text("#failure").await;
+        assert!(words.contains("holiday.csv") && words.contains("Next:"), "{words}");
+        browser.keep_picture("11-wrong-file").await;
+        browser.click("#failure-close").await;
+        browser.upload("#upload", &folder.path().join("swing3.csv")).await;
+        browser.wait_for("document.querySelectorAll('#recordings li').length === 1").await;
+        browser.close().await;
+    });
+}
+
+#[test]
+fn an_unplugged_rig_is_told_and_what_to_do_about_it() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let device = Device::rig("plain", 2.0);
+    let server = Server::start(folder.path(), &format!("--port {}", device.port));
+    block_on(async {
+        let browser = Browser::open(&format!("{}#live", server.url), 1280, 720).await;
+        browser.wait_for("document.getElementById('rig-state').textContent.includes('live')").await;
+        browser.wait_for("Number(document.getElementById('frames').textContent) > 50").await;
+        device.unplug();
+        browser.wait_for("document.getElementById('rig-state').textContent.includes('lost')").await;
+        let words = browser.text("#live-note").await;
+        assert!(words.contains("broke") && words.contains("cable"), "{words}");
+        browser.keep_picture("12-unplugged").await;
+        browser.close().await;
+    });
+}
+
+#[test]
+fn a_swing_is_recorded_on_the_page_and_appears_in_the_list() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), "--port sim:drag --sim-speed 15");
+    block_on(async {
+        let browser = Browser::open(&format!("{}#live", server.url), 1280, 720).await;
+        browser.click("#record").await;
+        browser.wait_for("document.getElementById('live-note').textContent.includes('released')").await;
+        browser.keep_picture("13-recording").await;
+        browser.wait_for("document.querySelectorAll('#recordings li').length === 1").await;
+        browser.click("#tab-model").await;
+        browser.wait_for("document.querySelector('#verdict.bad, #verdict.good, #verdict.unsure')").await;
+        browser.close().await;
+    });
+    let csv =
+        |entry: std::io::Result<std::fs::DirEntry>| entry.unwrap().path().extension().is_some_and(|end| end == "csv");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().filter_map(|entry| csv(entry).then_some(())).count(), 1);
+}

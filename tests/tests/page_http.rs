@@ -1,0 +1,206 @@
+//! The server of the page under attack, and under load: strangers' pages, paths, large and wrong bodies, many at once.
+#![cfg(unix)]
+
+use std::io::{Read, Write};
+use std::path::Path;
+use std::thread;
+use std::time::Duration;
+use tests::page::{Server, upgrade};
+use tests::program::host;
+
+fn server(arguments: &str) -> (tempfile::TempDir, Server) {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(folder.path(), arguments);
+    (folder, server)
+}
+
+/// A swing as a file.
+fn swing(folder: &Path, options: &str) -> Vec<u8> {
+    host(folder, &format!("simulate mystery-1 --rate 200 --seconds 30 {options} -o made.csv --force")).succeeded();
+    std::fs::read(folder.join("made.csv")).unwrap()
+}
+
+#[test]
+fn only_this_servers_own_page_may_ask() {
+    let (_folder, server) = server("");
+    let own = format!("http://{}", server.address);
+    assert_eq!(server.get("/").status, 200);
+    assert_eq!(server.ask("GET", "/api/effects", &[("Origin", &own)], &[]).status, 200);
+    for host in ["evil.example", &format!("evil.example:{}", server.address.split(':').next_back().unwrap()), ""] {
+        server.ask("GET", "/", &[("Host", host)], &[]).refused(421, "not called");
+        server.ask("POST", "/api/undo", &[("Host", host)], b"{}").refused(421, "not called");
+    }
+    for origin in ["http://evil.example", "null", "https://127.0.0.1", "http://127.0.0.1:1"] {
+        server.ask("POST", "/api/undo", &[("Origin", origin)], b"{}").refused(403, "another web page");
+        server.ask("GET", "/api/effects", &[("Origin", origin)], &[]).refused(403, "another web page");
+    }
+    server.ask("POST", "/api/fit", &[("Sec-Fetch-Site", "cross-site")], b"{}").refused(403, "another web page");
+    server.ask("GET", "/download/rig.toml", &[("Sec-Fetch-Site", "cross-site")], &[]).refused(403, "another web page");
+}
+
+#[test]
+fn a_strangers_page_gets_no_socket() {
+    let (_folder, server) = server("");
+    let mut stream = server.connect();
+    stream.write_all(upgrade(&server.address, "http://evil.example").as_bytes()).unwrap();
+    let mut answer = [0; 12];
+    stream.read_exact(&mut answer).unwrap();
+    assert_eq!(&answer, b"HTTP/1.1 403");
+}
+
+#[test]
+fn answers_forbid_frames_foreign_scripts_and_guessed_types() {
+    let (_folder, server) = server("");
+    for path in ["/", "/main.js", "/plotly.js", "/nothing"] {
+        let head = server.get(path).head.to_lowercase();
+        assert!(head.contains("content-security-policy: default-src 'none'"), "{path}: {head}");
+        assert!(head.contains("frame-ancestors 'none'") && head.contains("nosniff"), "{path}: {head}");
+    }
+    let page = String::from_utf8(server.get("/").body).unwrap();
+    assert!(!page.contains("http://") && !page.contains("https://") && !page.contains("src=\"/"), "an absolute link");
+}
+
+#[test]
+fn no_path_leads_out_of_the_page() {
+    let (folder, server) = server("--port sim");
+    std::fs::write(folder.path().join("secret.csv"), "t,theta\n").unwrap();
+    for path in [
+        "/secret.csv",
+        "/../secret.csv",
+        "/%2e%2e/secret.csv",
+        "/..%2fsecret.csv",
+        "/page/index.html",
+        "//etc/passwd",
+        "/download/../secret.csv",
+    ] {
+        assert_eq!(server.get(path).status, 404, "{path}");
+    }
+    for path in ["/download/recording/..%2fsecret.csv", "/api/trace/secret.csv", "/api/trace/-1", "/api/trace/99"] {
+        assert!((400..500).contains(&server.get(path).status), "{path}");
+    }
+    for port in ["/dev/null", "secret.csv", "/etc/passwd", "sim:no-such"] {
+        server.post("/api/rig/connect", &format!("{{\"port\":\"{port}\"}}")).refused(422, "not in the list");
+    }
+    let bytes = swing(folder.path(), "");
+    assert_eq!(server.upload("..%2F..%2Fescaped.csv", &bytes).status, 200);
+    let state = server.tab().wait_for(|state| state["recordings"].as_array().is_some_and(|all| !all.is_empty()));
+    assert_eq!(state["recordings"][0]["name"], "escaped.csv");
+    assert!(!folder.path().join("escaped.csv").exists());
+}
+
+#[test]
+fn wrong_bodies_are_refused_with_a_reason_and_nothing_breaks() {
+    let (folder, server) = server("");
+    for json in ["", "{", "[]", "{\"add\":5}", "{\"add\":[5]}", "\"\u{0}\"", "{\"values\":1}"] {
+        let answer = server.post("/api/change", json);
+        assert!((400..500).contains(&answer.status), "{json}: {answer:?}");
+        assert!(answer.json()["what"].is_string(), "{json}: {answer:?}");
+    }
+    server.post("/api/change", "{\"add\":[\"magic\"]}").refused(422, "no effect called magic");
+    server.post("/api/formula", "{\"formula\":\"torque = -k*wind; k in 0..1 N·m\"}").refused(422, "wind");
+    server.post("/api/formula", &format!("{{\"formula\":\"{}\"}}", "1+".repeat(300))).refused(422, "400");
+    server.post("/api/simulate", "{\"recording\":7,\"values\":{}}").refused(422, "no recording 7");
+    server.post("/api/pendulum", "{\"mass_kg\":-1,\"length_m\":0.1,\"inertia_kg_m2\":0.1}").refused(422, "mass");
+    server.post("/api/pendulum", "{\"mass_kg\":1}").refused(422, "belong together");
+    assert!((400..500).contains(&server.post("/api/pendulum", "{\"mass_kg\":1e999}").status));
+    server.ask("POST", "/api/change", &[("Content-Type", "text/plain")], b"{}").refused(415, "");
+    server.ask("PUT", "/api/change", &[], b"{}").refused(405, "");
+    server.post("/api/undo", "{}").refused(422, "no change");
+    server.upload("photo.png", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR").refused(422, "photo.png");
+    server.upload("empty.csv", b"").refused(422, "empty.csv");
+    server.ask("POST", "/api/model?name=rig.toml", &[], b"this is no model").refused(422, "rig.toml");
+    server.ask("POST", "/api/recordings", &[], b"t,theta\n").refused(400, "");
+
+    assert_eq!(
+        server.post("/api/pendulum", "{\"mass_kg\":0.147,\"length_m\":0.156,\"inertia_kg_m2\":0.0028}").status,
+        204
+    );
+    let id = server.upload("swing.csv", &swing(folder.path(), "")).json();
+    let too_far = format!("{{\"recording\":{id},\"values\":{{\"viscous.Mw\":1e9}}}}");
+    server.post("/api/simulate", &too_far).refused(422, "Mw");
+    assert_eq!(
+        server.post("/api/simulate", &format!("{{\"recording\":{id},\"values\":{{\"viscous.Mw\":1e-3}}}}")).status,
+        200
+    );
+}
+
+#[test]
+fn what_is_too_large_is_refused() {
+    let (_folder, server) = server("");
+    let answer = server.upload("huge.csv", &vec![b'1'; (64 << 20) + 1]);
+    assert!(answer.status == 413 || answer.status == 0, "{}", answer.status);
+    assert_eq!(server.post("/api/change", &" ".repeat(1 << 17)).status, 413);
+    assert_eq!(server.get("/").status, 200);
+}
+
+#[test]
+fn fifty_requests_at_once_are_all_answered() {
+    let (folder, server) = server("");
+    let bytes = swing(folder.path(), "");
+    server.post("/api/pendulum", "{\"mass_kg\":0.147,\"length_m\":0.156,\"inertia_kg_m2\":0.0028}");
+    let id = server.upload("swing.csv", &bytes).json();
+    let simulate = format!("{{\"recording\":{id},\"values\":{{\"viscous.Mw\":5e-4}}}}");
+    let ask = |k: usize| match k % 5 {
+        0 => server.get("/").status,
+        1 => server.get(&format!("/api/trace/{id}")).status,
+        2 => server.post("/api/simulate", &simulate).status,
+        3 => server.upload(&format!("swing-{k}.csv"), &bytes).status,
+        _ => server.get("/api/effects").status,
+    };
+    let statuses: Vec<u16> = thread::scope(|scope| {
+        let all: Vec<_> = (0..50).map(|k| scope.spawn(move || ask(k))).collect();
+        all.into_iter().map(|one| one.join().unwrap()).collect()
+    });
+    assert!(statuses.iter().all(|status| *status == 200), "{statuses:?}");
+    let state = server.tab().wait_for(|state| state["comparison"].is_object());
+    assert_eq!(state["recordings"].as_array().unwrap().len(), 11);
+}
+
+#[test]
+fn ten_tabs_see_one_state() {
+    let (folder, server) = server("--port sim:drag --sim-speed 5");
+    let id = server.upload("swing.csv", &swing(folder.path(), "")).json();
+    let mut tabs: Vec<_> = (0..10).map(|_| server.tab()).collect();
+    assert_eq!(server.post(&format!("/api/recordings/{id}/held-out"), "{\"held_out\":true}").status, 204);
+    for tab in &mut tabs {
+        tab.wait_for(|state| state["recordings"][0]["held_out"] == true);
+    }
+    let hears_points = |tab: &mut tests::page::Tab| (0..200).any(|_| tab.hear()["type"] == "live");
+    assert!(tabs.iter_mut().all(hears_points));
+}
+
+#[test]
+fn beyond_this_computer_a_token_is_needed() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start_at(folder.path(), "0.0.0.0:0", "");
+    let (_, token) = server.url.split_once("?token=").expect("a token");
+    assert!(token.len() >= 32);
+    server.get("/").refused(401, "token");
+    server.get("/?token=0123").refused(401, "token");
+    server.get(&format!("/api/effects?token={token}")).refused(401, "token");
+    let entered = server.get(&format!("/?token={token}"));
+    assert_eq!(entered.status, 303);
+    assert!(entered.head.to_lowercase().contains("httponly; samesite=strict"), "{}", entered.head);
+    let cookie = format!("rig-token={token}");
+    assert_eq!(server.ask("GET", "/", &[("Cookie", &cookie)], &[]).status, 200);
+    server.ask("GET", "/", &[("Cookie", &cookie), ("Host", "rig.example")], &[]).refused(421, "not called");
+}
+
+#[test]
+fn ctrl_c_ends_it_cleanly_while_everything_is_open() {
+    let (folder, server) = server("--port sim --sim-speed 5");
+    server.upload("swing.csv", &swing(folder.path(), ""));
+    let mut tab = server.tab();
+    tab.wait_for(|state| state["rig"]["listening"] == true);
+    let _idle = server.connect();
+    let (code, took) = server.interrupt();
+    assert_eq!(code, Some(0));
+    assert!(took < Duration::from_secs(5), "{took:?}");
+}
+
+#[test]
+fn an_address_in_use_is_told() {
+    let (folder, server) = server("");
+    let run = host(folder.path(), &format!("serve --no-open --listen {}", server.address));
+    run.failed(1, &["could not listen", &server.address, "next"]);
+}
