@@ -162,7 +162,9 @@ fn guess(problem: &Problem, laws: Vec<Law>, first: &[f64]) -> Option<Guess> {
     let most = STRONGEST * problem.template.pendulum.gravity_torque_nm();
     let numbers = laws.iter().flat_map(|law| law.numbers);
     let ranges = numbers.map(|(symbol, low, high)| format!("; {symbol} in {low}..{high}")).collect::<String>();
-    let effect = read(&format!("-k*{}; k in -{most:.0e}..{most:.0e} N·m{ranges}", typed.join("*"))).ok()?;
+    let text = |unit: &str| format!("-k*{}; k in -{most:.0e}..{most:.0e}{unit}{ranges}", typed.join("*"));
+    // The longest have no room for the unit.
+    let effect = [text(" N·m"), text("")].iter().find_map(|text| read(text).ok())?;
     let last = laws.last()?;
     let starts = last.starts.iter().map(|own| {
         let all: Vec<f64> = [0.0].iter().chain(first).chain(*own).copied().collect();
