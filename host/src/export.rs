@@ -2,7 +2,7 @@
 //!
 //! The physics is not written a second time. The model is generic over its number type, so it is run once with numbers
 //! that write down what is done to them (`symbol.rs`); what they wrote is printed in the other language (`print.rs`).
-//! Every effect in the list is exported that way, those added later too. Only the loop over the pieces of a step is
+//! Every effect in the list is exported that way, those added later and typed formulas too. Only the loop over the pieces of a step is
 //! written by hand, in `c.rs` and `python.rs`.
 
 mod c;
@@ -11,8 +11,8 @@ mod python;
 mod symbol;
 mod trace;
 
+use crate::formula::effect_of;
 use crate::rigfile::{Quantity, RigFile};
-use shared::effect::Effect;
 use shared::parameters::Parameters;
 use trace::Trace;
 
@@ -57,10 +57,11 @@ fn culprit(parameters: &Parameters<f64>) -> ExportError {
     let alone = |id: u16| {
         let mut single = Parameters::frictionless(parameters.pendulum);
         let values = parameters.values(id).unwrap_or_default();
+        single.formula = parameters.formula.clone();
         single.set(id, values).ok().and_then(|()| Trace::of(&single)).is_none()
     };
     let effect = parameters.effects.iter().find(|effect| alone(effect.id));
-    match effect.and_then(|effect| Effect::<f64>::by_id(effect.id)) {
+    match effect.and_then(|effect| effect_of(parameters, effect.id)) {
         Some(effect) => ExportError::Effect { name: effect.name },
         None => ExportError::Model,
     }
@@ -84,6 +85,6 @@ fn numbers(file: &RigFile) -> Vec<Number> {
 
 /// Name and law of each effect, for a comment.
 fn laws(parameters: &Parameters<f64>) -> Vec<String> {
-    let known = parameters.effects.iter().filter_map(|effect| Effect::<f64>::by_id(effect.id));
+    let known = parameters.effects.iter().filter_map(|effect| effect_of(parameters, effect.id));
     known.map(|effect| format!("{}: {}", effect.name, effect.formula)).collect()
 }

@@ -34,7 +34,7 @@ fn a_law_outside_the_list_is_offered_as_a_formula() {
     }
 
     // What is offered can be taken.
-    let effect = host::formula::read(best.formula).unwrap();
+    let effect = host::formula::read(&best.formula).unwrap();
     let steps = change(&swings, &held_out, &rig.known(), &[Change::Add(effect)]).unwrap();
     assert!(steps[1].rmse < 1.05 * diagnosis.noise && steps[0].rmse > 2.0 * diagnosis.noise, "{steps:?}");
 }

@@ -10,7 +10,7 @@ use tests::program::{host, path};
 use tests::protocol_page;
 
 /// Pages with code blocks, each run by a test of its own.
-const PAGES: [&str; 14] = [
+const PAGES: [&str; 15] = [
     "README.md",
     "docs/add-a-board.md",
     "docs/add-an-effect.md",
@@ -23,6 +23,7 @@ const PAGES: [&str; 14] = [
     "docs/instruction-counts.md",
     "docs/paper.md",
     "docs/physics.md",
+    "docs/promises.md",
     "docs/protocol.md",
     "docs/python.md",
 ];
@@ -285,4 +286,24 @@ impl Bench {
         assert!(output.status.success(), "{page}: {command:?}\n{said}\n{told}");
         said.into_owned()
     }
+}
+
+/// Every promise names tests that exist: `file`: `name`, `name`.
+#[test]
+fn every_promise_has_its_test() {
+    let page = std::fs::read_to_string(repository().join("docs/promises.md")).unwrap();
+    let mut n_tests = 0;
+    for row in page.lines().filter(|line| line.starts_with("| ") && line.contains('`')) {
+        let (_, proofs) = row.trim_matches(['|', ' ']).rsplit_once(" | ").unwrap();
+        for proof in proofs.split("; ") {
+            let mut words = proof.split('`').skip(1).step_by(2);
+            let file = words.next().unwrap();
+            let source = std::fs::read_to_string(repository().join(format!("tests/tests/{file}.rs"))).unwrap();
+            for name in words {
+                assert!(source.contains(&format!("fn {name}()")), "{file} has no test {name}");
+                n_tests += 1;
+            }
+        }
+    }
+    assert!(n_tests > 15, "{n_tests}");
 }

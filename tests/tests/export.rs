@@ -49,12 +49,6 @@ fn with(effect: &'static Effect<f64>) -> RigFile {
     file
 }
 
-/// A typed formula with a constant, a function of the angle and the time since the release.
-fn formula() -> &'static Effect<f64> {
-    let text = "torque = -k*omega*abs(omega)^p*(1 + exp(-t/5))*cos(2*theta)^2; k in 0..1e-3 N·m; p in 0..3";
-    host::formula::read(text).unwrap()
-}
-
 /// Angle, velocity, torque and reading, every so many steps.
 fn ours(file: &RigFile) -> Vec<[f64; 4]> {
     let model = Model::new(file.parameters());
@@ -150,17 +144,20 @@ fn the_python_module_goes_the_same_way_with_every_effect() {
 }
 
 #[test]
-fn a_typed_formula_goes_the_same_way_in_both() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = with(formula());
-    check("C", &file, &c(folder.path(), &file));
-    check("Python", &file, &python(folder.path(), &file));
-}
-
-#[test]
 fn the_compared_swing_begins_fast_and_ends_at_rest() {
     let rows = ours(&dry());
     assert!(rows.iter().any(|row| row[1].abs() > 5.0) && rows.last().is_some_and(|row| row[1] == 0.0));
+}
+
+/// Of every kind: a part that acts at rest, one that opposes sliding, a power, a quotient.
+#[test]
+fn a_typed_formula_goes_the_same_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let law = "\"torque = -k*omega*abs(omega)^1.5 - s*theta + 1e-6*sin(theta)/(1.5 + cos(theta)); k in 0..1e-3; s in 0..1e-2\"";
+    let custom = format!("\n[effect.custom]\nformula = {law}\nk = 2e-5\ns = 3e-3\n");
+    let file = RigFile::parse("rig.toml", &(dry().to_string() + &custom)).unwrap();
+    check("custom", &file, &c(folder.path(), &file));
+    check("custom", &file, &python(folder.path(), &file));
 }
 
 #[test]

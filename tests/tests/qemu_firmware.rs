@@ -142,6 +142,29 @@ fn a_hard_fault_restarts_the_rig_and_is_remembered() {
     assert_eq!(log[3..], ["INFO 2 restarts since power-up", &fault], "{log:?}");
 }
 
+#[test]
+fn a_restart_in_the_middle_of_a_save_leaves_the_old_or_the_new_parameters() {
+    let (qemu, mut link) = start();
+    link.hello().unwrap();
+    let mut old = other_parameters();
+    assert_eq!(link.ask(Command::SetParameters(old.clone())).unwrap(), Answer::Done);
+    assert_eq!(link.ask(Command::Save).unwrap(), Answer::Done);
+    for i in 0..20_u64 {
+        let mut new = old.clone();
+        new.pendulum.inertia_kg_m2 += 1e-5;
+        assert_eq!(link.ask(Command::SetParameters(new.clone())).unwrap(), Answer::Done);
+        link.send(&Frame::Command(u16::MAX, Command::Save)).unwrap();
+        std::thread::sleep(Duration::from_micros(300 * i));
+        qemu.jump_to(0xefff_fff0).unwrap();
+        std::thread::sleep(Duration::from_millis(300));
+        link.hello().unwrap();
+        let Answer::Parameters(kept) = link.ask(Command::GetParameters).unwrap() else { panic!() };
+        assert!(kept == old || kept == new, "restart {i}: {kept:?}");
+        assert_eq!(link.statistics().unwrap().health.store, StoreState::Loaded, "restart {i}");
+        old = kept;
+    }
+}
+
 /// Level and text of everything logged so far.
 fn logged(qemu: &Qemu) -> Vec<String> {
     let image = std::fs::read(firmware(Board::Qemu).unwrap()).unwrap();

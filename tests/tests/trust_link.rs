@@ -191,7 +191,7 @@ fn run(seed: u64, path: &Path) -> Option<Taken> {
     let sent = Sent::default();
     let port = FaultyLink::new(seed, &sent);
     let mut session = Session::open(port).ok()?;
-    let plan = Plan { path, existing: Existing::Keep, wait_s: 20.0, limit_s: LIMIT_S, started: None };
+    let plan = Plan { path, existing: Existing::Keep, wait_s: 20.0, limit_s: LIMIT_S, live_every: 0, started: None };
     let taken = record(&mut session, &plan, &mut (), &AtomicBool::new(false)).ok()?;
     let Ok(recording) = recording::read(path, &ReadOptions::default()) else {
         assert!(taken.n_samples < recording::MIN_SAMPLES, "seed {seed}: {} samples, unreadable", taken.n_samples);

@@ -3,6 +3,7 @@
 use super::{output, rig};
 use crate::error::Failure;
 use crate::export::{ExportError, Language, export};
+use crate::formula::effect_of;
 use crate::rigfile::RigFile;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -79,8 +80,9 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 }
 
 fn effects(model: &RigFile) -> Vec<&'static str> {
-    let known = model.parameters().effects.iter();
-    known.filter_map(|effect| shared::effect::Effect::<f64>::by_id(effect.id)).map(|effect| effect.name).collect()
+    let parameters = model.parameters();
+    let present = parameters.effects.iter().filter_map(|present| effect_of(parameters, present.id));
+    present.map(|effect| effect.name).collect()
 }
 
 impl From<ExportError> for Failure {

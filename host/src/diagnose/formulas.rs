@@ -96,7 +96,7 @@ pub struct Found {
     /// The law as it is said, with its numbers: `3.1e-5·|ω|^2.3·sgn ω`.
     pub words: String,
     /// The law as `--effect` takes it.
-    pub typed: &'static str,
+    pub typed: String,
     /// The fitted model.
     pub trial: Trial,
     /// Factors and numbers, which count against it.
@@ -116,12 +116,17 @@ pub fn formulas(problem: &Problem, trial: &Trial, score: impl Fn(&Trial) -> f64,
     all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     all.truncate(FITTED);
     let mut found: Vec<Found> =
-        all.par_iter().flat_map(|(guess, promise)| fitted(problem, trial, guess, promise)).collect();
+        all.par_iter().filter_map(|(guess, promise)| fitted(problem, trial, guess, promise)).collect();
     let rank = |found: &Found| score(&found.trial) + weight * found.length as f64;
     found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
-    found.dedup_by(|a, b| a.typed == b.typed);
+    found.dedup_by(|a, b| a.guess.effect == b.guess.effect);
     found.truncate(OFFERED);
-    let mut found: Vec<Found> = found.par_iter().map(|found| found.finished(problem)).collect();
+    let finished = |found: &Found| {
+        let general = found.finished(problem);
+        let special = special_case(problem, trial, &general).map(|special| special.finished(problem));
+        std::iter::once(general).chain(special).collect::<Vec<Found>>()
+    };
+    let mut found: Vec<Found> = found.par_iter().flat_map(finished).collect();
     found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     found
 }
@@ -174,6 +179,20 @@ impl Guess {
         self.laws.iter().map(|law| law.length + law.numbers.len()).sum()
     }
 
+    /// As `--effect` takes it, with ranges around the numbers found.
+    fn typed(&self, values: &[f64]) -> String {
+        let laws: Vec<&str> = self.laws.iter().map(|law| law.typed).collect();
+        let range = |value: f64, factors: (f64, f64)| {
+            let (a, b) = (value * factors.0, value * factors.1);
+            format!("{}..{}", short(a.min(b)), short(a.max(b)))
+        };
+        let numbers = self.laws.iter().flat_map(|law| law.numbers).zip(&values[1..]);
+        let ranges: String =
+            numbers.map(|((symbol, ..), value)| format!("; {symbol} in {}", range(*value, AROUND))).collect();
+        let typed = |unit: &str| format!("-k*{}; k in {}{unit}{ranges}", laws.join("*"), range(values[0], (0.0, 2.0)));
+        [typed(" N·m"), typed("")].into_iter().find(|text| read(text).is_ok()).unwrap_or(self.effect.formula.to_owned())
+    }
+
     /// With numbers, as a person would write it.
     fn words(&self, values: &[f64]) -> String {
         let said: Vec<&str> = self.laws.iter().map(|law| law.said).collect();
@@ -186,6 +205,9 @@ impl Guess {
     }
 }
 
+/// Ends of the range around a number that was found, as shares of it.
+const AROUND: (f64, f64) = (0.5, 1.5);
+
 /// Two digits.
 fn short(value: f64) -> String {
     let plain = (0.01..100.0).contains(&value.abs());
@@ -193,18 +215,16 @@ fn short(value: f64) -> String {
     if plain { format!("{rounded}") } else { format!("{value:.1e}") }
 }
 
-/// A formula fitted in earnest, and its special case where that is near; none of those that explain little.
-fn fitted(problem: &Problem, before: &Trial, guess: &Guess, promise: &Promise) -> Vec<Found> {
-    let Some(screened) = fit_promise(problem, before, promise) else { return Vec::new() };
-    let general = found(problem, guess, &screened);
-    let special = general.as_ref().and_then(|general| special_case(problem, before, guess, &general.trial));
-    general.into_iter().chain(special).filter(|found| is_worth_a_word(problem, before, &found.trial)).collect()
+/// A formula fitted in earnest, if it explains more than a little.
+fn fitted(problem: &Problem, before: &Trial, guess: &Guess, promise: &Promise) -> Option<Found> {
+    let found = found(problem, guess, &fit_promise(problem, before, promise)?)?;
+    is_worth_a_word(problem, before, &found.trial).then_some(found)
 }
 
 fn found(problem: &Problem, guess: &Guess, start: &Trial) -> Option<Found> {
     let trial = refined(problem, start);
     let values = trial.parameters.values(guess.effect.id)?;
-    let (words, typed) = (guess.words(values), guess.effect.formula);
+    let (words, typed) = (guess.words(values), guess.typed(values));
     Some(Found { guess: guess.clone(), words, typed, length: guess.length(), trial })
 }
 
@@ -212,13 +232,15 @@ impl Found {
     /// With Ms searched and every number at its last digit.
     fn finished(&self, problem: &Problem) -> Self {
         let trial = finish(problem, &self.trial);
-        let words = trial.parameters.values(self.guess.effect.id).map(|values| self.guess.words(values));
-        Self { words: words.unwrap_or_default(), trial, ..self.clone() }
+        let values = trial.parameters.values(self.guess.effect.id).unwrap_or_default();
+        let (words, typed) = (self.guess.words(values), self.guess.typed(values));
+        Self { words, typed, trial, ..self.clone() }
     }
 }
 
 /// The same with ω in place of a power of it whose exponent came out near 1.
-fn special_case(problem: &Problem, before: &Trial, guess: &Guess, general: &Trial) -> Option<Found> {
+fn special_case(problem: &Problem, before: &Trial, general: &Found) -> Option<Found> {
+    let (guess, general) = (&general.guess, &general.trial);
     let values = general.parameters.values(guess.effect.id)?;
     let is_power = guess.laws[0].typed == OF_SPEED[POWER].typed;
     if !is_power || (values[1] - 1.0).abs() > NEARLY_LINEAR {

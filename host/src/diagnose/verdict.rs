@@ -55,7 +55,7 @@ pub struct Suggestion {
     /// The torque with its numbers, N·m: `-3.1e-5·|ω|^2.3·sgn ω`.
     pub words: String,
     /// The law as `--effect` takes it.
-    pub formula: &'static str,
+    pub formula: String,
     /// Root mean square error with it, rad.
     pub rmse: f64,
     /// On held-out swings, rad.
@@ -484,6 +484,7 @@ impl Summary<'_, '_, '_> {
             found.extend(on_top_of(&self.judge.found.base).into_iter().map(suggestion));
         }
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found.retain(|found| found.removed > 0.0);
         found.truncate(MAX_FORMULAS);
         found
     }

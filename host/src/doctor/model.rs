@@ -31,7 +31,10 @@ fn numbers(rig: &Parameters<f32>, file: &RigFile) -> Finding {
     all.extend(Quantity::all(&theirs).into_iter().filter(|quantity| quantity.get(ours).is_none()));
     let as_stored = |of, quantity: &Quantity| quantity.get(of).map(|value| value as f32);
     let differs = |quantity: &&Quantity| as_stored(ours, quantity) != as_stored(&theirs, quantity);
-    let different: Vec<&str> = all.iter().filter(differs).map(|quantity| quantity.symbol()).collect();
+    let mut different: Vec<&str> = all.iter().filter(differs).map(|quantity| quantity.symbol()).collect();
+    if ours.formula != theirs.formula {
+        different.push("formula");
+    }
     if different.is_empty() {
         return Finding::ok("model", format!("all {} numbers as in the file", all.len()));
     }

@@ -99,7 +99,7 @@ impl<'a> Printer<'a> {
         let call = |c: &str, python: &str| format!("{}({})", if is_c { c } else { python }, t.join(", "));
         let between = |c: &str, python: &str| format!("({} {} {})", t[0], if is_c { c } else { python }, t[1]);
         match &self.nodes[place] {
-            Node::Number(bits) => format!("{:?}", f64::from_bits(*bits)),
+            Node::Number(bits) => number(f64::from_bits(*bits), is_c),
             Node::Name(name) => {
                 self.inputs.push(name.clone());
                 // The model's numbers are macros in C, where such names belong to everybody.
@@ -127,6 +127,17 @@ impl<'a> Printer<'a> {
             Node::Or(..) => between("||", "or"),
             Node::Not(..) => format!("({}{})", if is_c { "!" } else { "not " }, t[0]),
         }
+    }
+}
+
+/// The shortest text that reads back the same.
+fn number(value: f64, is_c: bool) -> String {
+    match (value.is_nan(), value.is_infinite(), is_c) {
+        (true, _, true) => "NAN".to_owned(),
+        (true, _, false) => "math.nan".to_owned(),
+        (_, true, true) => if value > 0.0 { "INFINITY" } else { "(-INFINITY)" }.to_owned(),
+        (_, true, false) => if value > 0.0 { "math.inf" } else { "(-math.inf)" }.to_owned(),
+        _ => format!("{value:?}"),
     }
 }
 

@@ -90,9 +90,9 @@ fn model(parameters: &Parameters<f64>) -> Model<Symbol> {
         inertia_kg_m2: named(Quantity::Inertia),
         gravity_m_s2: named(Quantity::Gravity),
     };
-    let with_names = |effect: &EffectValues<f64>| {
-        let quantities = effect_of(parameters, effect.id).into_iter().flat_map(Quantity::all_of_effect);
-        EffectValues { id: effect.id, values: quantities.map(named).collect() }
+    let with_names = |present: &EffectValues<f64>| {
+        let quantities = effect_of(parameters, present.id).into_iter().flat_map(Quantity::all_of_effect);
+        EffectValues { id: present.id, values: quantities.map(named).collect() }
     };
     let effects = parameters.effects.iter().map(with_names).collect();
     Model::new(&Parameters { pendulum, effects, formula: parameters.formula.clone() })
