@@ -2,8 +2,8 @@
 //!
 //! In: requests of a browser on this computer. Out: the page's files, the state as JSON, and live points through a
 //! WebSocket. What the page shows comes from the library (`compare`, `diagnose`, `improve`, `fit`, `record`); nothing
-//! is computed in the browser. [`guard`] keeps other web pages out, [`jobs`] does one long thing after the other,
-//! [`live`] owns the rig.
+//! is computed in the browser. `guard` keeps other web pages out, `jobs` does one long thing after the other,
+//! `live` owns the rig.
 
 mod draw;
 mod files;

@@ -35,6 +35,8 @@ const SPEED: f64 = 20.0;
 const CARGO: &str = r#"
 cargo() {
     case "$1 ${2-}" in
+        # The page is served until Ctrl-C, which ends it cleanly; without a browser, on any free port.
+        "host serve") shift; timeout --preserve-status -s INT 3 host "$@" --no-open --listen 127.0.0.1:0 ;;
         "host "*) shift; host "$@" ;;
         "run --release") shift 5; host "$@" ;;
         "firmware "*) grep -q '^firmware = ' "$REPOSITORY/.cargo/config.toml" ;;

@@ -46,6 +46,11 @@ impl Region {
         }
     }
 
+    /// How much each parameter changes from the centre to the face of an axis.
+    pub fn axis(&self, axis: usize) -> Vec<f64> {
+        self.reach.column(axis).iter().copied().collect()
+    }
+
     /// How far the box reaches along each parameter.
     pub fn ranges(&self) -> Ranges {
         let half = self.half_widths();

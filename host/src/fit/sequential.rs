@@ -46,9 +46,12 @@ pub struct Stage {
     /// How far each surface can be believed, in the order of [`Responses::NAMES`].
     #[serde(skip)]
     pub goodness: Vec<Goodness>,
-    /// The surfaces themselves, in the same order.
+    /// The surfaces themselves, in the same order, over the axes of the box.
     #[serde(skip)]
     pub surfaces: Vec<Surface>,
+    /// The box: where its axes lie among the parameters.
+    #[serde(skip)]
+    pub region: Region,
     /// R² of the mseA surface, predicted by leaving runs out.
     pub r_squared_predicted: Option<f64>,
 }
@@ -142,6 +145,7 @@ fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Seque
         after: chosen.responses,
         goodness: surfaces.iter().map(goodness).collect(),
         surfaces: surfaces.clone(),
+        region: region.clone(),
         r_squared_predicted,
     };
     let region = if is_credible {

@@ -21,7 +21,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use serde::{Deserialize, Serialize};
-use shared::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
+use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::motion::Pendulum;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -329,15 +329,10 @@ struct Changes {
 }
 
 async fn change(State(app): Shared, Sent(changes): Sent<Changes>) -> Done {
-    let custom = model(&app)?.file.parameters().clone();
+    let custom = model(&app).ok().and_then(|named| effect_of(named.file.parameters(), CUSTOM_FORMULA_ID));
     let effect = |name: &String| {
-        if name == CUSTOM_FORMULA_NAME
-            && let Some(effect) = effect_of(&custom, CUSTOM_FORMULA_ID)
-        {
-            return Ok(effect);
-        }
         let missing = || Failure::wrong_use(format!("there is no effect called {name}")).next("choose one of the list");
-        Effect::<f64>::by_name(name).ok_or_else(missing)
+        Effect::<f64>::by_name(name).or(custom.filter(|custom| custom.name == name)).ok_or_else(missing)
     };
     let added = changes.add.iter().map(|name| effect(name).map(Change::Add));
     let removed = changes.remove.iter().map(|name| effect(name).map(Change::Remove));

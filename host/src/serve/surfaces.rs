@@ -6,7 +6,7 @@ use crate::error::Failure;
 use crate::fit::identify::Fit;
 use crate::fit::quality::Responses;
 use crate::fit::sequential::Stage;
-use crate::rsm::{Anova, AnovaRow, Coefficient, Factor, Goodness, LackOfFit, Surface, anova, coefficient_table};
+use crate::rsm::{Anova, AnovaRow, Coefficient, Goodness, LackOfFit, Surface, anova, coefficient_table};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -38,13 +38,14 @@ pub(super) struct Path {
 /// One surface over two factors, the others where the stage ended.
 #[derive(Serialize)]
 pub(super) struct SurfaceView {
-    factors: Vec<Factor>,
+    /// What each axis of the box moves.
+    axes: Vec<String>,
     x: Vec<f64>,
     y: Vec<f64>,
     z: Vec<Vec<f64>>,
-    /// Values of all factors after the move, natural.
+    /// Where the move went, along the axes of the box.
     chosen: Vec<f64>,
-    /// Runs of the design, natural, a row a run.
+    /// Runs of the design along the axes, a row a run.
     runs: Vec<Vec<f64>>,
     coefficients: Vec<Coefficient>,
     anova: Vec<AnovaRow>,
@@ -94,9 +95,7 @@ pub(super) fn surface(app: &App, which: &Which) -> Result<SurfaceView, Failure> 
 }
 
 fn view(stage: &Stage, surface: &Surface, goodness: &Goodness, which: &Which) -> SurfaceView {
-    let factors = surface.factors();
-    let chosen = chosen_coded(stage, factors);
-    let sides = |factor: usize| coded_steps(GRID).map(|coded| factors[factor].natural(coded)).collect();
+    let chosen: Vec<f64> = stage.region.coded(&stage.values).iter().map(|coded| coded.clamp(-1.0, 1.0)).collect();
     let height = |x: f64, y: f64| {
         let mut point = chosen.clone();
         point[which.x] = x;
@@ -104,23 +103,32 @@ fn view(stage: &Stage, surface: &Surface, goodness: &Goodness, which: &Which) ->
         surface.predict(&point)
     };
     SurfaceView {
-        x: sides(which.x),
-        y: sides(which.y),
+        x: coded_steps(GRID).collect(),
+        y: coded_steps(GRID).collect(),
         z: coded_steps(GRID).map(|y| coded_steps(GRID).map(|x| height(x, y)).collect()).collect(),
-        chosen: stage.values.clone(),
-        runs: surface.design().natural_runs(),
+        runs: surface.design().coded_runs().to_vec(),
         coefficients: coefficient_table(surface),
         anova: rows(anova(surface)),
         goodness: goodness.clone(),
         optimizer: stage.surfaces.iter().map(|surface| curves(surface, &chosen)).collect(),
-        factors: factors.to_vec(),
+        axes: (0..surface.factors().len()).map(|axis| axis_words(stage, axis)).collect(),
+        chosen,
     }
 }
 
-/// Where the stage ended, within the box.
-fn chosen_coded(stage: &Stage, factors: &[Factor]) -> Vec<f64> {
-    factors.iter().zip(&stage.values).map(|(factor, value)| factor.coded(*value).clamp(-1.0, 1.0)).collect()
+/// The parameters along an axis of the box, strongest first: a box that was turned moves several at once.
+fn axis_words(stage: &Stage, axis: usize) -> String {
+    let column = stage.region.axis(axis);
+    let share =
+        |(value, (_, low, high)): (&f64, &(&str, f64, f64))| 2.0 * value.abs() / (high - low).max(f64::MIN_POSITIVE);
+    let mut shares: Vec<(f64, &str)> = column.iter().zip(&stage.ranges).map(|pair| (share(pair), pair.1.0)).collect();
+    shares.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let strong: Vec<&str> = shares.iter().filter(|(share, _)| *share > NOTABLE).map(|(_, symbol)| *symbol).collect();
+    if strong.is_empty() { format!("axis {}", axis + 1) } else { strong.join(" & ") }
 }
+
+/// A parameter is named with an axis that spans at least this share of its range.
+const NOTABLE: f64 = 0.3;
 
 fn coded_steps(n_steps: usize) -> impl Iterator<Item = f64> {
     (0..n_steps).map(move |k| 2.0 * k as f64 / (n_steps - 1) as f64 - 1.0)
@@ -128,18 +136,15 @@ fn coded_steps(n_steps: usize) -> impl Iterator<Item = f64> {
 
 /// A response along each factor, the others where the stage ended.
 fn curves(surface: &Surface, chosen: &[f64]) -> Vec<Curve> {
-    let curve = |(j, factor): (usize, &Factor)| {
+    let curve = |j: usize| {
         let height = |coded: f64| {
             let mut point = chosen.to_vec();
             point[j] = coded;
             surface.predict(&point)
         };
-        Curve {
-            x: coded_steps(CURVE).map(|coded| factor.natural(coded)).collect(),
-            y: coded_steps(CURVE).map(height).collect(),
-        }
+        Curve { x: coded_steps(CURVE).collect(), y: coded_steps(CURVE).map(height).collect() }
     };
-    surface.factors().iter().enumerate().map(curve).collect()
+    (0..surface.factors().len()).map(curve).collect()
 }
 
 fn rows(table: Anova) -> Vec<AnovaRow> {

@@ -70,15 +70,15 @@ async function showStage() {
   const k = Number(byId('stage').value);
   const stage = path?.stages[k];
   if (!stage) return;
-  const symbols = stage.ranges.map(([symbol]) => symbol);
-  fillFactors(byId('factor-x'), symbols, 0);
-  fillFactors(byId('factor-y'), symbols, 1);
-  const [x, y] = [byId('factor-x').selectedIndex, byId('factor-y').selectedIndex];
+  const n = stage.ranges.length;
+  const [x, y] = ['factor-x', 'factor-y'].map((id, usual) => { const at = byId(id).selectedIndex; return at < 0 || at >= n ? usual : at; });
   const response = Number(byId('response').value);
   byId('stage-words').textContent = `${k + 1} of ${path.stages.length}, ${stage.window_s ? `the first ${stage.window_s} s` : 'the whole swing'}`;
   const seen = await get(`api/fit/surface?${new URLSearchParams({ stage: k, response, x, y })}`).catch((refusal) => { done(Promise.reject(refusal)); });
   if (!seen || Number(byId('stage').value) !== k) return;
-  showSurface(seen, symbols, x, y, path.responses[response]);
+  fillFactors(byId('factor-x'), seen.axes, x);
+  fillFactors(byId('factor-y'), seen.axes, y);
+  showSurface(seen, seen.axes, x, y, path.responses[response]);
   showTables(seen);
 }
 
