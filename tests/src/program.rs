@@ -8,10 +8,13 @@ use std::time::Duration;
 /// No command of a test takes longer.
 const PATIENCE: Duration = Duration::from_secs(240);
 
-/// The program, built once per test run with the profile of the tests.
+/// The program: that of the variable `HOST_PROGRAM`, or built once per test run with the profile of the tests.
 pub fn path() -> &'static Path {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
     PATH.get_or_init(|| {
+        if let Some(built) = std::env::var_os("HOST_PROGRAM") {
+            return built.into();
+        }
         let test = std::env::current_exe().expect("a test knows its own path");
         let folder = test.ancestors().nth(2).expect("tests lie in target/PROFILE/deps");
         let profile = folder.file_name().and_then(|name| name.to_str()).unwrap_or("debug");

@@ -1,7 +1,7 @@
 //! A law that is in no list: the diagnosis says so, the search through small formulas offers the right form, and with
 //! it the error falls to the noise.
 
-use host::diagnose::diagnose;
+use host::diagnose::{Wishes, diagnose_with};
 use host::improve::{Change, change};
 use tests::hidden::{Hidden, Rig};
 
@@ -19,7 +19,8 @@ fn a_law_outside_the_list_is_offered_as_a_formula() {
         ..Rig::random(5)
     };
     let (swings, held_out) = (rig.swings(), Rig { releases_rad: vec![-1.2], seed: 77, ..rig.clone() }.swings());
-    let diagnosis = diagnose(&swings, &held_out, &rig.known());
+    let wishes = Wishes { formulas: true, ..Wishes::default() };
+    let diagnosis = diagnose_with(&swings, &held_out, &rig.known(), wishes);
     assert!(diagnosis.unexplained, "{:?} leaves {}", diagnosis.verdict, diagnosis.rmse_after / diagnosis.noise);
 
     let best = diagnosis.formulas.first().expect("a formula");

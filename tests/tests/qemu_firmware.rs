@@ -13,7 +13,7 @@ use tests::qemu::Qemu;
 const LIMIT: Duration = Duration::from_secs(300);
 
 /// The deepest call (a save that has to move the store to another sector) stays below this.
-const MOST_STACK: u32 = 12 * 1024;
+const MOST_STACK: u32 = 16 * 1024;
 
 fn start() -> (Qemu, Link) {
     let image = firmware(Board::Qemu).unwrap();

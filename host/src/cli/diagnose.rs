@@ -3,7 +3,7 @@
 use super::columns::Reading;
 use super::values::custom_effect;
 use super::{evidence, output, rig};
-use crate::diagnose::{Diagnosis, diagnose_with};
+use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
 use crate::error::Failure;
 use clap::Args;
 use serde::Serialize;
@@ -26,6 +26,9 @@ pub(super) struct Options {
     /// Try this torque of your own beside the effects of the list
     #[arg(long, value_name = "FORMULA", value_parser = custom_effect, allow_hyphen_values = true)]
     effect: Option<&'static Effect<f64>>,
+    /// Search small formulas for what no effect explains; takes up to a minute
+    #[arg(long)]
+    formulas: bool,
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -37,6 +40,7 @@ const EXAMPLE: &str = "\
 Example:
   host diagnose swing1.csv swing2.csv swing3.csv --rig rig.toml
   host diagnose swing*.csv --hold-out other.csv --json
+  host diagnose swing*.csv --formulas
   host diagnose swing*.csv --effect 'torque = -k*omega^3; k in 0..1e-4 N·m·s³'";
 
 #[derive(Serialize)]
@@ -52,7 +56,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let swings = options.reading.swings(&options.recordings)?;
     let held_out = options.reading.swings(&options.hold_out)?;
     output::say("fitting the base model, then every effect …");
-    let diagnosis = diagnose_with(&swings, &held_out, model.parameters(), options.effect);
+    let wishes = Wishes { typed: options.effect, formulas: options.formulas };
+    let diagnosis = diagnose_with(&swings, &held_out, model.parameters(), wishes);
     if options.json {
         output::json("diagnose", &Shown { recordings: &options.recordings, diagnosis: &diagnosis });
     } else {

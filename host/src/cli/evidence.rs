@@ -6,6 +6,9 @@ use crate::diagnose::{Candidate, Diagnosis, Suggestion, Value};
 use crate::formula::effect_of;
 use shared::effect::Effect;
 
+/// For what no effect explains.
+const HINT: &str = "With --formulas small formulas are searched for what remains; that takes up to a minute.";
+
 /// The whole diagnosis for a person.
 pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
     let mut parts = vec![verdict(diagnosis)];
@@ -69,7 +72,9 @@ fn number(value: &Value) -> String {
 
 /// What the formulas say that were found for the rest, and how far they can be trusted.
 fn formulas(diagnosis: &Diagnosis) -> Option<String> {
-    let best = diagnosis.formulas.first()?;
+    let Some(best) = diagnosis.formulas.first() else {
+        return diagnosis.unexplained.then(|| HINT.to_owned());
+    };
     let mut parts = vec![format!("What remains is something like\n  torque = {}", best.words)];
     parts.extend(best.parameters.iter().map(|value| format!("  {}", number(value))));
     parts.push(wrapped(&trust(diagnosis, best), 0));

@@ -10,7 +10,7 @@ use super::columns::Reading;
 use super::record::{Patience, take};
 use super::values::{Range, custom_effect};
 use super::{output, port, rig};
-use crate::diagnose::{Diagnosis, diagnose_with};
+use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit};
 use crate::improve::{Change, change};
@@ -225,7 +225,7 @@ fn discover(swings: &[Swing], held_out: &[Swing], fit: &Fit, typed: Option<&'sta
         return None;
     }
     output::say("physics is missing: trying every effect …");
-    let found = diagnose_with(swings, held_out, &fit.parameters, typed);
+    let found = diagnose_with(swings, held_out, &fit.parameters, Wishes { typed, ..Wishes::default() });
     let named = found.parameters.effects.len() > found.base_parameters.effects.len();
     if !named {
         output::warn("no effect of the list explains what is left");

@@ -3,7 +3,7 @@
 use super::columns::Reading;
 use super::values::custom_effect;
 use super::{evidence, output, rig};
-use crate::diagnose::diagnose_with;
+use crate::diagnose::{Wishes, diagnose_with};
 use crate::error::Failure;
 use crate::formula::effect_of;
 use crate::improve::{Change, Step, change};
@@ -68,7 +68,12 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let swings = options.reading.swings(&options.recordings)?;
     let held_out = options.reading.swings(&options.hold_out)?;
     let (parameters, values) = if changes.is_empty() {
-        let diagnosis = diagnose_with(&swings, &held_out, model.parameters(), options.effect);
+        let diagnosis = diagnose_with(
+            &swings,
+            &held_out,
+            model.parameters(),
+            Wishes { typed: options.effect, ..Wishes::default() },
+        );
         show(options, &diagnosis, || evidence::in_words(&diagnosis));
         (diagnosis.parameters, diagnosis.values)
     } else {

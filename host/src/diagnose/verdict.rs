@@ -133,17 +133,21 @@ pub struct Step {
 
 /// Finds what is missing from the base model of a rig.
 pub fn diagnose(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>) -> Diagnosis {
-    diagnose_with(swings, held_out, rig, None)
+    diagnose_with(swings, held_out, rig, Wishes::default())
 }
 
-/// The same with an effect that somebody typed beside those of the list; one that the rig has already is tried as well.
-pub fn diagnose_with(
-    swings: &[Swing],
-    held_out: &[Swing],
-    rig: &Parameters<f64>,
-    typed: Option<&'static Effect<f64>>,
-) -> Diagnosis {
-    diagnose_counted(swings, held_out, rig, typed, &AtomicUsize::new(0))
+/// What a diagnosis does beside trying the effects of the list.
+#[derive(Clone, Copy, Default)]
+pub struct Wishes {
+    /// An effect that somebody typed, tried as well.
+    pub typed: Option<&'static Effect<f64>>,
+    /// Small formulas are searched for what no effect explains; that takes up to a minute.
+    pub formulas: bool,
+}
+
+/// The same with more than the effects of the list; a typed one that the rig has already is tried in any case.
+pub fn diagnose_with(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>, wishes: Wishes) -> Diagnosis {
+    diagnose_counted(swings, held_out, rig, wishes, &AtomicUsize::new(0))
 }
 
 /// The same for somebody who wants to see the count of simulated swings grow.
@@ -151,14 +155,14 @@ pub fn diagnose_counted(
     swings: &[Swing],
     held_out: &[Swing],
     rig: &Parameters<f64>,
-    typed: Option<&'static Effect<f64>>,
+    wishes: Wishes,
     count: &AtomicUsize,
 ) -> Diagnosis {
     let began = Instant::now();
     let problem = base_problem(swings, rig, count);
     let base = fit_base(&problem);
     let mut candidates = candidates(swings);
-    candidates.extend(typed.or(effect_of(rig, CUSTOM_FORMULA_ID)));
+    candidates.extend(wishes.typed.or(effect_of(rig, CUSTOM_FORMULA_ID)));
     let found = search(&problem, &base, &candidates);
     let judge = Judge { problem: &problem, found: &found, candidates: &candidates };
     let (claimed, others) = judge.refined(judge.claimed());
@@ -166,7 +170,7 @@ pub fn diagnose_counted(
     let Zero { model: claimed, offset_is_missing, alike } =
         zero::decide(&problem, claimed, INDISTINGUISHABLE * judge.unit());
     undecided.extend(alike);
-    Summary { judge, claimed, undecided, offset_is_missing, held_out, began, count }.build()
+    Summary { judge, claimed, undecided, offset_is_missing, held_out, began, count }.build(wishes.formulas)
 }
 
 /// The effects that may be found missing: all but the base effects and the offset, which is fitted anyway. In a single
@@ -401,7 +405,7 @@ struct Summary<'a, 'b, 'c> {
 }
 
 impl Summary<'_, '_, '_> {
-    fn build(self) -> Diagnosis {
+    fn build(self, with_formulas: bool) -> Diagnosis {
         let problem = self.judge.problem;
         let n_samples = problem.n_samples(Window::Whole) as f64;
         let base = &self.judge.found.base;
@@ -428,7 +432,7 @@ impl Summary<'_, '_, '_> {
         trials.truncate(MAX_LISTED);
         let staircase = self.staircase(rmse_before, &held_out);
         let unexplained = rmse_after > UNEXPLAINED_NOISES * noise;
-        let formulas = if unexplained { self.formulas(&held_out) } else { Vec::new() };
+        let formulas = if unexplained && with_formulas { self.formulas(&held_out) } else { Vec::new() };
         Diagnosis {
             version: 1,
             undecided: self.undecided,

@@ -6,7 +6,7 @@ use super::state::{App, Named, State};
 use crate::compare::follow::{Followed, follow};
 use crate::compare::measurement::Measurement;
 use crate::compare::{self, compare};
-use crate::diagnose::diagnose_counted;
+use crate::diagnose::{Wishes, diagnose_counted};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit, Method};
 use crate::fit::windows::WINDOWS_S;
@@ -247,7 +247,8 @@ pub(super) fn undo(app: &App) -> Result<(), Failure> {
 pub(super) fn find_missing(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
     let data = Data::of(app)?;
     progress.say("fitting the base model, then every effect", None);
-    let found = diagnose_counted(&data.swings, &data.held_out, data.parameters(), None, &progress.count);
+    let wishes = Wishes { formulas: true, ..Wishes::default() };
+    let found = diagnose_counted(&data.swings, &data.held_out, data.parameters(), wishes, &progress.count);
     app.change(|state| {
         if data.is_current(state) {
             state.diagnosis = Some(Arc::new(found));
