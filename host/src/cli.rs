@@ -14,6 +14,7 @@ mod effects;
 mod evidence;
 mod export;
 mod fit;
+mod given;
 mod improve;
 mod init;
 mod interrupt;

@@ -111,11 +111,11 @@ impl Drop for Browser {
     }
 }
 
-/// Where pictures are kept: `target/tmp/page`.
+/// Where pictures are kept: `target/page-pictures`.
 pub fn pictures() -> PathBuf {
     let test = std::env::current_exe().expect("a test knows its own path");
     let target = test.ancestors().nth(3).expect("tests lie in target/PROFILE/deps");
-    let folder = target.join("tmp/page");
+    let folder = target.join("page-pictures");
     std::fs::create_dir_all(&folder).expect("a folder");
     folder
 }

@@ -1,5 +1,5 @@
 //! The page in a real browser: find a hidden effect, add it, push it, watch the rig follow; and what goes wrong.
-//! Pictures of every step are kept in `target/tmp/page`.
+//! Pictures of every step are kept in `target/page-pictures`.
 #![cfg(target_os = "linux")]
 
 use std::path::Path;

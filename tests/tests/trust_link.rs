@@ -76,7 +76,6 @@ struct FaultyLink {
     sent: Sent,
     listener: Deframer,
     arriving: VecDeque<u8>,
-    last: u8,
 }
 
 impl FaultyLink {
@@ -85,7 +84,7 @@ impl FaultyLink {
         let rig = SimulatedRig::new(Scenario::by_name("plain").unwrap(), seed);
         sent.lock().unwrap().push(BTreeMap::new());
         let sent = Arc::clone(sent);
-        Box::new(Self { rig, faults, chance, sent, listener: Deframer::new(), arriving: VecDeque::new(), last: 0 })
+        Box::new(Self { rig, faults, chance, sent, listener: Deframer::new(), arriving: VecDeque::new() })
     }
 
     fn happens(&mut self, share: f64) -> bool {
@@ -115,9 +114,8 @@ impl FaultyLink {
         let flipped = if self.happens(self.faults.flips) { 1 << self.chance.within(0.0..8.0) as u8 } else { 0 };
         let byte = byte ^ flipped;
         self.arriving.push_back(byte);
-        self.last = byte;
         if self.happens(self.faults.repeats) {
-            self.arriving.push_back(self.last);
+            self.arriving.push_back(byte);
         }
     }
 

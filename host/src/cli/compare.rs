@@ -2,7 +2,8 @@
 
 use super::columns::Reading;
 use super::comparison::text;
-use super::{output, rig};
+use super::given::Given;
+use super::output;
 use crate::compare::measurement::Measurement;
 use crate::compare::pictures::pictures;
 use crate::compare::{self, Comparison, compare};
@@ -16,12 +17,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    /// Recordings to compare with, all at once
-    #[arg(value_name = "RECORDING", required = true)]
-    recordings: Vec<PathBuf>,
-    /// The model file; ./rig.toml if there is one
-    #[arg(long, value_name = "FILE")]
-    rig: Option<PathBuf>,
+    #[command(flatten)]
+    given: Given,
     /// A recording that takes no part and shows how well the model predicts (may be repeated)
     #[arg(long, value_name = "FILE")]
     hold_out: Vec<PathBuf>,
@@ -31,11 +28,6 @@ pub(super) struct Options {
     /// Write a report for the browser, one file that needs no network
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Print one JSON object instead of text
-    #[arg(long)]
-    json: bool,
-    #[command(flatten)]
-    reading: Reading,
 }
 
 const EXAMPLE: &str = "\
@@ -45,10 +37,9 @@ Example:
   host compare swing.csv --from 0.7 --plot pictures --json";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    options.reading.check()?;
-    let model = rig::load(options.rig.as_deref())?;
-    let measurements = measurements(&options.reading, &options.recordings)?;
-    let held_out = self::measurements(&options.reading, &options.hold_out)?;
+    let model = options.given.model()?;
+    let measurements = measurements(&options.given.reading, &options.given.recordings)?;
+    let held_out = self::measurements(&options.given.reading, &options.hold_out)?;
     let settings = compare::Options { fit_first: model.is_fresh() };
     let comparison = compare(model.parameters(), &measurements, &held_out, &settings).map_err(Failure::failed)?;
     if let Some(folder) = &options.plot {
@@ -57,7 +48,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if let Some(path) = &options.report {
         write(path, &report(&comparison))?;
     }
-    if options.json {
+    if options.given.json {
         output::json("compare", &comparison)
     } else {
         output::result(&text(&comparison))

@@ -1,8 +1,8 @@
 //! `host diagnose`: which physical effect is missing from the model?
 
-use super::columns::Reading;
+use super::given::Given;
 use super::values::custom_effect;
-use super::{evidence, output, rig};
+use super::{evidence, output};
 use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
 use crate::error::Failure;
 use clap::Args;
@@ -14,12 +14,8 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    /// Recordings of one rig; several release angles tell the most
-    #[arg(value_name = "RECORDING", required = true)]
-    recordings: Vec<PathBuf>,
-    /// The model file; ./rig.toml if there is one. One straight from `host init` will do
-    #[arg(long, value_name = "FILE")]
-    rig: Option<PathBuf>,
+    #[command(flatten)]
+    given: Given,
     /// A recording that takes no part and shows how well each model predicts (may be repeated)
     #[arg(long, value_name = "FILE")]
     hold_out: Vec<PathBuf>,
@@ -29,11 +25,6 @@ pub(super) struct Options {
     /// Search small formulas for what no effect explains; takes up to a minute
     #[arg(long)]
     formulas: bool,
-    /// Print one JSON object instead of text
-    #[arg(long)]
-    json: bool,
-    #[command(flatten)]
-    reading: Reading,
 }
 
 const EXAMPLE: &str = "\
@@ -51,15 +42,14 @@ struct Shown<'a> {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    options.reading.check()?;
-    let model = rig::load(options.rig.as_deref())?;
-    let swings = options.reading.swings(&options.recordings)?;
-    let held_out = options.reading.swings(&options.hold_out)?;
+    let model = options.given.model()?;
+    let swings = options.given.swings()?;
+    let held_out = options.given.reading.swings(&options.hold_out)?;
     output::say("fitting the base model, then every effect …");
     let wishes = Wishes { typed: options.effect, formulas: options.formulas };
     let diagnosis = diagnose_with(&swings, &held_out, model.parameters(), wishes);
-    if options.json {
-        output::json("diagnose", &Shown { recordings: &options.recordings, diagnosis: &diagnosis });
+    if options.given.json {
+        output::json("diagnose", &Shown { recordings: &options.given.recordings, diagnosis: &diagnosis });
     } else {
         output::result(&evidence::in_words(&diagnosis));
     }

@@ -1,6 +1,6 @@
 //! `host improve`: add what is missing, refit, watch the error fall, and keep the enlarged model.
 
-use super::columns::Reading;
+use super::given::Given;
 use super::values::custom_effect;
 use super::{evidence, output, rig};
 use crate::diagnose::{Wishes, diagnose_with};
@@ -18,12 +18,8 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    /// Recordings of one rig
-    #[arg(value_name = "RECORDING", required = true)]
-    recordings: Vec<PathBuf>,
-    /// The model file; ./rig.toml if there is one
-    #[arg(long, value_name = "FILE")]
-    rig: Option<PathBuf>,
+    #[command(flatten)]
+    given: Given,
     /// A recording that takes no part (may be repeated)
     #[arg(long, value_name = "FILE")]
     hold_out: Vec<PathBuf>,
@@ -42,11 +38,6 @@ pub(super) struct Options {
     /// Replace another model file that exists there
     #[arg(long)]
     force: bool,
-    /// Print one JSON object instead of text
-    #[arg(long)]
-    json: bool,
-    #[command(flatten)]
-    reading: Reading,
 }
 
 const EXAMPLE: &str = "\
@@ -58,15 +49,14 @@ Example:
 `host effects` lists the names.";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    options.reading.check()?;
-    let mut model = rig::load(options.rig.as_deref())?;
+    let mut model = options.given.model()?;
     let changes = changes(options, model.parameters())?;
     if let Some(path) = &options.output {
-        let updated = rig::chosen_path(options.rig.as_deref());
+        let updated = rig::chosen_path(options.given.rig.as_deref());
         rig::refuse_existing(path, options.force || updated.as_deref() == Some(path))?;
     }
-    let swings = options.reading.swings(&options.recordings)?;
-    let held_out = options.reading.swings(&options.hold_out)?;
+    let swings = options.given.swings()?;
+    let held_out = options.given.reading.swings(&options.hold_out)?;
     let (parameters, values) = if changes.is_empty() {
         let diagnosis = diagnose_with(
             &swings,
@@ -83,7 +73,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         last.map_or_else(|| (model.parameters().clone(), Vec::new()), |step| (step.parameters, step.values))
     };
     if let Some(path) = &options.output {
-        model.adopt(&parameters, &values, &Source::new("least squares, effects added", &options.recordings))?;
+        model.adopt(&parameters, &values, &Source::new("least squares, effects added", &options.given.recordings))?;
         model.save(path)?;
         output::say(&format!("wrote {}", path.display()));
     }
@@ -107,7 +97,7 @@ fn changes(options: &Options, rig: &Parameters<f64>) -> Result<Vec<Change>, Fail
 }
 
 fn show(options: &Options, fields: &impl Serialize, words: impl Fn() -> String) {
-    if options.json { output::json("improve", fields) } else { output::result(&words()) }
+    if options.given.json { output::json("improve", fields) } else { output::result(&words()) }
 }
 
 #[derive(Serialize)]

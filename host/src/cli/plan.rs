@@ -1,8 +1,8 @@
 //! `host plan`: which experiment would tell the leading models apart?
 
-use super::columns::Reading;
+use super::given::Given;
+use super::output;
 use super::table::table;
-use super::{output, rig};
 use crate::diagnose::{Diagnosis, diagnose};
 use crate::error::Failure;
 use crate::plan::{DISTINGUISHABLE, Experiment, Prospect, plan};
@@ -14,17 +14,8 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    /// What was recorded so far
-    #[arg(value_name = "RECORDING", required = true)]
-    recordings: Vec<PathBuf>,
-    /// The model file; ./rig.toml if there is one
-    #[arg(long, value_name = "FILE")]
-    rig: Option<PathBuf>,
-    /// Print one JSON object instead of text
-    #[arg(long)]
-    json: bool,
     #[command(flatten)]
-    reading: Reading,
+    given: Given,
 }
 
 const EXAMPLE: &str = "\
@@ -43,18 +34,17 @@ struct Planned<'a> {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    options.reading.check()?;
-    let file = rig::load(options.rig.as_deref())?;
-    let swings = options.reading.swings(&options.recordings)?;
+    let file = options.given.model()?;
+    let swings = options.given.swings()?;
     output::say("looking for the leading explanations …");
     let diagnosis = diagnose(&swings, &[], file.parameters());
     output::say("simulating experiments with each …");
     let prospects =
         if diagnosis.leading.len() < 2 { Vec::new() } else { plan(&swings, &diagnosis.leading, !file.is_normalised()) };
     let models = diagnosis.leading.iter().map(|trial| named(&trial.names())).collect();
-    if options.json {
+    if options.given.json {
         let undecided = &diagnosis.undecided;
-        let recordings = &options.recordings;
+        let recordings = &options.given.recordings;
         output::json("plan", &Planned { recordings, models, undecided, experiments: &prospects });
     } else {
         output::result(&in_words(&diagnosis, &models, &prospects));
