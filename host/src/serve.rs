@@ -5,12 +5,14 @@
 //! is computed in the browser. `guard` keeps other web pages out, `jobs` does one long thing after the other,
 //! `live` owns the rig.
 
+mod downloads;
 mod draw;
 mod files;
 mod guard;
 mod jobs;
 mod live;
 mod recordings;
+mod request;
 mod routes;
 mod simulate;
 mod socket;

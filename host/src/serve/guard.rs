@@ -4,7 +4,7 @@
 //! Origin, so both must name this server: that stops DNS rebinding and cross-site posts. Beyond this computer a token
 //! is needed too; it comes once in the address and stays in a cookie.
 
-use super::routes::Refused;
+use super::request::Refused;
 use axum::body::Body;
 use axum::extract::{Request, State};
 use axum::http::header::{AUTHORIZATION, COOKIE, HOST, LOCATION, ORIGIN, SET_COOKIE};

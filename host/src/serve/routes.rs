@@ -1,20 +1,18 @@
-//! What can be asked of the server, one line each, and how requests and answers are wrapped.
+//! What can be asked of the server, one line each.
 
 use super::guard::{self, Access};
 use super::live::{Wish, ports};
 use super::recordings::{MOST_BYTES, of_bytes, take_in};
+use super::request::{Answered, Body, DONE, Done, Query, Refused, Sent, blocking};
 use super::simulate::{Question, Slider, Values, answer, named, sliders_of, unknown_recording, with};
-use super::state::{App, Named};
-use super::{draw, files, socket, surfaces, work};
+use super::state::{App, Named, State as Page};
+use super::{downloads, draw, files, socket, surfaces, work};
 use crate::error::Failure;
 use crate::formula::{self, effect_of};
 use crate::improve::Change;
-use crate::report::report;
 use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
-use axum::body::Bytes;
-use axum::extract::rejection::{JsonRejection, QueryRejection};
-use axum::extract::{DefaultBodyLimit, FromRequest, FromRequestParts, Path, State, WebSocketUpgrade};
-use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::extract::{DefaultBodyLimit, Path, State, WebSocketUpgrade};
+use axum::http::header::CONTENT_TYPE;
 use axum::http::{StatusCode, Uri};
 use axum::middleware::from_fn_with_state;
 use axum::response::{IntoResponse, Response};
@@ -26,7 +24,6 @@ use shared::motion::Pendulum;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use tokio::sync::oneshot;
-use tokio::task::spawn_blocking;
 
 /// Requests other than uploads are small.
 const MOST_JSON_BYTES: usize = 64 << 10;
@@ -34,7 +31,8 @@ const MOST_JSON_BYTES: usize = 64 << 10;
 /// A model file is small too.
 const MOST_MODEL_BYTES: usize = 1 << 20;
 
-type Shared = State<Arc<App>>;
+/// What every request sees.
+pub(super) type Shared = State<Arc<App>>;
 
 /// Everything there is.
 pub(super) fn router(app: &Arc<App>, access: Access) -> Router {
@@ -68,73 +66,15 @@ pub(super) fn router(app: &Arc<App>, access: Access) -> Router {
         .route("/api/rig/stop-recording", post(stop_recording))
         .route("/api/rig/values", get(rig_values))
         .route("/api/rig/push", post(push))
-        .route("/download/rig.toml", get(download_model))
-        .route("/download/comparison.json", get(download_comparison))
-        .route("/download/report.html", get(download_report))
-        .route("/download/recording/{id}", get(download_recording))
-        .route("/download/modelled/{id}", get(download_modelled))
+        .route("/download/rig.toml", get(downloads::model))
+        .route("/download/comparison.json", get(downloads::comparison_json))
+        .route("/download/report.html", get(downloads::report_html))
+        .route("/download/recording/{id}", get(downloads::recording))
+        .route("/download/modelled/{id}", get(downloads::modelled))
         .layer(DefaultBodyLimit::max(MOST_JSON_BYTES));
     let all = uploads.merge(small).fallback(page_file).method_not_allowed_fallback(wrong_method);
     all.layer(from_fn_with_state(access, guard::check)).with_state(app.clone())
 }
-
-/// Why a request was not answered, as JSON.
-pub(super) struct Refused {
-    status: StatusCode,
-    what: String,
-    next: Option<String>,
-}
-
-impl Refused {
-    pub(super) fn new(status: StatusCode, what: impl ToString, next: impl ToString) -> Self {
-        Self { status, what: what.to_string(), next: Some(next.to_string()) }
-    }
-}
-
-impl IntoResponse for Refused {
-    fn into_response(self) -> Response {
-        #[derive(Serialize)]
-        struct Body {
-            what: String,
-            next: Option<String>,
-        }
-        (self.status, Json(Body { what: self.what, next: self.next })).into_response()
-    }
-}
-
-impl From<Failure> for Refused {
-    fn from(failure: Failure) -> Self {
-        let next = failure.next_step().map(str::to_owned);
-        Self { status: StatusCode::UNPROCESSABLE_ENTITY, what: failure.what().to_owned(), next }
-    }
-}
-
-impl From<JsonRejection> for Refused {
-    fn from(rejection: JsonRejection) -> Self {
-        Self::new(rejection.status(), rejection.body_text(), "send JSON as the page does")
-    }
-}
-
-impl From<QueryRejection> for Refused {
-    fn from(rejection: QueryRejection) -> Self {
-        Self::new(rejection.status(), rejection.body_text(), "send a query as the page does")
-    }
-}
-
-/// JSON whose faults are told as [`Refused`].
-#[derive(FromRequest)]
-#[from_request(via(Json), rejection(Refused))]
-struct Sent<T>(T);
-
-/// A query whose faults are told as [`Refused`].
-#[derive(FromRequestParts)]
-#[from_request(via(axum::extract::Query), rejection(Refused))]
-struct Query<T>(T);
-
-type Answered<T> = Result<Json<T>, Refused>;
-type Done = Result<StatusCode, Refused>;
-
-const DONE: Done = Ok(StatusCode::NO_CONTENT);
 
 async fn page_file(uri: Uri) -> Response {
     match files::file(uri.path().trim_start_matches('/')) {
@@ -191,14 +131,6 @@ async fn picture(State(app): Shared, Path(key): Path<String>) -> Answered<crate:
     blocking(move || draw::picture(&app, &key)).await
 }
 
-/// Work that would hold other requests up.
-async fn blocking<T: Send + 'static>(work: impl FnOnce() -> Result<T, Failure> + Send + 'static) -> Answered<T> {
-    let crashed = |_| {
-        Failure::failed("the request ended unexpectedly").next("this is a mistake in the program: please report it")
-    };
-    Ok(Json(spawn_blocking(work).await.map_err(crashed)??))
-}
-
 /// What a file is called by the person who sends it.
 #[derive(Deserialize)]
 struct Name {
@@ -207,20 +139,6 @@ struct Name {
 
 async fn upload(State(app): Shared, Query(Name { name }): Query<Name>, body: Body) -> Answered<u32> {
     blocking(move || take_in(&app, of_bytes(&name, &body.0, &app.settings)?)).await
-}
-
-/// A body whose faults are told as [`Refused`].
-struct Body(Bytes);
-
-impl<S: Send + Sync> FromRequest<S> for Body {
-    type Rejection = Refused;
-
-    async fn from_request(request: axum::extract::Request, state: &S) -> Result<Self, Refused> {
-        Bytes::from_request(request, state).await.map(Self).map_err(|rejection| {
-            let next = format!("send no more than {} MB at once", MOST_BYTES >> 20);
-            Refused::new(rejection.status(), rejection.body_text(), next)
-        })
-    }
 }
 
 async fn upload_model(State(app): Shared, Query(Name { name }): Query<Name>, body: Body) -> Done {
@@ -232,10 +150,17 @@ async fn upload_model(State(app): Shared, Query(Name { name }): Query<Name>, bod
 }
 
 async fn remove(State(app): Shared, Path(id): Path<u32>) -> Done {
+    change_recording(&app, id, |state, place| {
+        state.recordings.remove(place);
+        state.runs.remove(&id);
+    })
+}
+
+/// Changes one recording; what was compared no longer holds.
+fn change_recording(app: &App, id: u32, change: impl FnOnce(&mut Page, usize)) -> Done {
     app.change(|state| {
         let place = state.recordings.iter().position(|recording| recording.id == id);
-        state.recordings.remove(place.ok_or_else(|| unknown_recording(id))?);
-        state.runs.remove(&id);
+        change(state, place.ok_or_else(|| unknown_recording(id))?);
         state.comparison = None;
         state.data_changed();
         Ok::<(), Failure>(())
@@ -250,16 +175,9 @@ struct HeldOut {
 }
 
 async fn hold_out(State(app): Shared, Path(id): Path<u32>, Sent(HeldOut { held_out }): Sent<HeldOut>) -> Done {
-    app.change(|state| {
-        let recording = state.recordings.iter_mut().find(|recording| recording.id == id);
-        let recording = recording.ok_or_else(|| unknown_recording(id))?;
-        *recording = Arc::new(recording.with_held_out(held_out));
-        state.comparison = None;
-        state.data_changed();
-        Ok::<(), Failure>(())
-    })?;
-    app.jobs.ask_for_a_look();
-    DONE
+    change_recording(&app, id, |state, place| {
+        state.recordings[place] = Arc::new(state.recordings[place].with_held_out(held_out));
+    })
 }
 
 /// Geometry, or none.
@@ -302,7 +220,7 @@ struct Set {
 }
 
 async fn set_values(State(app): Shared, Sent(Set { values }): Sent<Set>) -> Done {
-    let mut model = model(&app)?.file;
+    let mut model = model_of(&app)?.file;
     with(model.parameters(), &values)?;
     let source = Source { method: "set by hand".to_owned(), recordings: Vec::new() };
     for (name, value) in &values {
@@ -314,7 +232,7 @@ async fn set_values(State(app): Shared, Sent(Set { values }): Sent<Set>) -> Done
     DONE
 }
 
-fn model(app: &App) -> Result<Named, Failure> {
+pub(super) fn model_of(app: &App) -> Result<Named, Failure> {
     let missing = || Failure::wrong_use("there is no model yet").next("give mass, length and inertia, or a rig.toml");
     app.read(|state| state.model.clone()).ok_or_else(missing)
 }
@@ -329,7 +247,7 @@ struct Changes {
 }
 
 async fn change(State(app): Shared, Sent(changes): Sent<Changes>) -> Done {
-    let custom = model(&app).ok().and_then(|named| effect_of(named.file.parameters(), CUSTOM_FORMULA_ID));
+    let custom = model_of(&app).ok().and_then(|named| effect_of(named.file.parameters(), CUSTOM_FORMULA_ID));
     let effect = |name: &String| {
         let missing = || Failure::wrong_use(format!("there is no effect called {name}")).next("choose one of the list");
         Effect::<f64>::by_name(name).or(custom.filter(|custom| custom.name == name)).ok_or_else(missing)
@@ -442,7 +360,7 @@ struct Replaced {
 }
 
 async fn rig_values(State(app): Shared) -> Answered<Vec<Replaced>> {
-    let new = model(&app)?.file.parameters().clone();
+    let new = model_of(&app)?.file.parameters().clone();
     let (sender, receiver) = oneshot::channel();
     app.rig.wish(Wish::Read(sender));
     let old = receiver.await.map_err(|_| rig_is_gone())??.map(f64::from);
@@ -463,7 +381,7 @@ fn rig_is_gone() -> Failure {
 }
 
 async fn push(State(app): Shared) -> Done {
-    let model = model(&app)?.file;
+    let model = model_of(&app)?.file;
     if model.is_normalised() {
         let what = "the model's geometry is unknown, so the rig cannot use it";
         return Err(Failure::wrong_use(what).next("give mass, length and inertia").into());
@@ -472,45 +390,4 @@ async fn push(State(app): Shared) -> Done {
     app.rig.wish(Wish::Push(Box::new(model), sender));
     receiver.await.map_err(|_| rig_is_gone())??;
     DONE
-}
-
-/// A file to keep.
-fn download(name: &str, kind: &'static str, content: impl Into<axum::body::Body>) -> Response {
-    let plain: String =
-        name.chars().map(|c| if c.is_ascii_alphanumeric() || ".-_ ".contains(c) { c } else { '_' }).collect();
-    let disposition = format!("attachment; filename=\"{plain}\"");
-    ([(CONTENT_TYPE, kind.to_owned()), (CONTENT_DISPOSITION, disposition)], content.into()).into_response()
-}
-
-async fn download_model(State(app): Shared) -> Result<Response, Refused> {
-    Ok(download("rig.toml", "application/toml", model(&app)?.file.to_string()))
-}
-
-fn comparison(app: &App) -> Result<Arc<crate::compare::Comparison>, Failure> {
-    let missing =
-        || Failure::wrong_use("nothing has been compared yet").next("load a recording and wait for the verdict");
-    app.read(|state| state.comparison.clone()).ok_or_else(missing)
-}
-
-async fn download_comparison(State(app): Shared) -> Result<Response, Refused> {
-    let comparison = comparison(&app)?;
-    let text = serde_json::to_string_pretty(&*comparison).map_err(Failure::failed)?;
-    Ok(download("comparison.json", "application/json", text))
-}
-
-async fn download_report(State(app): Shared) -> Result<Response, Refused> {
-    let comparison = comparison(&app)?;
-    let Json(text) = blocking(move || Ok(report(&comparison))).await?;
-    Ok(download("report.html", "text/html; charset=utf-8", text))
-}
-
-async fn download_recording(State(app): Shared, Path(id): Path<u32>) -> Result<Response, Refused> {
-    let found = app.read(|state| state.recordings.iter().find(|recording| recording.id == id).cloned());
-    let recording = found.ok_or_else(|| unknown_recording(id))?;
-    Ok(download(&recording.name, "text/csv", recording.bytes.to_vec()))
-}
-
-async fn download_modelled(State(app): Shared, Path(id): Path<u32>) -> Result<Response, Refused> {
-    let Json((name, text)) = blocking(move || draw::table(&app, id)).await?;
-    Ok(download(&format!("modelled-{name}"), "text/csv", text))
 }
