@@ -1,0 +1,244 @@
+//! A diagnosis as others read it, put together from what may be claimed.
+
+use super::evidence::{Evidence, evidence};
+use super::formulas::{Found as FoundFormula, formulas};
+use super::search::excess;
+use super::trial::{Trial, Value, values};
+use super::verdict::Judge;
+use super::zero::{self, ANGLE_OFFSET};
+use crate::fit::identify::held_out_rmse;
+use crate::swing::{Swing, Window};
+use serde::Serialize;
+use shared::effect::CUSTOM_FORMULA_NAME;
+use shared::parameters::Parameters;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// A residual above this many noises is called unexplained.
+pub(super) const UNEXPLAINED_NOISES: f64 = 1.10;
+
+/// A model that was fitted.
+#[derive(Clone, Debug, Serialize)]
+pub struct Candidate {
+    /// The effects added, joined by `+`; `none` for the base model.
+    pub name: String,
+    /// Root mean square error, rad.
+    pub rmse: f64,
+    /// Bayesian information criterion in units of the noise; lower is better.
+    pub criterion: f64,
+    /// The added effects' numbers.
+    pub parameters: Vec<Value>,
+}
+
+/// A formula for what no candidate explains.
+#[derive(Clone, Debug, Serialize)]
+pub struct Suggestion {
+    /// The torque with its numbers, N·m: `-3.1e-5·|ω|^2.3·sgn ω`.
+    pub words: String,
+    /// The law as `--effect` takes it.
+    pub formula: String,
+    /// Root mean square error with it, rad.
+    pub rmse: f64,
+    /// On held-out swings, rad.
+    pub held_out: Option<f64>,
+    /// Share of the excess over the noise (as a variance) that it removes.
+    pub removed: f64,
+    /// As of a candidate, with a penalty for length.
+    pub criterion: f64,
+    /// Its numbers.
+    pub parameters: Vec<Value>,
+    /// Effects of the verdict that it stands beside; it may explain more without them.
+    pub beside: Vec<&'static str>,
+    /// Largest angle it was seen at, rad.
+    pub within_rad: f64,
+}
+
+/// What is missing.
+#[derive(Clone, Debug, Serialize)]
+pub struct Diagnosis {
+    /// Version of this record.
+    pub version: u32,
+    /// Effects claimed to be missing from the base model; empty: nothing is missing, or nothing could be named.
+    pub verdict: Vec<&'static str>,
+    /// Effects that the data can't tell from one of the verdict.
+    pub undecided: Vec<&'static str>,
+    /// Effects by how well each explains the swings, `none` where it belongs.
+    pub ranked: Vec<&'static str>,
+    /// Root mean square error of the base model without any offset, rad.
+    pub rmse_before: f64,
+    /// The same with all of the verdict, rad.
+    pub rmse_after: f64,
+    /// On held-out swings before, rad.
+    pub held_out_before: Option<f64>,
+    /// On held-out swings after, rad.
+    pub held_out_after: Option<f64>,
+    /// Noise of the measurement, rad.
+    pub noise: f64,
+    /// True if more than 1.10 times the noise remains.
+    pub unexplained: bool,
+    /// Time taken.
+    pub seconds: f64,
+    /// Simulated swings.
+    pub simulations: usize,
+    /// Everything that was fitted, best first.
+    pub candidates: Vec<Candidate>,
+    /// Where more than the noise remains: small formulas that explain some of it, the best first.
+    pub formulas: Vec<Suggestion>,
+    /// What each claimed effect does to a swing.
+    pub evidence: Vec<Evidence>,
+    /// All numbers of the enlarged model but Ms and DV.
+    pub values: Vec<Value>,
+    /// The enlarged model.
+    #[serde(skip)]
+    pub parameters: Parameters<f64>,
+    /// The claimed model and those that come closest to it, as fitted.
+    #[serde(skip)]
+    pub leading: Vec<Trial>,
+    /// The base model alone.
+    #[serde(skip)]
+    pub base_parameters: Parameters<f64>,
+    /// Error after each added effect, base first: the staircase.
+    pub staircase: Vec<Step>,
+}
+
+/// One step of the staircase of errors.
+#[derive(Clone, Debug, Serialize)]
+pub struct Step {
+    /// The effect that was added; `base` first.
+    pub added: &'static str,
+    /// Root mean square error on the fitted swings, rad.
+    pub rmse: f64,
+    /// The same on the held-out swings, rad.
+    pub held_out: Option<f64>,
+}
+
+/// Puts the result together.
+pub(super) struct Summary<'a, 'b, 'c> {
+    pub(super) judge: Judge<'a, 'b>,
+    pub(super) claimed: Trial,
+    pub(super) undecided: Vec<&'static str>,
+    pub(super) offset_is_missing: bool,
+    pub(super) held_out: &'c [Swing],
+    pub(super) began: Instant,
+    pub(super) count: &'c AtomicUsize,
+}
+
+impl Summary<'_, '_, '_> {
+    pub(super) fn build(self, with_formulas: bool) -> Diagnosis {
+        let problem = self.judge.problem;
+        let n_samples = problem.n_samples(Window::Whole) as f64;
+        let base = &self.judge.found.base;
+        let rmse = |cost: f64| (cost / n_samples).sqrt();
+        let noise = problem.noise_rad();
+        let rmse_before = rmse(zero::cost_with_offsets_within(problem, base, 0.0));
+        let rmse_after = rmse(self.claimed.cost);
+        let held_out = |parameters: &Parameters<f64>| {
+            (!self.held_out.is_empty()).then(|| held_out_rmse(self.held_out, parameters, self.count))
+        };
+        let mut verdict = self.claimed.names();
+        let mut ranked = self.judge.ranked(&self.claimed);
+        if self.offset_is_missing {
+            verdict.push(ANGLE_OFFSET);
+            let place = if self.claimed.effects.is_empty() { 0 } else { 1 };
+            ranked.insert(place, ANGLE_OFFSET);
+        }
+        let mut trials: Vec<&Trial> = vec![&self.claimed];
+        let is_claimed = |trial: &Trial| trial.names() == self.claimed.names();
+        trials.extend(self.judge.found.levels.iter().flatten().chain([base]).filter(|trial| !is_claimed(trial)));
+        trials.sort_by(|a, b| self.judge.criterion(a).total_cmp(&self.judge.criterion(b)));
+        let rivals = trials.iter().copied().filter(|trial| !is_claimed(trial)).take(MAX_RIVALS);
+        let leading = std::iter::once(&self.claimed).chain(rivals).cloned().collect();
+        trials.truncate(MAX_LISTED);
+        let staircase = self.staircase(rmse_before, &held_out);
+        let unexplained = rmse_after > UNEXPLAINED_NOISES * noise;
+        let formulas = if unexplained && with_formulas { self.formulas(&held_out) } else { Vec::new() };
+        Diagnosis {
+            version: 1,
+            undecided: self.undecided,
+            rmse_before,
+            rmse_after,
+            held_out_before: held_out(&base.parameters),
+            held_out_after: held_out(&self.claimed.parameters),
+            noise,
+            unexplained,
+            formulas,
+            evidence: evidence(problem, &self.claimed.parameters),
+            values: values(problem, &self.claimed),
+            candidates: trials.into_iter().map(|trial| self.judge.candidate(trial)).collect(),
+            parameters: self.claimed.parameters,
+            leading,
+            base_parameters: base.parameters.clone(),
+            staircase,
+            seconds: self.began.elapsed().as_secs_f64(),
+            simulations: self.count.load(Ordering::Relaxed),
+            verdict,
+            ranked,
+        }
+    }
+
+    fn formulas(&self, held_out: &dyn Fn(&Parameters<f64>) -> Option<f64>) -> Vec<Suggestion> {
+        let problem = self.judge.problem;
+        let weight = (problem.n_samples(Window::Whole) as f64).ln();
+        let angles = problem.swings.iter().flat_map(|swing| &swing.angles_rad);
+        let within_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+        let before = excess(problem, self.claimed.cost);
+        let suggestion = |found: FoundFormula| {
+            let candidate = self.judge.candidate(&found.trial);
+            let parameters = candidate.parameters.into_iter().filter(|value| value.effect == CUSTOM_FORMULA_NAME);
+            Suggestion {
+                words: found.words,
+                formula: found.typed,
+                rmse: candidate.rmse,
+                held_out: held_out(&found.trial.parameters),
+                removed: 1.0 - excess(problem, found.trial.cost) / before,
+                criterion: candidate.criterion + weight * found.length as f64,
+                parameters: parameters.collect(),
+                beside: found.trial.names().into_iter().filter(|name| *name != CUSTOM_FORMULA_NAME).collect(),
+                within_rad,
+            }
+        };
+        if self.claimed.has(CUSTOM_FORMULA_NAME) {
+            return Vec::new();
+        }
+        let on_top_of = |trial: &Trial| formulas(problem, trial, |trial| self.judge.criterion(trial), weight);
+        let mut found: Vec<Suggestion> = on_top_of(&self.claimed).into_iter().map(suggestion).collect();
+        if !self.claimed.effects.is_empty() {
+            // An effect that was claimed for want of a better one may be in the way.
+            found.extend(on_top_of(&self.judge.found.base).into_iter().map(suggestion));
+        }
+        found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+        found.retain(|found| found.removed > 0.0);
+        found.truncate(MAX_FORMULAS);
+        found
+    }
+
+    fn staircase(&self, rmse_before: f64, held_out: &dyn Fn(&Parameters<f64>) -> Option<f64>) -> Vec<Step> {
+        let found = self.judge.found;
+        let n_samples = self.judge.problem.n_samples(Window::Whole) as f64;
+        let mut steps = vec![Step { added: "base", rmse: rmse_before, held_out: held_out(&found.base.parameters) }];
+        for n_added in 1..=self.claimed.effects.len() {
+            let part = &self.claimed.effects[..n_added];
+            let is_part =
+                |trial: &&Trial| trial.effects.len() == n_added && part.iter().all(|effect| trial.has(effect.name));
+            let trial = if n_added == self.claimed.effects.len() {
+                Some(&self.claimed)
+            } else {
+                found.levels.iter().flatten().find(is_part)
+            };
+            if let Some(trial) = trial {
+                let rmse = (trial.cost / n_samples).sqrt();
+                steps.push(Step { added: part[n_added - 1].name, rmse, held_out: held_out(&trial.parameters) });
+            }
+        }
+        steps
+    }
+}
+
+/// At most this many formulas are offered.
+const MAX_FORMULAS: usize = 3;
+
+/// At most this many models are set against the claimed one.
+const MAX_RIVALS: usize = 2;
+
+/// At most this many models are listed.
+const MAX_LISTED: usize = 12;

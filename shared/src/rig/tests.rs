@@ -1,0 +1,210 @@
+use super::*;
+use crate::effect::Effect;
+use crate::parameters::ParameterError;
+
+fn rig() -> Rig {
+    Rig::new("test", 4095, Err(StoreState::Empty))
+}
+
+fn ask(rig: &mut Rig, command: Command) -> Answer {
+    match rig.on_frame(Frame::Command(5, command)) {
+        Outcome::Send(Frame::Answer(5, answer)) | Outcome::SendThenDo(Frame::Answer(5, answer), _) => answer,
+        other => panic!("no answer but {other:?}"),
+    }
+}
+
+fn feed(rig: &mut Rig, code: u16, n_samples: usize) -> std::vec::Vec<Frame> {
+    let mut frames = std::vec::Vec::new();
+    (0..n_samples).for_each(|_| rig.on_sample(Code(code), |frame| frames.push(frame)));
+    frames
+}
+
+#[test]
+fn it_streams_only_when_asked_and_every_sample_once() {
+    let mut rig = rig();
+    assert!(feed(&mut rig, 2048, 100).is_empty());
+    assert_eq!(ask(&mut rig, Command::Start(Stream { raw: true, live_every: 0 })), Answer::Done);
+    let frames = feed(&mut rig, 2048, 64);
+    let firsts: std::vec::Vec<u64> = frames
+        .iter()
+        .map(|frame| match frame {
+            Frame::Samples(samples) => samples.first_sample,
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(firsts, [100, 116, 132, 148]);
+    assert_eq!(ask(&mut rig, Command::Stop), Answer::Done);
+    assert!(feed(&mut rig, 2048, 100).is_empty());
+}
+
+#[test]
+fn lost_samples_leave_an_exact_gap_in_the_count() {
+    let mut rig = rig();
+    ask(&mut rig, Command::Start(Stream { raw: true, live_every: 0 }));
+    feed(&mut rig, 2048, 20);
+    rig.on_samples_lost(7, true);
+    let frames = feed(&mut rig, 2048, 16);
+    let Frame::Samples(samples) = &frames[0] else { panic!() };
+    assert_eq!((samples.first_sample, samples.status), (27, status::SAMPLES_LOST));
+    let Answer::Statistics(statistics) = ask(&mut rig, Command::Statistics) else { panic!() };
+    assert_eq!((statistics.samples, statistics.overruns), (36, 7));
+}
+
+#[test]
+fn bad_parameters_are_refused_and_the_old_ones_stay() {
+    let mut rig = rig();
+    let before = rig.parameters().clone();
+    let mut bad = before.clone();
+    bad.set(999, &[1.0]).unwrap();
+    let refusal = Refusal::Parameters(ParameterError::UnknownEffect { id: 999 });
+    assert_eq!(ask(&mut rig, Command::SetParameters(bad)), Answer::Refused(refusal));
+    assert_eq!(*rig.parameters(), before);
+}
+
+#[test]
+fn another_protocol_is_greeted_and_refused_with_both_versions() {
+    let mut rig = rig();
+    let stranger = Hello { protocol: 77, ..Hello::new("host") };
+    assert!(matches!(rig.on_frame(Frame::Hello(stranger)), Outcome::Send(Frame::Hello(_))));
+    let refused = Answer::Refused(Refusal::Protocol { host: 77, rig: PROTOCOL });
+    assert_eq!(ask(&mut rig, Command::GetParameters), refused);
+    rig.on_frame(Frame::Hello(Hello::new("host")));
+    assert!(matches!(ask(&mut rig, Command::GetParameters), Answer::Parameters(_)));
+}
+
+#[test]
+fn what_is_stored_comes_back_and_anything_else_is_refused_with_a_reason() {
+    let mut rig = rig();
+    let Outcome::Do(5, Request::Save(stored)) = rig.on_frame(Frame::Command(5, Command::Save)) else { panic!() };
+    let mut buffer = [0; MAX_STORED];
+    let bytes = stored.encode(&mut buffer).unwrap();
+    assert_eq!(Stored::decode(bytes), Ok(stored.clone()));
+    assert_eq!(Stored::decode(&[]), Err(StoreState::Damaged));
+    assert_eq!(Stored::decode(&[99, 1, 2]), Err(StoreState::OtherVersion));
+    assert_eq!(Stored::decode(&bytes[..bytes.len() - 3]), Err(StoreState::Damaged));
+}
+
+/// −k·ω·|ω|, k a parameter.
+fn drag() -> Formula {
+    use crate::formula::code::{ABS, MULTIPLY, NEGATE, OMEGA, PARAMETER};
+    let code = [PARAMETER, NEGATE, OMEGA, MULTIPLY, OMEGA, ABS, MULTIPLY];
+    Formula::new(&code, &[], 1, "-k*omega*abs(omega); k in 0..1e-2 N·m").unwrap()
+}
+
+fn with_drag(rig: &Rig) -> Parameters<f32> {
+    let mut parameters = rig.parameters().clone();
+    parameters.set(CUSTOM_FORMULA_ID, &[1e-3]).unwrap();
+    parameters
+}
+
+fn tell_formula(rig: &mut Rig, bytes: &[u8]) -> Frame {
+    match rig.on_frame(Frame::CustomFormula(bytes.iter().copied().collect())) {
+        Outcome::Send(frame) => frame,
+        other => panic!("no answer but {other:?}"),
+    }
+}
+
+#[test]
+fn a_formula_is_held_used_by_the_observer_and_kept_in_flash() {
+    let mut rig = rig();
+    let bytes: Vec<u8, MAX_BYTES> = drag().bytes().iter().copied().collect();
+    assert_eq!(tell_formula(&mut rig, &[]), Frame::CustomFormula(Vec::new()));
+    assert_eq!(tell_formula(&mut rig, &bytes), Frame::CustomFormula(bytes.clone()));
+    let parameters = with_drag(&rig);
+    assert_eq!(ask(&mut rig, Command::SetParameters(parameters)), Answer::Done);
+
+    let Outcome::Do(5, Request::Save(stored)) = rig.on_frame(Frame::Command(5, Command::Save)) else { panic!() };
+    let mut buffer = [0; MAX_STORED];
+    let stored = Stored::decode(stored.encode(&mut buffer).unwrap()).unwrap();
+    let mut restarted = Rig::new("test", 4095, Ok(stored));
+    assert_eq!(tell_formula(&mut restarted, &[]), Frame::CustomFormula(bytes));
+
+    // The observer makes the same of a swing as one that knows the law from the list, and not as one without it.
+    let swing = |rig: &mut Rig| -> std::vec::Vec<f32> {
+        ask(rig, Command::Start(Stream { raw: false, live_every: 1 }));
+        let code = |i: u32| Code((2048.0 + 500.0 * libm::cosf(i as f32 * 8e-3)) as u16);
+        let mut angles = std::vec::Vec::new();
+        (0..4000).for_each(|i| {
+            rig.on_sample(code(i), |frame| {
+                let Frame::Live(live) = frame else { panic!() };
+                angles.extend(live.points.iter().map(|point| point.angle_rad));
+            })
+        });
+        angles
+    };
+    let mut plain = self::rig();
+    let mut listed = self::rig();
+    let mut known = listed.parameters().clone();
+    known.set(Effect::<f32>::by_name("quadratic-drag").unwrap().id, &[1e-3]).unwrap();
+    assert_eq!(ask(&mut listed, Command::SetParameters(known)), Answer::Done);
+    let (plain, typed, listed) = (swing(&mut plain), swing(&mut restarted), swing(&mut listed));
+    let apart = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(apart(&typed, &listed) < 1e-5, "{}", apart(&typed, &listed));
+    assert!(apart(&typed, &plain) > 1e-2, "{}", apart(&typed, &plain));
+}
+
+#[test]
+fn values_without_a_formula_and_bytes_without_a_program_are_refused() {
+    let mut rig = rig();
+    let unknown = Refusal::Parameters(ParameterError::UnknownEffect { id: CUSTOM_FORMULA_ID });
+    let parameters = with_drag(&rig);
+    assert_eq!(ask(&mut rig, Command::SetParameters(parameters)), Answer::Refused(unknown));
+    assert_eq!(tell_formula(&mut rig, &[1, 0, 0, 0xff]), Frame::Answer(0, Answer::Refused(Refusal::Formula)));
+    tell_formula(&mut rig, drag().bytes());
+    let mut two_values = rig.parameters().clone();
+    two_values.set(CUSTOM_FORMULA_ID, &[1.0, 2.0]).unwrap();
+    let count = ParameterError::WrongCount { id: CUSTOM_FORMULA_ID, expected: 1, got: 2 };
+    assert_eq!(ask(&mut rig, Command::SetParameters(two_values)), Answer::Refused(Refusal::Parameters(count)));
+    let mut no_number = rig.parameters().clone();
+    no_number.set(CUSTOM_FORMULA_ID, &[f32::NAN]).unwrap();
+    let range = ParameterError::OutOfRange { id: CUSTOM_FORMULA_ID, index: 0 };
+    assert_eq!(ask(&mut rig, Command::SetParameters(no_number)), Answer::Refused(Refusal::Parameters(range)));
+}
+
+#[test]
+fn zero_and_gain_are_calibrated_only_while_still() {
+    let mut rig = rig();
+    (0..500).for_each(|i| {
+        feed(&mut rig, 2000 + i, 1);
+    });
+    assert_eq!(ask(&mut rig, Command::ZeroHere), Answer::Refused(Refusal::NotStill));
+    feed(&mut rig, 2000, 5000);
+    assert_eq!(ask(&mut rig, Command::ZeroHere), Answer::Done);
+    assert!((rig.settings().potentiometer.zero_code - 2000.0).abs() < 0.02);
+    feed(&mut rig, 3000, 5000);
+    assert_eq!(ask(&mut rig, Command::CalibrateGain(Radian(1.5))), Answer::Done);
+    assert!((rig.settings().potentiometer.angle(Code(3000)).0 - 1.5).abs() < 1e-4);
+    assert_eq!(ask(&mut rig, Command::CalibrateGain(Radian(9.0))), Answer::Refused(Refusal::BadAngle));
+}
+
+#[test]
+fn a_broken_wire_is_flagged_and_sampling_goes_on() {
+    let mut rig = rig();
+    ask(&mut rig, Command::Start(Stream { raw: true, live_every: 1 }));
+    let frames = feed(&mut rig, 0, 16);
+    assert!(frames.iter().all(|frame| match frame {
+        Frame::Samples(samples) => samples.status == status::DISCONNECTED,
+        Frame::Live(live) => live.status == status::DISCONNECTED && live.points[0].angle_rad.is_finite(),
+        _ => false,
+    }));
+    assert_eq!(frames.len(), 3);
+}
+
+#[test]
+fn settings_outside_their_range_are_refused_by_position() {
+    let mut rig = rig();
+    let good = *rig.settings();
+    for (index, bad) in [
+        Settings { rate_hz: 99.0, ..good },
+        Settings { cutoff_hz: 480.0, ..good },
+        Settings { bandwidth_rad_s: f32::NAN, ..good },
+        Settings { potentiometer: Potentiometer { radian_per_code: 0.0, ..good.potentiometer }, ..good },
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let refused = Answer::Refused(Refusal::Setting { index: index as u8 });
+        assert_eq!(ask(&mut rig, Command::SetSettings(bad)), refused);
+    }
+    assert_eq!(*rig.settings(), good);
+}
