@@ -2,7 +2,7 @@
 //!
 //! The base model is fitted first. If it leaves more than the noise, every effect of the list is tried: a score test
 //! ([`score`]) tells in one linearised step what each could gain, the promising ones are fitted in earnest
-//! ([`trial`]), and [`search`] goes on with pairs until nothing significant is left. `verdict` says what may be
+//! ([`trial`]), and [`mod@search`] goes on with pairs until nothing significant is left. `verdict` says what may be
 //! claimed, what can't be told apart ([`replacement`]), what is only a shifted zero of the sensor ([`zero`]), and what
 //! stays unexplained; for that, [`formulas`] searches small laws if somebody wishes.
 
