@@ -171,14 +171,14 @@ fn torque_of(recordings: &[Judged], parameters: &Parameters<f64>) -> Option<Torq
     };
     let coefficient = |id| parameters.values(id).and_then(|values| values.first().copied()).unwrap_or(0.0);
     let (viscous, coulomb_nm) = (coefficient(base::VISCOUS), coefficient(base::COULOMB));
+    let base = weak::Base { pendulum: parameters.pendulum, viscous, coulomb_nm };
     let windows_of = |recording: &Judged| -> Vec<weak::Windows> {
         let Some(half_swing_s) = recording.half_swing_s else { return Vec::new() };
         let step_s = recording.duration_s / (recording.times_s.len() - 1) as f64;
         let width_s = weak::half_width_s(half_swing_s, step_s);
         let noise_rad = recording.noise.level_rad();
-        let of = |restart: &restart::Restart| {
-            weak::windows(&recording.times_s, restart, &parameters.pendulum, viscous, noise_rad, width_s, &grid)
-        };
+        let of =
+            |restart: &restart::Restart| weak::windows(&recording.times_s, restart, &base, noise_rad, width_s, &grid);
         recording.restarts.iter().filter_map(of).collect()
     };
     let windows: Vec<weak::Windows> = recordings.par_iter().map(windows_of).flatten_iter().collect();

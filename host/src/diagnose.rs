@@ -21,6 +21,7 @@ pub use evidence::Evidence;
 pub use summary::{Candidate, Diagnosis, Step, Suggestion};
 pub use trial::Value;
 
+use crate::fit::descent::Patience;
 use crate::fit::identify::{problem_of, smooth};
 use crate::fit::problem::Problem;
 use crate::fit::stiction::{self, Settled, Stiction, with_stiction};
@@ -72,8 +73,10 @@ pub fn diagnose_counted(
     let judge = Judge { problem: &problem, found: &found, candidates: &candidates };
     let (claimed, others) = judge.refined(judge.claimed());
     let mut undecided = judge.undecided(&claimed, &others);
-    let Zero { model: claimed, offset_is_missing, alike } =
-        zero::decide(&problem, claimed, INDISTINGUISHABLE * judge.unit());
+    let n_claimed = claimed.effects.len();
+    let Zero { model, offset_is_missing, alike } = zero::decide(&problem, claimed, INDISTINGUISHABLE * judge.unit());
+    // What the asymmetry explains, another effect may have imitated.
+    let claimed = if model.effects.len() > n_claimed { judge.pruned(model) } else { model };
     undecided.extend(alike);
     Summary { judge, claimed, undecided, offset_is_missing, held_out, began, count }.build(wishes.formulas)
 }
@@ -106,5 +109,5 @@ fn base_problem<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a Atomi
 
 fn fit_base(problem: &Problem) -> Settled {
     let grown = windows::grow(problem, &start::guess(problem));
-    stiction::settle(problem, &grown)
+    stiction::settle(problem, &grown, Patience::JUDGE)
 }

@@ -2,6 +2,7 @@
 
 use crate::diagnose::score::promises;
 use crate::diagnose::trial::{Trial, Value, finish, finish_with_band, fit_from, values};
+use crate::fit::descent::Patience;
 use crate::fit::identify::{held_out_rmse, problem_of, smooth};
 use crate::fit::problem::{Point, Problem, Quantity};
 use crate::fit::stiction::{self, Stiction, with_stiction};
@@ -136,7 +137,7 @@ fn fitted_as_it_is(problem: &Problem) -> Trial {
         effects.filter_map(|effect| effect_of(&problem.template, effect.id)).collect();
     let free = with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
     let grown = windows::grow(&free, &start::guess(&free));
-    Trial::settled(&free, effects, stiction::settle(&free, &grown))
+    Trial::settled(&free, effects, stiction::settle(&free, &grown, Patience::JUDGE))
 }
 
 fn added(problem: &Problem, trial: &Trial, effect: &'static Effect<f64>) -> Result<Trial, ChangeError> {

@@ -32,7 +32,7 @@ fn missing_nm(with: &Parameters<f64>, without: &Parameters<f64>, angle_rad: f64,
 const KNOWN_SHARE: f64 = 0.04;
 
 /// At least this share of all bins that were passed must be known so well.
-const LEAST_KNOWN: f64 = 0.35;
+const LEAST_KNOWN: f64 = 0.5;
 
 /// Largest error of the map where there are data, as a share of the peak of the missing torque.
 fn worst_share(map: &TorqueMap, with: &Parameters<f64>, without: &Parameters<f64>) -> f64 {

@@ -1,6 +1,8 @@
 //! The main job, with the real firmware: `host fit --port` records a swing, finds the model, writes it to the rig;
-//! it is still there after a restart, and the rig's own innovation says that it fits.
+//! it is still there after a restart, and the rig's own innovation says that it fits. With something hidden in the
+//! pendulum, `--discover` finds that too, and the observer on the board runs it.
 
+use shared::effect::Effect;
 use shared::parameters::Parameters;
 use shared::wire::{Answer, Command, StoreState};
 use std::time::{Duration, Instant};
@@ -13,6 +15,12 @@ use tests::qemu::Qemu;
 
 const LIMIT: Duration = Duration::from_secs(300);
 
+/// What the rig believed, and the root mean square of its innovation (rad), before and after `host fit`.
+struct Fitted {
+    before: (Parameters<f32>, f64),
+    after: (Parameters<f32>, f64),
+}
+
 fn parameters(link: &mut Link) -> Parameters<f32> {
     match link.ask(Command::GetParameters).unwrap() {
         Answer::Parameters(parameters) => parameters,
@@ -20,22 +28,23 @@ fn parameters(link: &mut Link) -> Parameters<f32> {
     }
 }
 
-#[test]
-fn host_fit_makes_the_rig_follow_its_pendulum_and_a_restart_keeps_that() {
+/// Runs the board with a pendulum, fits, restarts the board, and looks at the next swing.
+fn fitted(scenario: &Scenario, options: &[&str]) -> Fitted {
     let image = firmware(Board::Qemu).unwrap();
-    let scenario = Scenario::default();
     let qemu = Qemu::start(&image, scenario.clone(), LIMIT).unwrap();
     let folder = tempfile::tempdir().unwrap();
 
-    let (before, old) = {
+    let before = {
         let mut link = Link::open(qemu.port()).unwrap();
         link.hello().unwrap();
-        (innovation::of_the_next_swing(&mut link).unwrap(), parameters(&mut link))
+        let innovation_rad = innovation::of_the_next_swing(&mut link).unwrap();
+        (parameters(&mut link), innovation_rad)
     };
 
     let started = Instant::now();
     let run = assert_cmd::Command::new(path())
         .args(["fit", "--port", qemu.port(), "-o", "rig.toml"])
+        .args(options)
         .current_dir(folder.path())
         .timeout(LIMIT)
         .output()
@@ -46,19 +55,37 @@ fn host_fit_makes_the_rig_follow_its_pendulum_and_a_restart_keeps_that() {
 
     let mut link = Link::open(qemu.port()).unwrap();
     link.hello().unwrap();
-    let fitted = parameters(&mut link);
-    assert_ne!(fitted, old);
-    let truth = scenario.parameters.pendulum.pivot_inertia_kg_m2();
-    let found = f64::from(fitted.pendulum.pivot_inertia_kg_m2());
-    assert!((found / truth - 1.0).abs() < 2e-3, "inertia about the pivot: {found} instead of {truth}");
-
+    let pushed = parameters(&mut link);
     link.ask(Command::Reset).unwrap();
     std::thread::sleep(Duration::from_millis(500));
     link.hello().unwrap();
     assert_eq!(link.statistics().unwrap().health.store, StoreState::Loaded);
-    assert_eq!(parameters(&mut link), fitted);
+    assert_eq!(parameters(&mut link), pushed);
 
-    let after = innovation::of_the_next_swing(&mut link).unwrap();
-    println!("innovation {before:.2e} rad before, {after:.2e} after, noise {:.2e}", scenario.noise_rad);
-    assert!(before >= 3.0 * scenario.noise_rad && after <= 1.3 * scenario.noise_rad);
+    let innovation_rad = innovation::of_the_next_swing(&mut link).unwrap();
+    println!("innovation {:.2e} rad before, {innovation_rad:.2e} after, noise {:.2e}", before.1, scenario.noise_rad);
+    Fitted { before, after: (pushed, innovation_rad) }
+}
+
+#[test]
+fn host_fit_makes_the_rig_follow_its_pendulum_and_a_restart_keeps_that() {
+    let scenario = Scenario::default();
+    let Fitted { before, after } = fitted(&scenario, &[]);
+    assert_ne!(after.0, before.0);
+    let truth = scenario.parameters.pendulum.pivot_inertia_kg_m2();
+    let found = f64::from(after.0.pendulum.pivot_inertia_kg_m2());
+    assert!((found / truth - 1.0).abs() < 2e-3, "inertia about the pivot: {found} instead of {truth}");
+    assert!(before.1 >= 3.0 * scenario.noise_rad && after.1 <= 1.3 * scenario.noise_rad);
+}
+
+#[test]
+fn a_hidden_drag_is_found_and_the_observer_on_the_board_runs_it() {
+    let drag = Effect::<f64>::by_name("quadratic-drag").unwrap();
+    let mut scenario = Scenario { release_rad: 1.4, ..Scenario::default() };
+    scenario.parameters.set(drag.id, &[1.5e-4]).unwrap();
+    let Fitted { before, after } = fitted(&scenario, &["--discover"]);
+    let added: Vec<u16> =
+        after.0.effects.iter().map(|effect| effect.id).filter(|id| before.0.values(*id).is_none()).collect();
+    assert_eq!(added, [drag.id], "ids of the effects that were added");
+    assert!(before.1 >= 3.0 * scenario.noise_rad && after.1 <= 1.3 * scenario.noise_rad);
 }

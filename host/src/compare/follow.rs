@@ -15,7 +15,7 @@ const WINDOWS_S: [f64; 3] = [1.5, 6.0, 20.0];
 const LONGEST_S: f64 = 7200.0;
 
 /// A start is known far better than its effect on the residual.
-const PATIENCE: Patience = Patience { max_iterations: 10, least_gain: 0.1, least_share: 0.0 };
+const PATIENCE: Patience = Patience { max_iterations: 10, least_gain: 0.1, ..Patience::FINE };
 
 /// A free run of the model beside a swing.
 #[derive(Clone, Debug)]

@@ -50,7 +50,7 @@ const SLOWEST_S: f64 = 10.0;
 /// Start angle and velocity are first read off a parabola of this half width, in half swings.
 const GUESS_WIDTH: f64 = 0.15;
 
-const PATIENCE: Patience = Patience { max_iterations: 4, least_gain: 1e-2, least_share: 0.0 };
+const PATIENCE: Patience = Patience { max_iterations: 4, ..Patience::FINE };
 
 /// Cuts a swing at every other crossing of its hanging position; `None` when it hardly swings.
 pub fn cuts(swing: &Swing, offset_rad: f64) -> Option<Cuts> {

@@ -1,8 +1,8 @@
 //! Missing torque over the plane of angle and velocity: where in state space does the model lack something, and how
 //! much?
 //!
-//! The windows of [`super::weak`] average over several bins each; which torques at the middles of the bins, interpolated
-//! linearly between them, explain the windows best is a linear least-squares problem with the windows' known noise. A
+//! The windows of [`super::weak`] average over several bins each; which torques at the middles of the bins, parabolas
+//! between them, explain the windows best is a linear least-squares problem with the windows' known noise. A
 //! smooth torque is preferred: second differences of bins in a row, along the angle and along the velocity on one side
 //! of ω = 0, have prior spreads that are chosen by the evidence (D. J. C. MacKay, Neural Comput. 4 (1992) 415).
 //! Standard errors are the larger of the posterior's and the scatter between swings.
@@ -10,6 +10,7 @@
 use super::weak::Windows;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
+use std::ops::Range;
 
 /// Bins to either side of the middle, in angle and in velocity.
 const HALF_BINS: usize = 6;
@@ -57,22 +58,18 @@ impl Grid {
         place(velocity_rad_s / self.velocity_rad_s) * N_BINS + place(angle_rad / self.angle_rad)
     }
 
-    /// The four bins between whose middles a state lies, with the weights of linear interpolation; outside and next to
-    /// ω = 0, which is not crossed because friction jumps there, the line goes on beyond the last two.
-    pub fn corners(&self, angle_rad: f64, velocity_rad_s: f64) -> [(usize, f64); 4] {
+    /// The nine bins around a state with their weights: parabolas through three middles each way, because a drag is one.
+    /// ω = 0 is not crossed, where friction jumps.
+    pub fn neighbours(&self, angle_rad: f64, velocity_rad_s: f64) -> [(usize, f64); 9] {
         let x = (angle_rad / self.angle_rad + 1.0) * HALF_BINS as f64 - 0.5;
         let y = (velocity_rad_s / self.velocity_rad_s + 1.0) * HALF_BINS as f64 - 0.5;
-        let column = (x.floor().max(0.0) as usize).min(N_BINS - 2);
-        let (lowest, highest) = if velocity_rad_s < 0.0 { (0, HALF_BINS - 2) } else { (HALF_BINS, N_BINS - 2) };
-        let row = (y.floor().max(0.0) as usize).clamp(lowest, highest);
-        let (u, v) = (x - column as f64, y - row as f64);
-        let bin = row * N_BINS + column;
-        [
-            (bin, (1.0 - u) * (1.0 - v)),
-            (bin + 1, u * (1.0 - v)),
-            (bin + N_BINS, (1.0 - u) * v),
-            (bin + N_BINS + 1, u * v),
-        ]
+        let rows = if velocity_rad_s < 0.0 { 0..HALF_BINS } else { HALF_BINS..N_BINS };
+        let (left, along_angle) = parabola(x, 0..N_BINS);
+        let (lowest, along_velocity) = parabola(y, rows);
+        std::array::from_fn(|k| {
+            let (column, row) = (k % 3, k / 3);
+            ((lowest + row) * N_BINS + left + column, along_velocity[row] * along_angle[column])
+        })
     }
 
     /// Angle (rad) and velocity (rad/s) at the middle of a bin.
@@ -80,6 +77,13 @@ impl Grid {
         let middle = |k: usize| (k as f64 + 0.5) / HALF_BINS as f64 - 1.0;
         (middle(bin % N_BINS) * self.angle_rad, middle(bin / N_BINS) * self.velocity_rad_s)
     }
+}
+
+/// The first of the three places within a range that are nearest to `x`, and their weights (Lagrange).
+fn parabola(x: f64, within: Range<usize>) -> (usize, [f64; 3]) {
+    let first = (x.round().max(1.0) as usize - 1).clamp(within.start, within.end - 3);
+    let u = x - first as f64;
+    (first, [0.5 * (u - 1.0) * (u - 2.0), u * (2.0 - u), 0.5 * u * (u - 1.0)])
 }
 
 /// One bin of the map.
@@ -345,6 +349,21 @@ fn log_determinant(factor: &Cholesky<f64, nalgebra::Dyn>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_parabola_is_met_between_the_bins() {
+        let grid = Grid { angle_rad: 1.4, velocity_rad_s: 9.0 };
+        let law = |angle: f64, velocity: f64| 0.3 + angle - 2.0 * velocity * velocity.abs() + angle * angle;
+        for (angle, velocity) in [(0.1, 0.2), (-1.38, 8.9), (0.7, -0.01), (1.3, -4.4)] {
+            let torque_at = |bin: usize| {
+                let (angle, velocity) = grid.centre(bin);
+                law(angle, velocity)
+            };
+            let between: f64 =
+                grid.neighbours(angle, velocity).iter().map(|(bin, weight)| weight * torque_at(*bin)).sum();
+            assert!((between - law(angle, velocity)).abs() < 1e-12, "{angle} {velocity}");
+        }
+    }
 
     #[test]
     fn the_middle_of_a_bin_lies_in_it() {

@@ -4,13 +4,16 @@
 //! Beside a model that was started anew the measured angle is θ + r, and J·r″ + Mw·r′ + m·g·l·(sin(θ + r) − sin θ) is
 //! the missing torque. Multiplied by a bump φ = (1 − x²)³ and integrated by parts, the derivatives stand on φ:
 //! ∫φ·τ = J·∫φ″r − Mw·∫φ′r + m·g·l·∫φ·(sin(θ + r) − sin θ). The start that was fitted does not matter: a wrong one
-//! leaves an r that satisfies the equation without any torque. First order in r for effects beyond the base model.
+//! leaves an r that satisfies the equation without any torque. The torque is looked for at the measured state, θ + r
+//! and ω + r′; between the model's turn and the measured one, dry friction has changed sides in only one of them. First
+//! order in r for effects beyond the base model.
 //! Weak forms for finding equations: D. A. Messenger, D. M. Bortz, Multiscale Model. Simul. 19 (2021) 1474.
 
 use super::restart::Restart;
 use super::torque::Grid;
 use nalgebra::{DMatrix, DVector};
 use shared::motion::Pendulum;
+use std::f64::consts::SQRT_2;
 use std::ops::Range;
 
 /// Half width of a window in half swings: a pendulum's torque changes little meanwhile.
@@ -21,6 +24,9 @@ const MIN_BESIDE: f64 = 4.0;
 
 /// Windows follow each other by this share of their half width.
 const STRIDE: f64 = 0.5;
+
+/// A deviation's slope must be this many standard errors from zero to shift a turn.
+const SURE: f64 = 3.0;
 
 /// Added to the diagonal of the noise covariance, as a share: rounding must not make it indefinite.
 const RIDGE: f64 = 1e-6;
@@ -43,7 +49,26 @@ pub fn half_width_s(half_swing_s: f64, step_s: f64) -> f64 {
     (HALF_WIDTH * half_swing_s).max(MIN_BESIDE * step_s)
 }
 
-/// One window before whitening: its torque is Σ weights·r.
+/// The base model that the restarts ran with.
+#[derive(Clone, Copy, Debug)]
+pub struct Base {
+    /// Mass, length, inertia.
+    pub pendulum: Pendulum<f64>,
+    /// Mw, N·m·s/rad.
+    pub viscous: f64,
+    /// Mc, N·m.
+    pub coulomb_nm: f64,
+}
+
+/// A sample of the pendulum as measured.
+struct Measured {
+    angle_rad: f64,
+    velocity_rad_s: f64,
+    /// Torque of dry friction in the model less that in the measurement, N·m.
+    dry_nm: f64,
+}
+
+/// One window before whitening: its torque is Σ weights·r, and what dry friction adds.
 struct Window {
     range: Range<usize>,
     weights: Vec<f64>,
@@ -55,8 +80,7 @@ struct Window {
 pub fn windows(
     times_s: &[f64],
     restart: &Restart,
-    pendulum: &Pendulum<f64>,
-    viscous: f64,
+    base: &Base,
     noise_rad: f64,
     width_s: f64,
     grid: &Grid,
@@ -66,25 +90,27 @@ pub fn windows(
     let n_windows = ((last_s - first_s - 2.0 * width_s) / (STRIDE * width_s)).floor() as i64 + 1;
     let centre_s = |k: i64| first_s + width_s * (1.0 + STRIDE * k as f64);
     let windows: Vec<Window> =
-        (0..n_windows).filter_map(|k| window(times_s, restart, pendulum, viscous, centre_s(k), width_s)).collect();
+        (0..n_windows).filter_map(|k| window(times_s, restart, base, centre_s(k), width_s)).collect();
     if windows.is_empty() {
         return None;
     }
-    let states = || restart.angles_rad.iter().zip(&restart.velocities_rad_s);
-    let corners: Vec<[(usize, f64); 4]> = states().map(|(angle, velocity)| grid.corners(*angle, *velocity)).collect();
-    let mut bins: Vec<usize> = corners.iter().flatten().map(|(bin, _)| *bin).collect();
+    let states = measured(times_s, restart, base.coulomb_nm, noise_rad, width_s);
+    let near: Vec<[(usize, f64); 9]> =
+        states.iter().map(|state| grid.neighbours(state.angle_rad, state.velocity_rad_s)).collect();
+    let mut bins: Vec<usize> = near.iter().flatten().map(|(bin, _)| *bin).collect();
     bins.sort_unstable();
     bins.dedup();
     let mut n_samples = vec![0; bins.len()];
-    for (angle, velocity) in states() {
-        // The bin of a sample is one of its corners, so it is there.
-        n_samples[bins.binary_search(&grid.bin_of(*angle, *velocity)).unwrap_or(0)] += 1;
+    for state in &states {
+        // The bin of a sample is one of its neighbours, so it is there.
+        n_samples[bins.binary_search(&grid.bin_of(state.angle_rad, state.velocity_rad_s)).unwrap_or(0)] += 1;
     }
-    let torques = DVector::from_iterator(windows.len(), windows.iter().map(|w| w.torque(&restart.residuals_rad)));
+    let torques =
+        DVector::from_iterator(windows.len(), windows.iter().map(|w| w.torque(&restart.residuals_rad, &states)));
     let mut shares = DMatrix::zeros(windows.len(), bins.len());
     for (row, window) in windows.iter().enumerate() {
         for (i, share) in window.range.clone().zip(&window.bump) {
-            for (bin, weight) in corners[i] {
+            for (bin, weight) in near[i] {
                 shares[(row, bins.binary_search(&bin).unwrap_or(0))] += share * weight;
             }
         }
@@ -95,9 +121,28 @@ pub fn windows(
     Some(Windows { torques, shares, bins, n_samples })
 }
 
+/// The pendulum at each sample: the model's state, and what the measurement deviates from it. A missing torque drives the
+/// deviation beyond the width of a bin within one swing. Its slope is that of a chord as long as half a window, or shorter
+/// at the ends.
+fn measured(times_s: &[f64], restart: &Restart, coulomb_nm: f64, noise_rad: f64, width_s: f64) -> Vec<Measured> {
+    let residuals_rad = &restart.residuals_rad;
+    let state = |i: usize| {
+        let from = times_s.partition_point(|t| *t < times_s[i] - 0.5 * width_s);
+        let to = times_s.partition_point(|t| *t <= times_s[i] + 0.5 * width_s) - 1;
+        let (length_s, rise) = (times_s[to] - times_s[from], residuals_rad[to] - residuals_rad[from]);
+        let modelled = restart.velocities_rad_s[i];
+        let velocity_rad_s = modelled + if length_s > 0.0 { rise / length_s } else { 0.0 };
+        let is_sure = rise.abs() > SURE * SQRT_2 * noise_rad;
+        let turned = if is_sure { velocity_rad_s.signum() - modelled.signum() } else { 0.0 };
+        Measured { angle_rad: restart.angles_rad[i] + residuals_rad[i], velocity_rad_s, dry_nm: coulomb_nm * turned }
+    };
+    (0..times_s.len()).map(state).collect()
+}
+
 impl Window {
-    fn torque(&self, residuals_rad: &[f64]) -> f64 {
-        self.range.clone().zip(&self.weights).map(|(i, weight)| weight * residuals_rad[i]).sum()
+    fn torque(&self, residuals_rad: &[f64], states: &[Measured]) -> f64 {
+        let terms = self.range.clone().zip(self.weights.iter().zip(&self.bump));
+        terms.map(|(i, (weight, share))| weight * residuals_rad[i] + share * states[i].dry_nm).sum()
     }
 
     /// Product of the weights where two windows overlap.
@@ -121,14 +166,7 @@ fn covariance(windows: &[Window], noise_rad: f64) -> DMatrix<f64> {
     matrix
 }
 
-fn window(
-    times_s: &[f64],
-    restart: &Restart,
-    pendulum: &Pendulum<f64>,
-    viscous: f64,
-    centre_s: f64,
-    width_s: f64,
-) -> Option<Window> {
+fn window(times_s: &[f64], restart: &Restart, base: &Base, centre_s: f64, width_s: f64) -> Option<Window> {
     let range =
         times_s.partition_point(|t| *t <= centre_s - width_s)..times_s.partition_point(|t| *t < centre_s + width_s);
     if range.len() < 5 {
@@ -146,7 +184,7 @@ fn window(
     let slope = x.iter().zip(&steps).map(|(x, step)| -6.0 * x * (1.0 - x * x).powi(2) * step / width_s);
     let area: f64 = bump.iter().sum();
     let curve = curvature_weights(&x, &steps, area)?;
-    let (inertia, gravity) = (pendulum.pivot_inertia_kg_m2(), pendulum.gravity_torque_nm());
+    let (inertia, gravity) = (base.pendulum.pivot_inertia_kg_m2(), base.pendulum.gravity_torque_nm());
     let weights = curve
         .iter()
         .zip(slope)
@@ -156,7 +194,7 @@ fn window(
             let (angle, residual) = (restart.angles_rad[i], restart.residuals_rad[i]);
             // (sin(θ + r) − sin θ)/r, which is smooth where r is zero.
             let stiffness = gravity * (angle + 0.5 * residual).cos() * sinc(0.5 * residual);
-            (inertia * curve / width_s.powi(2) - viscous * slope + stiffness * bump) / area
+            (inertia * curve / width_s.powi(2) - base.viscous * slope + stiffness * bump) / area
         })
         .collect();
     let bump = bump.iter().map(|b| b / area).collect();
@@ -189,6 +227,7 @@ mod tests {
 
     const PENDULUM: Pendulum<f64> =
         Pendulum { mass_kg: 0.15, length_m: 0.16, inertia_kg_m2: 2.7e-3, gravity_m_s2: 9.81 };
+    const BASE: Base = Base { pendulum: PENDULUM, viscous: 5e-4, coulomb_nm: 0.0 };
 
     #[test]
     fn the_torque_that_made_a_deviation_comes_back() {
@@ -203,13 +242,14 @@ mod tests {
             residuals_rad: residuals_rad.clone(),
             ahead_rad: Vec::new(),
         };
-        let found = window(&times_s, &restart, &PENDULUM, 5e-4, 0.3, 0.1).unwrap();
+        let found = window(&times_s, &restart, &BASE, 0.3, 0.1).unwrap();
         let torque = |t: f64| {
             let (r, slope, curve) = (1e-3 * (5.0 * t).sin(), 5e-3 * (5.0 * t).cos(), -25e-3 * (5.0 * t).sin());
             PENDULUM.pivot_inertia_kg_m2() * curve + 5e-4 * slope + PENDULUM.gravity_torque_nm() * r.sin()
         };
         let expected: f64 = found.range.clone().zip(&found.bump).map(|(i, share)| share * torque(times_s[i])).sum();
-        let error = found.torque(&residuals_rad) - expected;
+        let states = measured(&times_s, &restart, BASE.coulomb_nm, 0.0, 0.1);
+        let error = found.torque(&residuals_rad, &states) - expected;
         assert!(error.abs() < 2e-3 * expected.abs(), "{error:e} of {expected:e}");
     }
 }

@@ -10,6 +10,7 @@ use super::physical::brakes_everywhere;
 use super::score::{Promise, promises};
 use super::search::{excess, fit_promise};
 use super::trial::{Trial, finish, fit_from, refined};
+use crate::fit::descent::Patience;
 use crate::fit::problem::{Point, Problem};
 use crate::formula::read;
 use crate::swing::Window;
@@ -224,7 +225,7 @@ fn fitted(problem: &Problem, before: &Trial, guess: &Guess, promise: &Promise) -
 }
 
 fn found(problem: &Problem, guess: &Guess, start: &Trial) -> Option<Found> {
-    let trial = refined(problem, start);
+    let trial = refined(problem, start, Patience::LONG);
     let values = trial.parameters.values(guess.effect.id)?;
     let (words, typed) = (guess.words(values), guess.typed(values));
     Some(Found { guess: guess.clone(), words, typed, length: guess.length(), trial })

@@ -2,7 +2,7 @@
 
 use super::physical::brakes_everywhere;
 use super::score::{Promise, promises};
-use super::trial::{Trial, better, finish, finish_with_band, fit_from};
+use super::trial::{Trial, better, finish, finish_with_band, fit_from, refined, regrown};
 use crate::fit::descent::{Patience, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::Problem;
@@ -36,7 +36,11 @@ const SHARE_OF_BEST_PROMISE: f64 = 0.15;
 const MAX_FITTED: usize = 6;
 
 /// Costs within this factor of the best are worth a fit to the last digit.
-const NEAR: f64 = 1.15;
+const NEAR: f64 = 1.3;
+
+/// A model that leaves more than this share of the noise variance is not the last word: those near it are looked at
+/// from other sides too.
+const WELL_EXPLAINED: f64 = 0.02;
 
 /// A base with a velocity band is gone on with, beside the one without, if its cost is below this share.
 const WORTH_KEEPING_THE_BAND: f64 = 0.8;
@@ -111,7 +115,7 @@ fn stiction_free_base(problem: &Problem, base: &Settled) -> Trial {
     }
     let free = stiction::with_stiction(problem, stiction::Stiction { level_nm: 0.0, velocity_band: 0.0 });
     let descent = descend(&free, &base.descent.point, Window::Lively, Patience::ROUGH, Steps::new(&free));
-    Trial::settled(problem, Vec::new(), stiction::without_band(&free, &descent))
+    Trial::settled(problem, Vec::new(), stiction::without_band(&free, &descent, Patience::JUDGE))
 }
 
 /// Does a model leave no more than the noise?
@@ -131,6 +135,7 @@ fn next_level(problem: &Problem, beam: &[Trial], candidates: &[&'static Effect<f
     level.retain(|trial| brakes_everywhere(problem, trial));
     sort(&mut level);
     drop_doubles(&mut level);
+    level = looked_at_again(problem, level);
     let Some(lowest) = level.first().map(|best| best.cost) else { return level };
     // Models far above the best one stay as they are: nothing that follows depends on their last digit.
     let near = level.iter().take(MAX_FINISHED).take_while(|trial| trial.cost < NEAR * lowest).count();
@@ -138,11 +143,28 @@ fn next_level(problem: &Problem, beam: &[Trial], candidates: &[&'static Effect<f
     // What somebody typed deserves its last digit anyway.
     level.extend(rest.extract_if(.., |trial| trial.has(CUSTOM_FORMULA_NAME)));
     level = level.par_iter().map(|trial| finish(problem, trial)).collect();
-    sort(&mut level);
-    if !is_explained(problem, &level[0]) {
-        level[0] = better(level[0].clone(), finish_with_band(problem, &level[0]));
+    if level.iter().all(|trial| excess(problem, trial.cost) > WELL_EXPLAINED) {
+        level = level.par_iter().map(|trial| from_other_sides(problem, trial)).collect();
     }
     level.extend(rest);
+    sort(&mut level);
+    level
+}
+
+/// A model fitted anew from the first swings, and with a velocity band, if one of them is better.
+fn from_other_sides(problem: &Problem, trial: &Trial) -> Trial {
+    let anew = better(trial.clone(), regrown(problem, trial));
+    if excess(problem, anew.cost) <= WELL_EXPLAINED {
+        return anew;
+    }
+    better(anew.clone(), finish_with_band(problem, &anew))
+}
+
+/// A few steps more for models that came within reach of the best, in their new order: the first fits end early.
+fn looked_at_again(problem: &Problem, mut level: Vec<Trial>) -> Vec<Trial> {
+    let lowest = level.first().map_or(0.0, |best| best.cost);
+    let n_near = level.iter().take(MAX_FITTED).take_while(|trial| trial.cost < BEAM_REACH * lowest).count();
+    level[..n_near].par_iter_mut().for_each(|trial| *trial = refined(problem, trial, Patience::ROUGH));
     sort(&mut level);
     level
 }

@@ -5,6 +5,7 @@ use crate::fit::descent::{Descent, Patience, descend};
 use crate::fit::linear::{Steps, linearise};
 use crate::fit::problem::{Point, Problem, Unknown};
 use crate::fit::stiction::{self, Settled, Stiction, with_stiction};
+use crate::fit::windows;
 use crate::formula::add;
 use crate::swing::Window;
 use serde::Serialize;
@@ -114,21 +115,28 @@ pub fn fit_from(problem: &Problem, effects: Vec<&'static Effect<f64>>, point: &P
     Trial::of(&fixed, effects, stiction, descent)
 }
 
-/// Fits on, Ms and DV fixed, also where the numbers depend on each other.
-pub fn refined(of: &Problem, trial: &Trial) -> Trial {
+/// Fits on, Ms and DV fixed.
+pub fn refined(of: &Problem, trial: &Trial, patience: Patience) -> Trial {
     let problem = with_stiction(&trial.problem(of), trial.stiction);
-    let descent = descend(&problem, &trial.point, Window::Whole, Patience::LONG, Steps::new(&problem));
+    let descent = descend(&problem, &trial.point, Window::Whole, patience, Steps::new(&problem));
     Trial::of(&problem, trial.effects.clone(), trial.stiction, descent)
+}
+
+/// Begins again with the first swings, from where a fit got stuck, and finishes.
+pub fn regrown(of: &Problem, trial: &Trial) -> Trial {
+    let problem = with_stiction(&trial.problem(of), trial.stiction);
+    let grown = windows::grow(&problem, &trial.point);
+    finish(of, &Trial::of(&problem, trial.effects.clone(), trial.stiction, grown))
 }
 
 /// Fits on until nothing moves, and searches Ms; no velocity band is sought.
 pub fn finish(of: &Problem, trial: &Trial) -> Trial {
-    finish_with(of, trial, stiction::without_band)
+    finish_with(of, trial, |problem, descent| stiction::without_band(problem, descent, Patience::JUDGE))
 }
 
 /// The same with a velocity band, where the noise is not reached without.
 pub fn finish_with_band(of: &Problem, trial: &Trial) -> Trial {
-    finish_with(of, trial, stiction::settle)
+    finish_with(of, trial, |problem, descent| stiction::settle(problem, descent, Patience::JUDGE))
 }
 
 fn finish_with(of: &Problem, trial: &Trial, settle: impl Fn(&Problem, &Descent) -> Settled) -> Trial {

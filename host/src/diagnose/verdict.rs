@@ -3,7 +3,7 @@
 use super::replacement::replacements;
 use super::search::{EXCESS_WORTH_EXPLAINING, Found, excess, is_explained};
 use super::summary::{Candidate, UNEXPLAINED_NOISES};
-use super::trial::{Trial, finish, fit_from, values};
+use super::trial::{Trial, better, finish, fit_from, values};
 use crate::fit::problem::{Point, Problem, Unknown};
 use crate::swing::Window;
 use shared::effect::Effect;
@@ -119,30 +119,37 @@ impl Judge<'_, '_> {
     }
 
     /// Without effects that became unnecessary once others were in.
-    fn pruned(&self, trial: Trial) -> Trial {
+    pub(super) fn pruned(&self, trial: Trial) -> Trial {
         if trial.effects.len() < 2 {
             return trial;
         }
         let without: Vec<Trial> = trial.effects.iter().map(|effect| self.without(&trial, effect.id)).collect();
-        let dispensable = without.into_iter().filter(|smaller| {
-            smaller.cost - trial.cost < INDISTINGUISHABLE * self.unit() || is_explained(self.problem, smaller)
-        });
+        let dispensable = without
+            .into_iter()
+            .filter(|smaller| self.is_as_good(smaller, &trial) || is_explained(self.problem, smaller));
         match dispensable.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
             Some(smaller) => self.pruned(smaller),
             None => trial,
         }
     }
 
+    /// The model without an effect, refitted from where it was, or as the search knew it if that is better.
     fn without(&self, trial: &Trial, id: u16) -> Trial {
-        let effects: Vec<&'static Effect<f64>> =
-            trial.effects.iter().copied().filter(|effect| effect.id != id).collect();
-        let known =
-            self.found.levels.iter().flatten().find(|other| {
-                other.effects.len() == effects.len() && effects.iter().all(|effect| other.has(effect.name))
-            });
-        if let Some(known) = known {
-            return finish(self.problem, known);
+        let rest: Vec<&'static Effect<f64>> = trial.effects.iter().copied().filter(|effect| effect.id != id).collect();
+        let is_rest = |other: &&Trial| other.effects.len() == rest.len() && rest.iter().all(|e| other.has(e.name));
+        let known = self.found.levels.iter().flatten().find(is_rest);
+        let own = self.refitted_without(trial, id, rest.clone());
+        match known {
+            Some(known) if !self.is_as_good(&own, trial) => better(own, finish(self.problem, known)),
+            _ => own,
         }
+    }
+
+    fn is_as_good(&self, smaller: &Trial, trial: &Trial) -> bool {
+        smaller.cost - trial.cost < INDISTINGUISHABLE * self.unit()
+    }
+
+    fn refitted_without(&self, trial: &Trial, id: u16, rest: Vec<&'static Effect<f64>>) -> Trial {
         let keep = |unknown: &&Unknown| !trial.unknowns_of(id).contains(&unknown.quantity);
         let kept: Vec<usize> = (0..trial.unknowns.len()).filter(|j| keep(&&trial.unknowns[*j])).collect();
         let mut template = trial.parameters.clone();
@@ -154,7 +161,7 @@ impl Judge<'_, '_> {
         };
         let point =
             Point { values: kept.iter().map(|j| trial.point.values[*j]).collect(), starts: trial.point.starts.clone() };
-        finish(self.problem, &fit_from(&problem, effects, &point, trial.stiction))
+        finish(self.problem, &fit_from(&problem, rest, &point, trial.stiction))
     }
 
     /// Effects that could stand for one of the claimed ones without any visible loss; `others` are models beside those

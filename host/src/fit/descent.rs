@@ -15,19 +15,23 @@ pub struct Patience {
     pub max_iterations: usize,
     /// Stop when a step lowers the cost by less than this many noise variances.
     pub least_gain: f64,
-    /// … or by less than this share of the cost.
+    /// … or by less than this share of the cost …
     pub least_share: f64,
+    /// … or by less than this share of what the cost has beyond the noise.
+    pub least_share_of_excess: f64,
 }
 
 impl Patience {
     /// To see what a model is worth.
-    pub const SCREEN: Self = Self { max_iterations: 5, least_gain: 3.0, least_share: 0.02 };
+    pub const SCREEN: Self = Self { max_iterations: 5, least_gain: 3.0, least_share: 0.02, ..Self::FINE };
     /// To go on with a longer window.
-    pub const ROUGH: Self = Self { max_iterations: 6, least_gain: 3.0, least_share: 1e-3 };
+    pub const ROUGH: Self = Self { max_iterations: 6, least_gain: 3.0, least_share: 1e-3, ..Self::FINE };
     /// Where the numbers of a law depend on each other.
-    pub const LONG: Self = Self { max_iterations: 12, least_gain: 3.0, least_share: 1e-4 };
+    pub const LONG: Self = Self { max_iterations: 12, least_gain: 3.0, least_share: 1e-4, ..Self::FINE };
+    /// To choose between models: to the last digit only where the noise is nearly reached.
+    pub const JUDGE: Self = Self { max_iterations: 12, least_gain: 0.1, least_share_of_excess: 3e-3, ..Self::FINE };
     /// For the final answer.
-    pub const FINE: Self = Self { max_iterations: 15, least_gain: 1e-2, least_share: 0.0 };
+    pub const FINE: Self = Self { max_iterations: 15, least_gain: 1e-2, least_share: 0.0, least_share_of_excess: 0.0 };
 }
 
 /// Where a descent ended.
@@ -60,6 +64,7 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, patience: Patien
     let mut point = from.clone();
     let mut damping = FIRST_DAMPING;
     let unit = problem.noise_rad().powi(2).max(1e-14);
+    let noise = unit * problem.n_samples(window) as f64;
     let mut linear = linearise(problem, &point, window, &mut steps);
     let mut cost = linear.cost;
     let mut converged = false;
@@ -80,7 +85,8 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, patience: Patien
             (point, cost) = (better, lower);
             break gain;
         };
-        if gain < (patience.least_gain * unit).max(patience.least_share * cost) {
+        let least_of_excess = patience.least_share_of_excess * (cost - noise);
+        if gain < (patience.least_gain * unit).max(patience.least_share * cost).max(least_of_excess) {
             converged = true;
             break;
         }

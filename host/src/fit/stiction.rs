@@ -53,14 +53,14 @@ pub struct Settled {
 }
 
 /// Searches Ms and DV, starting from a guess at everything else. `problem` must not have them among its unknowns.
-pub fn settle(problem: &Problem, from: &Descent) -> Settled {
-    let none = without_band(problem, from);
+pub fn settle(problem: &Problem, from: &Descent, patience: Patience) -> Settled {
+    let none = without_band(problem, from, patience);
     let variance = problem.noise_rad().powi(2);
     let n_samples = problem.n_samples(Window::Whole) as f64;
     if none.descent.cost < (1.0 + EXCESS_WORTH_A_BAND) * variance * n_samples {
         return none;
     }
-    let band = with_band(problem, &none);
+    let band = with_band(problem, &none, patience);
     if band.descent.cost < none.descent.cost - GAIN_WORTH_A_BAND * variance { band } else { none }
 }
 
@@ -73,7 +73,7 @@ pub fn with_stiction<'a>(problem: &Problem<'a>, stiction: Stiction) -> Problem<'
 }
 
 /// Searches Ms alone, DV = 0.
-pub fn without_band(problem: &Problem, from: &Descent) -> Settled {
+pub fn without_band(problem: &Problem, from: &Descent, patience: Patience) -> Settled {
     let mut point = from.point.clone();
     let mut steps = from.steps.clone();
     let mut best: Option<Settled> = None;
@@ -86,7 +86,7 @@ pub fn without_band(problem: &Problem, from: &Descent) -> Settled {
         let costs = answered_costs(&free, &linear, &point, &tried);
         let Some(chosen) = lowest(&costs) else { break };
         let chosen_problem = with_stiction(problem, tried[chosen]);
-        let descent = descend(&chosen_problem, &point, Window::Whole, Patience::FINE, steps.clone());
+        let descent = descend(&chosen_problem, &point, Window::Whole, patience, steps.clone());
         let settled = Settled { stiction: tried[chosen], level_range_nm: ranges[chosen], descent };
         let gain = best.as_ref().map_or(f64::INFINITY, |before| before.descent.cost - settled.descent.cost);
         point = settled.descent.point.clone();
@@ -99,7 +99,7 @@ pub fn without_band(problem: &Problem, from: &Descent) -> Settled {
     }
     best.unwrap_or_else(|| {
         let stiction = Stiction { level_nm: 0.0, velocity_band: 0.0 };
-        let descent = descend(&with_stiction(problem, stiction), &point, Window::Whole, Patience::FINE, steps);
+        let descent = descend(&with_stiction(problem, stiction), &point, Window::Whole, patience, steps);
         Settled { stiction, level_range_nm: (0.0, 0.0), descent }
     })
 }
@@ -188,22 +188,22 @@ fn lowest(costs: &[f64]) -> Option<usize> {
 }
 
 /// Searches Ms and a velocity band; `none` is the outcome without one.
-pub fn with_band(problem: &Problem, none: &Settled) -> Settled {
+pub fn with_band(problem: &Problem, none: &Settled, patience: Patience) -> Settled {
     let gravity = problem.template.pendulum.gravity_torque_nm();
     let mut best = none.clone();
     for tried in promising(problem, none, gravity) {
-        best = better(best, descended(problem, &none.descent.point, tried));
+        best = better(best, descended(problem, &none.descent.point, tried, patience));
     }
-    narrowed(problem, best)
+    narrowed(problem, best, patience)
 }
 
 /// Goes on from a guess at everything, Ms and DV included.
-pub fn refine(problem: &Problem, point: &Point, stiction: Stiction) -> Settled {
-    narrowed(problem, descended(problem, point, stiction))
+pub fn refine(problem: &Problem, point: &Point, stiction: Stiction, patience: Patience) -> Settled {
+    narrowed(problem, descended(problem, point, stiction, patience), patience)
 }
 
 /// Searches ever finer around the best pair.
-fn narrowed(problem: &Problem, best: Settled) -> Settled {
+fn narrowed(problem: &Problem, best: Settled, patience: Patience) -> Settled {
     let mut best = best;
     for _ in 0..MAX_ROUNDS {
         if best.stiction.velocity_band == 0.0 {
@@ -216,7 +216,7 @@ fn narrowed(problem: &Problem, best: Settled) -> Settled {
         let grid = finer(&best.stiction);
         let costs = answered_costs(&here, &linear, &point, &grid);
         let Some(chosen) = lowest(&costs) else { break };
-        best = better(best, descended(problem, &point, grid[chosen]));
+        best = better(best, descended(problem, &point, grid[chosen], patience));
         if before - best.descent.cost < problem.noise_rad().powi(2) {
             break;
         }
@@ -249,8 +249,8 @@ fn better(a: Settled, b: Settled) -> Settled {
     if b.descent.cost < a.descent.cost { b } else { a }
 }
 
-fn descended(problem: &Problem, point: &Point, stiction: Stiction) -> Settled {
-    let (descent, stiction) = descend_with_stiction(problem, point, stiction);
+fn descended(problem: &Problem, point: &Point, stiction: Stiction, patience: Patience) -> Settled {
+    let (descent, stiction) = descend_with_stiction(problem, point, stiction, patience);
     Settled { stiction, level_range_nm: (stiction.level_nm, stiction.level_nm), descent }
 }
 
@@ -289,7 +289,12 @@ fn finer(centre: &Stiction) -> Vec<Stiction> {
 }
 
 /// Descends first with the pair fixed, then with it free, as long as that helps.
-fn descend_with_stiction(problem: &Problem, point: &Point, stiction: Stiction) -> (Descent, Stiction) {
+fn descend_with_stiction(
+    problem: &Problem,
+    point: &Point,
+    stiction: Stiction,
+    patience: Patience,
+) -> (Descent, Stiction) {
     let fixed = with_stiction(problem, stiction);
     let first = descend(&fixed, point, Window::Whole, Patience::ROUGH, Steps::new(&fixed));
     let mut all = fixed.clone();
@@ -297,13 +302,13 @@ fn descend_with_stiction(problem: &Problem, point: &Point, stiction: Stiction) -
     let mut values = first.point.values.clone();
     values.extend([stiction.level_nm, stiction.velocity_band]);
     let together = Point { values, starts: first.point.starts.clone() };
-    let second = descend(&all, &together, Window::Whole, Patience::FINE, Steps::new(&all));
+    let second = descend(&all, &together, Window::Whole, patience, Steps::new(&all));
     let n_unknowns = problem.unknowns.len();
     let moved =
         Stiction { level_nm: second.point.values[n_unknowns], velocity_band: second.point.values[n_unknowns + 1] };
     let mut point = second.point;
     point.values.truncate(n_unknowns);
-    let last = descend(&with_stiction(problem, moved), &point, Window::Whole, Patience::FINE, first.steps.clone());
+    let last = descend(&with_stiction(problem, moved), &point, Window::Whole, patience, first.steps.clone());
     if last.cost <= first.cost { (last, moved) } else { (first, stiction) }
 }
 
