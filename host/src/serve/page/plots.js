@@ -89,7 +89,7 @@ function heatOf(heat) {
 }
 
 /** The key of a coloured map. */
-export const bar = (label) => ({ title: { text: label, side: 'right', font: { size: 0.8 * em() } }, thickness: 14, outlinewidth: 0 });
+export const bar = (label) => ({ title: { text: label, side: 'top', font: { size: 0.8 * em() } }, thickness: 14, outlinewidth: 0 });
 
 /** Light to dark in one hue, readable in grey too. */
 export const rising = () => (isDark() ? 'Cividis' : [[0, '#00204c'], [0.5, '#7c7b78'], [1, '#ffe945']]);
