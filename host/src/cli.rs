@@ -34,7 +34,7 @@ mod table;
 mod values;
 
 use crate::error::Failure;
-use clap::{Parser, Subcommand};
+use clap::{ArgAction, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Identify a pendulum's friction from a free swing, and write it back to the rig.
@@ -44,6 +44,9 @@ pub struct Arguments {
     /// No progress on stderr; warnings and errors stay
     #[arg(short, long, global = true)]
     quiet: bool,
+    /// Tell what is done on the way; twice tells more
+    #[arg(short, long, global = true, action = ArgAction::Count, conflicts_with = "quiet")]
+    verbose: u8,
     #[command(subcommand)]
     command: Command,
 }
@@ -64,7 +67,8 @@ Ports are serial devices, sim (the simulated rig), or sim:NAME (one of its scena
 `host COMMAND --help` explains a command.
 
 Exit codes: 0 there is a result, whatever it says; 2 wrong use; 1 failed; 130 stopped by Ctrl-C.
-Results go to stdout, everything else to stderr. NO_COLOR switches colours off.";
+Results go to stdout, everything else to stderr. NO_COLOR switches colours off; RUST_LOG=host::link=trace chooses
+what -v tells.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -102,6 +106,7 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
     if arguments.quiet {
         output::be_quiet();
     }
+    output::keep_a_log(arguments.verbose);
     match arguments.command {
         Command::Init(options) => init::run(&options),
         Command::Record(options) => record::run(&options),

@@ -145,21 +145,28 @@ fn added(problem: &Problem, trial: &Trial, effect: &'static Effect<f64>) -> Resu
     if trial.parameters.values(effect.id).is_some() {
         return Err(ChangeError::Present { name });
     }
-    // Which start leads where shows on fewer samples too; the last fit sees all of them.
-    let thin: Vec<Swing> = problem.swings.iter().map(|swing| swing.thinned(SCREEN_RATE_HZ)).collect();
-    let coarse = Problem { swings: &thin, ..problem.clone() };
-    let fits = promises(&coarse, trial, &[effect]).into_iter().take(STARTS).filter_map(|promise| {
+    let fits = promises(problem, trial, &[effect]).into_iter().take(STARTS).filter_map(|promise| {
         let n_before = trial.unknowns.len();
-        let (unknowns, template) = trial.with(&coarse, effect, &promise.point.values[n_before..])?;
+        let (unknowns, template) = trial.with(problem, effect, &promise.point.values[n_before..])?;
         let effects = [trial.effects.as_slice(), &[effect]].concat();
-        Some(fit_from(&Problem { unknowns, template, ..coarse.clone() }, effects, &promise.point, trial.stiction))
+        Some(fit_from(&Problem { unknowns, template, ..problem.clone() }, effects, &promise.point, trial.stiction))
     });
     let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or(ChangeError::Failed { name })?;
-    Ok(finish_with_band(problem, &finish(&coarse, &best)))
+    Ok(finished(problem, best))
 }
 
-/// Samples a second at which an added effect is first fitted.
-const SCREEN_RATE_HZ: f64 = 200.0;
+/// Far above the noise the last swings tell nothing of a velocity band, whose search costs the most.
+fn finished(problem: &Problem, trial: Trial) -> Trial {
+    let trial = if is_near_noise(problem, &trial) { trial } else { finish(problem, &trial) };
+    if is_near_noise(problem, &trial) { finish_with_band(problem, &trial) } else { trial }
+}
+
+fn is_near_noise(problem: &Problem, trial: &Trial) -> bool {
+    trial.cost < (NEAR_NOISE * problem.noise_rad()).powi(2) * problem.n_samples(Window::Whole) as f64
+}
+
+/// An error of so many times the noise is near it.
+const NEAR_NOISE: f64 = 5.0;
 
 /// Starts of an effect that are fitted.
 const STARTS: usize = 3;

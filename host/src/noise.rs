@@ -134,14 +134,21 @@ fn difference(times_s: &[f64], angles_rad: &[f64]) -> f64 {
 
 /// The lowest order that the next two confirm; the highest when none is.
 fn agreeing_order(times_s: &[f64], angles_rad: &[f64], frozen: &[bool]) -> (usize, Differences) {
-    let of_order = |order| Differences::of_order(order, times_s, angles_rad, frozen);
-    let all: Vec<Differences> = (LOWEST_ORDER..=HIGHEST_ORDER).map(of_order).collect();
     let agrees = |lower: &Differences, higher: &Differences| {
         lower.rms() <= higher.rms() * (1.0 + AGREEMENT + 1.0 / (higher.n_windows.max(1) as f64).sqrt())
     };
-    let confirmed = all.windows(3).position(|three| agrees(&three[0], &three[1]) && agrees(&three[0], &three[2]));
-    let chosen = confirmed.unwrap_or(all.len() - 1);
-    (LOWEST_ORDER + chosen, all[chosen])
+    // Higher orders cost more, and most recordings do without them.
+    let mut all: Vec<Differences> = Vec::new();
+    for order in LOWEST_ORDER..=HIGHEST_ORDER {
+        all.push(Differences::of_order(order, times_s, angles_rad, frozen));
+        if let [.., lower, next, last] = all[..]
+            && agrees(&lower, &next)
+            && agrees(&lower, &last)
+        {
+            return (order - 2, lower);
+        }
+    }
+    (HIGHEST_ORDER, all[all.len() - 1])
 }
 
 /// Where a stepped sensor shows at most two neighbouring values for a whole block it tells nothing about the noise.

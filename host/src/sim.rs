@@ -9,7 +9,7 @@ mod noise;
 mod paced;
 mod scenario;
 
-pub use noise::Noise;
+pub use noise::{Noise, normal_pair};
 pub use paced::Paced;
 pub use scenario::Scenario;
 
@@ -76,6 +76,18 @@ impl SimulatedRig {
         let output = &mut self.output;
         self.rig.on_sample(code, |frame| put(output, &frame));
         self.elapsed_s += dt_s;
+    }
+
+    /// Bytes for the PC into `buffer`; without any, simulated time goes on until there are some or it is over. Gives
+    /// how many.
+    pub fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> usize {
+        let until_s = self.elapsed_s + timeout.as_secs_f64();
+        while self.output.is_empty() && self.elapsed_s < until_s {
+            self.sample();
+        }
+        let n_bytes = self.output.len().min(buffer.len());
+        self.output.drain(..n_bytes).zip(buffer).for_each(|(byte, slot)| *slot = byte);
+        n_bytes
     }
 
     /// Bytes for the PC.
@@ -152,14 +164,7 @@ impl Port for SimulatedPort {
     }
 
     fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
-        let until_s = self.rig.elapsed_s() + timeout.as_secs_f64();
-        while self.rig.output().is_empty() && self.rig.elapsed_s() < until_s {
-            self.rig.sample();
-        }
-        let output = self.rig.output();
-        let n_bytes = output.len().min(buffer.len());
-        output.drain(..n_bytes).zip(buffer).for_each(|(byte, slot)| *slot = byte);
-        Ok(n_bytes)
+        Ok(self.rig.read(buffer, timeout))
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {

@@ -1,6 +1,5 @@
 //! A recording made ready for the fit: the free swing alone, its time counted from its first sample.
 
-use crate::noise;
 use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
 use crate::recording::{Fault, Recording};
 use crate::trajectory::Schedule;
@@ -66,7 +65,6 @@ impl Swing {
         options: &SegmentOptions,
     ) -> Result<(Self, Segments), SwingError> {
         let segments = segment(recording, options)?;
-        let noise = noise::estimate(recording);
         let times_s = recording.times_s();
         let rest_s = segments.rest.as_ref().map_or(f64::INFINITY, |rest| times_s[rest.start] + KEPT_REST_S);
         let range = match options.to_s {
@@ -77,7 +75,7 @@ impl Swing {
             }
         };
         let part = recording.part(range)?;
-        Ok((Self::new(name, part.times_s(), part.angles_rad(), noise.total_rms), segments))
+        Ok((Self::new(name, part.times_s(), part.angles_rad(), segments.noise.total_rms), segments))
     }
 
     /// Number of samples.

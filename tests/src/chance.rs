@@ -1,5 +1,6 @@
-//! Repeatable chance; normal numbers by Box and Muller (1958).
+//! Repeatable chance.
 
+use host::sim::normal_pair;
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::ops::Range;
@@ -21,9 +22,7 @@ impl Chance {
 
     /// Mean 0, standard deviation 1.
     pub fn normal(&mut self) -> f64 {
-        // One minus the share is above zero, as the logarithm needs it.
-        let radius = (-2.0 * (1.0 - self.share()).ln()).sqrt();
-        radius * (2.0 * std::f64::consts::PI * self.share()).cos()
+        normal_pair(1.0 - self.share(), self.share()).0
     }
 
     /// True half of the time.

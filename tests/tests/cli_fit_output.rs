@@ -150,3 +150,17 @@ fn the_paper_can_be_drawn_too() {
     assert!(svg.len() < 500_000 && svg.contains("Table 9"));
     elements(&svg);
 }
+
+/// The surfaces leave Ms and DV out where they do nothing yet; the other numbers must not take their places.
+#[test]
+fn with_an_added_effect_every_stage_has_its_error() {
+    let folder = folder();
+    let model = fs::read_to_string(folder.path().join("rig.toml")).unwrap();
+    fs::write(folder.path().join("rig.toml"), model + "\n[effect.torsional-spring]\nks = 1e-3\nths = 0.0\n").unwrap();
+    host(folder.path(), "simulate --rate 200 --with Mc=7e-4 --with ks=6e-3 --with Ms=2e-3 -o spring.csv").succeeded();
+    let result = json(folder.path(), "fit spring.csv --json");
+    let lowered = result["lowered"].as_array().unwrap();
+    let errors: Vec<f64> = lowered.iter().filter_map(|after| after["responses"]["mseA"].as_f64()).collect();
+    assert_eq!(errors.len(), 3, "{lowered:?}");
+    assert!(errors[1] < 0.1 * errors[0] && errors[2] <= 1.001 * errors[1], "{errors:?}");
+}

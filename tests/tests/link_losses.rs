@@ -33,14 +33,9 @@ impl Port for BadCable {
     }
 
     fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
-        let until_s = self.rig.elapsed_s() + timeout.as_secs_f64();
-        while self.rig.output().is_empty() && self.rig.elapsed_s() < until_s {
-            self.rig.sample();
-        }
-        let n_bytes = self.rig.output().len().min(buffer.len());
+        let n_bytes = self.rig.read(buffer, timeout);
         for slot in &mut buffer[..n_bytes] {
-            let byte = self.rig.output().pop_front().unwrap_or_default();
-            *slot = self.spoil(byte);
+            *slot = self.spoil(*slot);
         }
         Ok(n_bytes)
     }

@@ -8,15 +8,13 @@
 //! | link | USB (PA11, PA12), `/dev/ttyACM0`; any baud rate |
 //! | update | `Bootloader` command, then DFU over the same USB |
 
-use super::stm32::{Chip, Converter, Input, STORE, sectors};
+use super::stm32::{self, Chip, Converter, Input, STORE, sectors};
 use core::convert::Infallible;
 use embassy_executor::Spawner;
 use embassy_stm32::flash::{Async, Bank1Region1};
 pub use embassy_stm32::pac;
 use embassy_stm32::peripherals::USB_OTG_FS;
-use embassy_stm32::rcc::{
-    AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPDiv, PllPreDiv, PllQDiv, PllSource, Sysclk, mux,
-};
+use embassy_stm32::rcc::{Hse, HseMode, PllPreDiv, PllQDiv, mux};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::usb::{self, Driver};
 use embassy_stm32::{Config, bind_interrupts, flash};
@@ -72,20 +70,10 @@ pub fn start(spawner: Spawner) -> Board<Converter, Receiver, Sender, Bank1Region
 
 /// 12 MHz / 12 · 336 / 2 = 168 MHz, and / 7 = 48 MHz for USB.
 fn clocks() -> Config {
-    let mut config = Config::default();
-    config.rcc.hse = Some(Hse { freq: CRYSTAL, mode: HseMode::Oscillator });
-    config.rcc.pll_src = PllSource::HSE;
-    config.rcc.pll = Some(Pll {
-        prediv: PllPreDiv::DIV12,
-        mul: PllMul::MUL336,
-        divp: Some(PllPDiv::DIV2),
-        divq: Some(PllQDiv::DIV7),
-        divr: None,
-    });
-    config.rcc.ahb_pre = AHBPrescaler::DIV1;
-    config.rcc.apb1_pre = APBPrescaler::DIV4;
-    config.rcc.apb2_pre = APBPrescaler::DIV2;
-    config.rcc.sys = Sysclk::PLL1_P;
+    let mut config = stm32::clocks(Hse { freq: CRYSTAL, mode: HseMode::Oscillator }, PllPreDiv::DIV12);
+    if let Some(pll) = &mut config.rcc.pll {
+        pll.divq = Some(PllQDiv::DIV7);
+    }
     config.rcc.mux.clk48sel = mux::Clk48sel::PLL1_Q;
     config
 }

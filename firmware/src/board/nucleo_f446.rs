@@ -8,14 +8,12 @@
 //! | link | USART2 (PA2, PA3) to the ST-Link's serial port, `/dev/ttyACM0` at 921600 baud |
 //! | update | the ST-Link; the bootloader too, over USART1 or USB of the chip |
 
-use super::stm32::{Chip, Converter, Input, STORE, sectors};
+use super::stm32::{self, Chip, Converter, Input, STORE, sectors};
 use embassy_executor::Spawner;
 use embassy_stm32::flash::{Async, Bank1Region1};
 pub use embassy_stm32::pac;
 use embassy_stm32::peripherals::{DMA1_CH5, DMA1_CH6, USART2};
-use embassy_stm32::rcc::{
-    AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPDiv, PllPreDiv, PllSource, Sysclk,
-};
+use embassy_stm32::rcc::{Hse, HseMode, PllPreDiv};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::usart::{self, RingBufferedUartRx, Uart, UartTx};
 use embassy_stm32::{Config, bind_interrupts, dma, flash, mode};
@@ -66,14 +64,5 @@ pub fn start(_: Spawner) -> Board<Converter, Receiver, Sender, Bank1Region1<'sta
 
 /// 8 MHz / 8 · 336 / 2 = 168 MHz.
 fn clocks() -> Config {
-    let mut config = Config::default();
-    config.rcc.hse = Some(Hse { freq: CLOCK_IN, mode: HseMode::Bypass });
-    config.rcc.pll_src = PllSource::HSE;
-    config.rcc.pll =
-        Some(Pll { prediv: PllPreDiv::DIV8, mul: PllMul::MUL336, divp: Some(PllPDiv::DIV2), divq: None, divr: None });
-    config.rcc.ahb_pre = AHBPrescaler::DIV1;
-    config.rcc.apb1_pre = APBPrescaler::DIV4;
-    config.rcc.apb2_pre = APBPrescaler::DIV2;
-    config.rcc.sys = Sysclk::PLL1_P;
-    config
+    stm32::clocks(Hse { freq: CLOCK_IN, mode: HseMode::Bypass }, PllPreDiv::DIV8)
 }

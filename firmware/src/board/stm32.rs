@@ -1,4 +1,4 @@
-//! What both STM32F4 boards have in common: converter, flash, watchdog, restarts.
+//! What both STM32F4 boards have in common: clocks, converter, flash, watchdog, restarts.
 
 mod bootloader;
 mod converter;
@@ -12,8 +12,9 @@ use embassy_stm32::flash::{Async, Bank1Region1, Flash};
 use embassy_stm32::interrupt::typelevel::{Binding, FLASH as FLASH_INTERRUPT};
 use embassy_stm32::pac::RCC;
 use embassy_stm32::peripherals::{FLASH, IWDG};
+use embassy_stm32::rcc::{AHBPrescaler, APBPrescaler, Hse, Pll, PllMul, PllPDiv, PllPreDiv, PllSource, Sysclk};
 use embassy_stm32::wdg::IndependentWatchdog;
-use embassy_stm32::{Peri, flash};
+use embassy_stm32::{Config, Peri, flash};
 use embassy_time::Timer;
 use firmware::ports::System;
 use shared::wire::{Health, ResetCause};
@@ -23,6 +24,20 @@ pub const STORE: core::ops::Range<u32> = 0x4000..0x1_0000;
 
 /// Longer than three erases (0.5 s each by the data sheet), shorter than anyone's patience.
 const WATCHDOG_US: u32 = 4_000_000;
+
+/// 168 MHz from a clock that `to_1_mhz` divides to 1 MHz: · 336 / 2; the buses at the most that they take.
+pub fn clocks(clock_in: Hse, to_1_mhz: PllPreDiv) -> Config {
+    let mut config = Config::default();
+    config.rcc.hse = Some(clock_in);
+    config.rcc.pll_src = PllSource::HSE;
+    config.rcc.pll =
+        Some(Pll { prediv: to_1_mhz, mul: PllMul::MUL336, divp: Some(PllPDiv::DIV2), divq: None, divr: None });
+    config.rcc.ahb_pre = AHBPrescaler::DIV1;
+    config.rcc.apb1_pre = APBPrescaler::DIV4;
+    config.rcc.apb2_pre = APBPrescaler::DIV2;
+    config.rcc.sys = Sysclk::PLL1_P;
+    config
+}
 
 /// The first sectors only: erased 16 KB at a time, while the whole flash counts as 128 KB.
 pub fn sectors(

@@ -20,7 +20,7 @@ use crate::record::in_words;
 use crate::recording::Existing;
 use crate::rigfile::{RigFile, Source};
 use crate::swing::Swing;
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use progress::Screen;
 use result::{Check, Outcome};
 use shared::effect::Effect;
@@ -30,10 +30,10 @@ use std::path::PathBuf;
 
 /// Find friction and inertia from swings: recorded ones, or one that is recorded from the rig now.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLE)]
+#[command(after_help = EXAMPLE, group(ArgGroup::new("source").required(true).args(["recordings", "port", "paper"])))]
 pub(super) struct Options {
     /// Recordings to fit, all at once
-    #[arg(value_name = "RECORDING", required_unless_present_any = ["port", "paper"], conflicts_with = "port")]
+    #[arg(value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
     /// Record from the rig: serial device, sim, or sim:NAME
     #[arg(long, value_name = "PORT")]
@@ -69,7 +69,7 @@ pub(super) struct Options {
     #[arg(long)]
     no_push: bool,
     /// Replay the paper's three designs and compare its tables with ours; needs no recording
-    #[arg(long, conflicts_with_all = ["port", "recordings", "range", "method", "rig", "hold_out", "output"])]
+    #[arg(long, conflicts_with_all = ["range", "method", "rig", "hold_out", "output"])]
     paper: bool,
     /// Print one JSON object instead of text
     #[arg(long)]
@@ -126,6 +126,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     options.reading.check()?;
     let mut session = options.port.as_deref().map(port::connect).transpose()?;
     let mut model = model(options, session.as_mut())?;
+    rig::tell_if_normalised(&model);
     check_output(options)?;
     let recordings = match session.as_mut() {
         Some(session) => vec![record(session, options, "")?],

@@ -28,7 +28,9 @@ impl Given {
     /// The model, once the options are known to make sense.
     pub(super) fn model(&self) -> Result<RigFile, Failure> {
         self.reading.check()?;
-        rig::load(self.rig.as_deref())
+        let file = rig::load(self.rig.as_deref())?;
+        rig::tell_if_normalised(&file);
+        Ok(file)
     }
 
     /// The free swings of the recordings.

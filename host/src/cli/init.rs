@@ -100,5 +100,9 @@ fn in_words(written: &Written) -> String {
             written.gravity_torque_nm, written.pivot_inertia_kg_m2, written.period_s
         )
     };
-    format!("wrote {file}\n{geometry}\nFriction is a guess until a fit: host fit --rig {file} --port PORT -o {file}")
+    // Without geometry there is nothing to send to a rig.
+    let or_port = if written.normalised { "" } else { " (or --port PORT in place of the recording)" };
+    format!(
+        "wrote {file}\n{geometry}\nFriction is a guess until a fit: host fit swing.csv --rig {file} -o {file}{or_port}"
+    )
 }

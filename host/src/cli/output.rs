@@ -1,6 +1,9 @@
 //! Where words go: results to stdout, everything else to stderr.
 
 use crate::error::Failure;
+use env_logger::Env;
+use env_logger::fmt::Formatter;
+use log::Record;
 use serde::Serialize;
 use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,6 +41,19 @@ pub(super) fn be_quiet() {
 /// Was `--quiet` given?
 pub(super) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
+}
+
+/// From now on what the library notes goes to stderr: as much as `-v` was given, or as RUST_LOG chooses.
+pub(super) fn keep_a_log(verbosity: u8) {
+    let usual = match verbosity {
+        0 => "off",
+        1 => "host=debug",
+        _ => "host=trace",
+    };
+    let wanted = Env::default().default_filter_or(usual);
+    let line = |out: &mut Formatter, note: &Record| writeln!(out, "{}: {}", note.target(), note.args());
+    // A second logger would be refused; there is only this one.
+    let _ = env_logger::Builder::from_env(wanted).format(line).try_init();
 }
 
 /// Progress and questions.

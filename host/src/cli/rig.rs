@@ -1,5 +1,7 @@
 //! Finding the model for a command, and showing it.
 
+use super::number::with_spread;
+use super::output;
 use crate::error::Failure;
 use crate::link::Session;
 use crate::rigfile::{Quantity, RigFile, Source, USUAL_NAME};
@@ -15,10 +17,19 @@ pub(super) fn chosen_path(named: Option<&Path>) -> Option<PathBuf> {
 /// The named file, or `rig.toml` here.
 pub(super) fn load(named: Option<&Path>) -> Result<RigFile, Failure> {
     let Some(path) = chosen_path(named) else {
-        return Err(Failure::wrong_use(format!("no model was named, and there is no {USUAL_NAME} here"))
-            .next("name one with --rig, make one with `host init`, or take it from the rig with `host pull`"));
+        return Err(Failure::wrong_use(format!("no model was named, and there is no {USUAL_NAME} here")).next(
+            "name one with --rig, take it from the rig with `host pull`, or make one with `host init`; \
+                   `host init --unknown-geometry` will do where nothing is known but the motion",
+        ));
     };
     Ok(RigFile::load(&path)?)
+}
+
+/// Says what the units of a model without geometry mean.
+pub(super) fn tell_if_normalised(file: &RigFile) {
+    if file.is_normalised() {
+        output::warn("the geometry is unknown: every torque and inertia is per m·g·l, whatever its unit says");
+    }
 }
 
 /// Where values came from that a rig reported.
@@ -59,11 +70,15 @@ pub(super) fn values(file: &RigFile) -> Vec<Value> {
 
 /// The same for a person: one number a line.
 pub(super) fn listing(file: &RigFile) -> String {
-    let line = |value: Value| {
-        let std = value.std.map_or(String::new(), |std| format!(" ± {std:.1e}"));
-        format!("  {:<4} {:>12}{std} {:<14} {}", value.symbol, short(value.value), value.unit, value.name)
+    let values = values(file);
+    let number = |value: &Value| match value.std {
+        Some(_) => with_spread(value.value, value.std),
+        None => short(value.value),
     };
-    values(file).into_iter().map(line).collect::<Vec<_>>().join("\n")
+    let width = values.iter().map(|value| number(value).chars().count()).max().unwrap_or(0);
+    let line =
+        |value: &Value| format!("  {:<4} {:<width$}  {:<13} {}", value.symbol, number(value), value.unit, value.name);
+    values.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// Six digits are more than any of these is known to.

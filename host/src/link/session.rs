@@ -120,10 +120,11 @@ impl Session {
         let number = self.next_number;
         self.next_number = self.next_number.wrapping_add(1);
         let frame = Frame::Command(number, command.clone());
+        log::debug!("asking the rig to {}", words(command));
         for _ in 0..N_ATTEMPTS {
             self.send(&frame)?;
             match self.answer(number, patience(command))? {
-                None => {}
+                None => log::debug!("no answer within {:?}", patience(command)),
                 Some(Answer::Refused(refusal)) => {
                     return Err(LinkError::Refused { command: words(command), refusal });
                 }
@@ -227,8 +228,12 @@ impl Session {
             while let Some(byte) = self.unread.pop_front() {
                 match self.deframer.push(byte) {
                     None => {}
-                    Some(Err(_)) => self.tally.frames_damaged += 1,
+                    Some(Err(error)) => {
+                        log::debug!("passing over a damaged frame: {error:?}");
+                        self.tally.frames_damaged += 1;
+                    }
                     Some(Ok(frame)) => {
+                        log::trace!("heard {frame:?}");
                         self.tally.count(&frame);
                         return Ok(Some(frame));
                     }

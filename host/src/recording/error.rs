@@ -143,7 +143,7 @@ pub enum Fault {
     /// Steps too long for seconds, unit not stated.
     #[error(
         "the median time step is {step} s, expected less than {limit} s for a pendulum; \
-         if the column counts milliseconds say so, e.g. --columns t=0:ms,theta=1",
+         if the column counts milliseconds, or is not the time, say so: --columns t=0:ms,theta=1 or t=1,theta=2",
         limit = read::LONGEST_STEP_S
     )]
     StepTooLong {

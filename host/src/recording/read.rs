@@ -88,6 +88,7 @@ struct Sources {
     code: Option<usize>,
 }
 
+#[derive(Debug)]
 enum TimeSource {
     Column { idx: usize, unit: Option<TimeUnit> },
     Rate(f64),
@@ -115,6 +116,7 @@ impl Sources {
         if let Some((_, unit)) = &mut angle {
             *unit = options.angle_unit.or(*unit);
         }
+        log::debug!("columns: time from {time:?}, angle from {angle:?}, code from {code:?}");
         Ok(Self { time, angle, code })
     }
 

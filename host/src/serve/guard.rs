@@ -89,10 +89,13 @@ pub fn new_token() -> Result<String, getrandom::Error> {
 
 /// Lets a request pass, or says why not.
 pub(super) async fn check(State(access): State<Access>, request: Request, next: Next) -> Response {
+    // The path without its query, which may hold the token.
+    let asked = format!("{} {}", request.method(), request.uri().path());
     let answer = match refusal(&access, &request) {
         Some(refused) => refused,
         None => next.run(request).await,
     };
+    log::debug!("{asked}: {}", answer.status());
     protected(answer)
 }
 

@@ -147,6 +147,7 @@ impl Jobs {
             Err(Failure::failed(format!("{name} ended unexpectedly")).next(next))
         });
         *self.now.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        log::debug!("{name} took {:.2?}", progress.began.elapsed());
         match result {
             Ok(()) => app.tell(),
             Err(failure) => app.change(|state| state.failure = Some(failure)),

@@ -21,16 +21,22 @@ impl Noise {
         if let Some(spare) = self.spare.take() {
             return spare;
         }
-        let radius = (-2.0 * self.above_zero().ln()).sqrt();
-        let (sine, cosine) = (2.0 * std::f64::consts::PI * self.above_zero()).sin_cos();
-        self.spare = Some(radius * sine);
-        radius * cosine
+        let (number, spare) = normal_pair(self.above_zero(), self.above_zero());
+        self.spare = Some(spare);
+        number
     }
 
     /// Uniform, above 0 and up to 1.
     fn above_zero(&mut self) -> f64 {
         ((self.bits.next_u64() >> 11) + 1) as f64 / (1u64 << 53) as f64
     }
+}
+
+/// Two normal numbers from two uniform ones: the first above 0 and up to 1, the second any share of a turn.
+pub fn normal_pair(above_zero: f64, turn: f64) -> (f64, f64) {
+    let radius = (-2.0 * above_zero.ln()).sqrt();
+    let (sine, cosine) = (2.0 * std::f64::consts::PI * turn).sin_cos();
+    (radius * cosine, radius * sine)
 }
 
 #[cfg(test)]

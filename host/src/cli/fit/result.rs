@@ -9,6 +9,7 @@ use crate::diagnose::Diagnosis;
 use crate::fit::identify::{Fit, Identified, Verdict};
 use crate::fit::quality::Responses;
 use crate::fit::sequential::Stage;
+use crate::rigfile::USUAL_NAME;
 use crate::swing::Swing;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -217,6 +218,10 @@ fn strong_correlations(fit: &Fit) -> Vec<String> {
     strong.into_iter().map(sentence).collect()
 }
 
+fn physics_is_missing(fit: &Fit) -> bool {
+    fit.rmse_rad > NEARLY_NOISE * fit.noise_rad
+}
+
 /// What was saved where, and what to do next.
 fn ending(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> String {
     let mut lines = Vec::new();
@@ -239,12 +244,20 @@ fn ending(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> Strin
 /// The next command to try, and what it is good for.
 fn next(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> (&'static str, String) {
     let names = recordings.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" ");
+    let rig = options.rig.as_deref().map_or(String::new(), |path| format!(" --rig {}", path.display()));
     let is_pushed = outcome.check.is_some();
     match (&options.port, &options.output) {
         (Some(port), None) if is_pushed => {
-            ("keeps the model in a file", format!("host pull --port {port} -o rig.toml"))
+            let force = if Path::new(USUAL_NAME).exists() { " --force" } else { "" };
+            ("keeps the model in a file", format!("host pull --port {port} -o {USUAL_NAME}{force}"))
         }
-        (_, None) => ("keeps the model in a file", format!("host fit {names} -o rig.toml")),
+        (_, None) if physics_is_missing(outcome.fit) => {
+            ("names the effect that is missing", format!("host diagnose {names}{rig}"))
+        }
+        (_, None) => ("keeps the model in a file", format!("host fit {names}{rig} -o {USUAL_NAME}")),
+        (_, Some(path)) if physics_is_missing(outcome.fit) => {
+            ("names the effect that is missing", format!("host diagnose {names} --rig {}", path.display()))
+        }
         (port, Some(path)) if !is_pushed => {
             let port = port.as_deref().unwrap_or("PORT");
             ("gives the model to the rig", format!("host push --rig {} --port {port}", path.display()))

@@ -3,7 +3,7 @@
 use crate::fit::descent::{Patience, descend};
 use crate::fit::identify::{Fit, Method, problem_of};
 use crate::fit::linear::Steps;
-use crate::fit::problem::{Point, Problem};
+use crate::fit::problem::{Point, Problem, Unknown};
 use crate::fit::quality::Responses;
 use crate::fit::runs::responses_at;
 use crate::fit::sequential::Stage;
@@ -39,8 +39,17 @@ pub(super) fn stages(fit: &Fit, method: Method, swings: &[Swing]) -> Vec<After> 
 fn after_surfaces(fit: &Fit, last: &Stage, swings: &[Swing]) -> Responses {
     let count = AtomicUsize::new(0);
     let full = problem_of(swings, &fit.parameters, &count);
-    let fixed = Problem { template: full.parameters(&last.values), unknowns: Vec::new(), ..full };
+    let fixed = Problem { template: full.parameters(&values_after(last, &full)), unknowns: Vec::new(), ..full };
     let from = Point { values: Vec::new(), starts: fit.starts.clone() };
     let end = descend(&fixed, &from, Window::Whole, Patience::ROUGH, Steps::new(&fixed));
     responses_at(&fixed, &end.point, Window::Whole)
+}
+
+/// Where a design ended. What it did not vary is as the whole fit has it.
+fn values_after(design: &Stage, problem: &Problem) -> Vec<f64> {
+    let mut varied = design.ranges.iter().zip(&design.values).peekable();
+    let value = |(unknown, fitted): (&Unknown, f64)| {
+        varied.next_if(|((symbol, _, _), _)| *symbol == unknown.symbol).map_or(fitted, |(_, value)| *value)
+    };
+    problem.unknowns.iter().zip(problem.template_values()).map(value).collect()
 }

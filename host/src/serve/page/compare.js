@@ -63,9 +63,9 @@ export function show(now) {
   byId('origin').textContent = now.model ? `${now.model.origin}${now.model.normalised ? '; geometry unknown: torques are per m·g·l' : ''}` : '';
   byId('undo').disabled = now.undos === 0;
   if (!now.recordings.some((recording) => recording.id === chosen)) { chosen = now.recordings[0]?.id ?? null; zoom = null; drawing = null; }
+  if (drawing !== now.drawing) { drawing = now.drawing; answer = null; fetchTrace(); showPictures(); }
   showRecordings();
   showVerdict();
-  if (drawing !== now.drawing) { drawing = now.drawing; answer = null; fetchTrace(); showPictures(); }
   byId('limits').hidden = !now.comparison?.limits.length;
   byId('limits-list').replaceChildren(...(now.comparison?.limits ?? []).map((limit) => element('li', {}, limit)));
 }
@@ -73,11 +73,12 @@ export function show(now) {
 function showVerdict() {
   const box = byId('verdict');
   const { comparison } = state;
-  box.className = { 'nothing-missing': 'good', 'no-pattern': 'unsure' }[comparison?.answer] ?? (comparison ? 'bad' : '');
+  box.className = answer ? '' : { 'nothing-missing': 'good', 'no-pattern': 'unsure' }[comparison?.answer] ?? (comparison ? 'bad' : '');
   const error = errorOf();
   const ratio = error && element('div', { class: 'ratio', id: 'ratio' }, `${times(error.rmse / error.noise)} ×`,
-    element('small', {}, `the noise: ${mrad(error.rmse)}`));
-  const words = comparison?.verdict ?? [waitingFor()];
+    element('small', {}, `the noise${answer ? ', what if' : ''}: ${mrad(error.rmse)}`));
+  const words = answer ? [`What if? These numbers leave ${mrad(answer.rmse_rad)} on ${theChosen().name}.`, 'Keep them, or go back to the model.']
+    : comparison?.verdict ?? [waitingFor()];
   const said = words.map((sentence) => element('p', {}, sentence));
   const rest = said.splice(SENTENCES);
   const wasOpen = box.querySelector('details')?.open ?? false;
@@ -86,8 +87,12 @@ function showVerdict() {
   box.replaceChildren(...[ratio, sentences].filter(Boolean));
 }
 
-/** Error and noise over all recordings that take part, rad: of the comparison, or of the last refit while it is made. */
+const theChosen = () => state.recordings.find((recording) => recording.id === chosen);
+
+/** Error and noise, rad: of what is tried on one recording, else of the comparison over all that take part, else of the
+    last refit while it is made. */
 function errorOf() {
+  if (answer) return { rmse: answer.rmse_rad, noise: theChosen().noise_rad };
   if (state.comparison) return { rmse: state.comparison.totals.residual_rad, noise: state.comparison.totals.noise_rad };
   const step = state.staircase[state.staircase.length - 1];
   return step ?? null;
@@ -120,6 +125,7 @@ function choose(id) {
   zoom = null;
   answer = null;
   showRecordings();
+  showVerdict();
   fetchTrace();
 }
 
@@ -143,7 +149,7 @@ async function fetchTrace() {
 }
 
 function drawTrace() {
-  const recording = state.recordings.find((one) => one.id === chosen);
+  const recording = theChosen();
   byId('trace-title').textContent = recording ? `Measured over model: ${recording.name}` : 'Measured over model';
   if (!trace) { charts.motion.show([], [0, 10]); charts.residual.show([], [0, 10]); return; }
   const x = zoom ?? [0, trace.duration_s];
@@ -232,11 +238,12 @@ async function simulate() {
   const began = performance.now();
   try {
     const values = { ...Object.fromEntries((tried?.sliders ?? []).map((slider) => [slider.name, slider.value])), ...whatIf };
-    answer = await post('api/simulate', { recording: chosen, values, ...range() });
+    const got = await post('api/simulate', { recording: chosen, values, ...range() });
+    // Meanwhile the sliders may have been put back.
+    answer = Object.keys(whatIf).length ? got : null;
     document.body.dataset.simulatedMs = String(performance.now() - began);
     drawTrace();
-    const recording = state.recordings.find((one) => one.id === chosen);
-    byId('ratio')?.replaceChildren(`${times(answer.rmse_rad / recording.noise_rad)} ×`, element('small', {}, `the noise, what if: ${mrad(answer.rmse_rad)}`));
+    showVerdict();
   } catch (refusal) { done(Promise.reject(refusal)); }
   const again = asking === 'again';
   asking = false;

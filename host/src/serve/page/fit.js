@@ -1,7 +1,7 @@
 // The story of the fit: how the box narrowed, each design's surfaces, and how far they can be believed.
 
 import { byId, element, fillTable, number } from './numbers.js';
-import { axis, colours, draw as plot, rising } from './plots.js';
+import { axis, bar, colours, draw as plot, rising } from './plots.js';
 import { get, post } from './server.js';
 
 let done = () => {};
@@ -60,7 +60,7 @@ function pathPlot(symbols) {
     traces.push({ ...at, y: of((stage, j) => stage.ranges[j][1]), mode: 'lines', line, name: 'high', hoverinfo: 'y+name' });
     traces.push({ ...at, y: of((stage, j) => stage.ranges[j][2]), mode: 'lines', line, fill: 'tonexty', fillcolor: `${colours()[0]}40`, name: 'low', hoverinfo: 'y+name' });
     traces.push({ ...at, y: of((stage, j) => stage.values[j]), mode: 'lines+markers', line: { color: colours()[1], width: 2 }, marker: { size: 5 }, name: symbol, connectgaps: true });
-    layout[`xaxis${id}`] = axis(row === symbols.length - 1 ? 'design' : '', { dtick: 5 });
+    layout[`xaxis${id}`] = axis(row === symbols.length - 1 ? 'design' : '', { dtick: 5, range: [0.5, path.stages.length + 0.5] });
     layout[`yaxis${id}`] = axis(symbol, { nticks: 4 });
   });
   return { traces, layout };
@@ -91,15 +91,14 @@ function fillFactors(select, symbols, usual) {
 function showSurface(seen, symbols, x, y, name) {
   const dot = { x: [seen.chosen[x]], y: [seen.chosen[y]], mode: 'markers', type: 'scatter', marker: { size: 13, symbol: 'x', color: colours()[1], line: { width: 1 } }, name: 'chosen' };
   const runs = { x: seen.runs.map((run) => run[x]), y: seen.runs.map((run) => run[y]), mode: 'markers', type: 'scatter', marker: { size: 6, color: 'rgba(0,0,0,0)', line: { color: '#888', width: 1.5 } }, name: 'runs' };
-  const bar = { title: { text: name, side: 'right' }, thickness: 14, exponentformat: 'power', outlinewidth: 0 };
   plot(byId('contour'), () => ({
-    traces: [{ type: 'contour', x: seen.x, y: seen.y, z: seen.z, colorscale: rising(), colorbar: bar, contours: { coloring: 'heatmap' }, line: { width: 0.7 }, name, showlegend: false }, runs, dot],
+    traces: [{ type: 'contour', x: seen.x, y: seen.y, z: seen.z, colorscale: rising(), colorbar: { ...bar(name), exponentformat: 'power' }, contours: { coloring: 'heatmap' }, line: { width: 0.7 }, name, showlegend: false }, runs, dot],
     layout: { xaxis: axis(symbols[x], { nticks: 6 }), yaxis: axis(symbols[y], { nticks: 6 }) },
   }));
   const side = (title) => ({ ...axis(title), nticks: 5, automargin: undefined });
   plot(byId('surface'), () => ({
     traces: [{ type: 'surface', x: seen.x, y: seen.y, z: seen.z, colorscale: rising(), showscale: false }],
-    layout: { scene: { xaxis: side(symbols[x]), yaxis: side(symbols[y]), zaxis: side(name), camera: { eye: { x: -1.5, y: -1.5, z: 1 } } }, margin: { l: 0, r: 0, t: 0, b: 0 } },
+    layout: { scene: { xaxis: side(symbols[x]), yaxis: side(symbols[y]), zaxis: side(name), camera: { eye: { x: -1.75, y: -1.75, z: 1.1 }, center: { x: 0, y: 0, z: -0.18 } } }, margin: { l: 0, r: 0, t: 0, b: 0 } },
   }));
   byId('optimizer').style.height = `${6.2 * path.responses.length + 3}rem`;
   plot(byId('optimizer'), () => optimizerPlot(seen, symbols));
@@ -122,10 +121,17 @@ function optimizerPlot(seen, symbols) {
   return { traces, layout };
 }
 
+/** `axis 1*axis 2` in the words of the axes. */
+function termName(term, axes) {
+  if (term === '1') return 'constant';
+  const named = (_, number) => (axes[number - 1].includes(' ') ? `(${axes[number - 1]})` : axes[number - 1]);
+  return term.replace(/axis (\d+)/g, named).replace('^2', '²').replace('*', ' · ');
+}
+
 function showTables(seen) {
   const p = (value) => (value === null ? '–' : value < 0.001 ? '< 0.001' : value.toFixed(3));
   fillTable(byId('coefficients'), ['Term', 'Estimate', 'Std error', 't', 'p'], seen.coefficients.map((one) =>
-    [one.name, number(one.estimate), number(one.standard_error, 3), number(one.t, 3), p(one.p)]));
+    [termName(one.name, seen.axes), number(one.estimate), number(one.standard_error, 3), number(one.t, 3), p(one.p)]));
   fillTable(byId('anova'), ['Source', 'df', 'Seq SS', 'Adj SS', 'Adj MS', 'F', 'p'], seen.anova.map((row) =>
     [row.source, row.dof, number(row.sequential_sum_of_squares), number(row.adjusted_sum_of_squares), number(row.mean_square), number(row.f), p(row.p)]));
   const share = (value) => (value === null ? '–' : `${(100 * value).toFixed(1)} %`);

@@ -3,9 +3,8 @@
 const LIGHT = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#56b4e9', '#e69f00', '#1b1f23'];
 const DARK = ['#56b4e9', '#f0a13a', '#2fc89b', '#e59cc4', '#8ecbf2', '#e6c34a', '#eceff2'];
 
-/** From blue through the paper to red, alike on light and dark. */
-const DIVERGING_LIGHT = [[0, '#2166ac'], [0.25, '#92c5de'], [0.5, '#f7f7f7'], [0.75, '#f4a582'], [1, '#b2182b']];
-const DIVERGING_DARK = [[0, '#6db6ff'], [0.25, '#2f5f8f'], [0.5, '#22272c'], [0.75, '#9c4a2f'], [1, '#ff8f66']];
+/** From blue through white to red; on a dark page too, where empty bins would look like zero otherwise. */
+const DIVERGING = [[0, '#2166ac'], [0.25, '#92c5de'], [0.5, '#f7f7f7'], [0.75, '#f4a582'], [1, '#b2182b']];
 
 let library = null;
 function loaded() {
@@ -56,12 +55,15 @@ function themed(layout) {
   };
 }
 
+/** Ticks at 1, 2 and 5 of each decade. */
+const LOGARITHMIC = { type: 'log', dtick: 'D2' };
+
 /** A picture of the library `host` as traces. */
 export function pictureOf(picture) {
   const { x, y, content } = picture;
   const layout = {
-    xaxis: axis(x.label, x.is_logarithmic ? { type: 'log' } : x.is_count ? { dtick: 1 } : {}),
-    yaxis: axis(y.label, y.is_logarithmic ? { type: 'log' } : {}),
+    xaxis: axis(x.label, x.is_logarithmic ? LOGARITHMIC : x.is_count ? { dtick: 1 } : {}),
+    yaxis: axis(y.label, y.is_logarithmic ? LOGARITHMIC : {}),
   };
   return { traces: content.curves ? content.curves.map(curveOf) : [heatOf(content.heat)], layout };
 }
@@ -81,10 +83,13 @@ function heatOf(heat) {
   const names = heat.names;
   return {
     type: 'heatmap', x: names ?? heat.x, y: names ?? heat.y, z: heat.values, text: heat.notes, hovertemplate: '%{text}<extra></extra>',
-    zmin: -heat.limit, zmax: heat.limit, colorscale: isDark() ? DIVERGING_DARK : DIVERGING_LIGHT,
-    colorbar: { title: { text: heat.label, side: 'right' }, thickness: 14, outlinewidth: 0 },
+    zmin: -heat.limit, zmax: heat.limit, colorscale: DIVERGING,
+    colorbar: bar(heat.label),
   };
 }
+
+/** The key of a coloured map. */
+export const bar = (label) => ({ title: { text: label, side: 'top', font: { size: 0.8 * em() } }, thickness: 14, outlinewidth: 0 });
 
 /** Light to dark in one hue, readable in grey too. */
 export const rising = () => (isDark() ? 'Cividis' : [[0, '#00204c'], [0.5, '#7c7b78'], [1, '#ffe945']]);

@@ -1,0 +1,128 @@
+//! The crude law of a free swing, fitted robustly, and where a recording breaks it.
+
+use super::super::smooth::LocalFit;
+use super::super::{median, median_step_s};
+use super::{Cut, MIN_TURNING_POINTS};
+use nalgebra::{SMatrix, SVector};
+
+/// Local polynomials per half width.
+const STATES_PER_WIDTH: f64 = 4.0;
+
+/// An acceleration is disturbed when it is off the law by this many standard deviations of its own noise …
+const DISTURBED_NOISE: f64 = 6.0;
+
+/// … and this many of the typical misfit of the law (effects it does not know) …
+const DISTURBED_MISFIT: f64 = 5.0;
+
+/// … and this share of gravity at the typical amplitude.
+const DISTURBED_SHARE: f64 = 0.12;
+
+/// So many disturbed states in a row are a hand; fewer are the kink of dry friction at a turning point.
+const N_DISTURBED: usize = 3;
+
+/// Rounds of the robust fit.
+const N_ROUNDS: usize = 6;
+
+/// Motion around one moment.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct State {
+    pub(super) time_s: f64,
+    pub(super) angle_rad: f64,
+    pub(super) velocity_rad_s: f64,
+    pub(super) acceleration_rad_s2: f64,
+    pub(super) spread_rad_s2: f64,
+}
+
+/// The crude law of a free swing: coefficients of [`law_terms`].
+pub(super) type Law = SVector<f64, N_TERMS>;
+
+const N_TERMS: usize = 5;
+
+fn law_terms(state: &State, slow_rad_s: f64) -> Law {
+    let velocity = state.velocity_rad_s;
+    let sign = (velocity / slow_rad_s).tanh();
+    Law::from([-state.angle_rad.sin(), state.angle_rad.cos(), -sign, -velocity, -velocity * velocity.abs()])
+}
+
+impl Cut<'_> {
+    /// Fits the law and marks the states that break it.
+    pub(super) fn find_disturbances(&mut self) -> Option<()> {
+        let amplitude_rad = self.typical_amplitude_rad();
+        let slow_rad_s = 0.1 * amplitude_rad * std::f64::consts::PI / self.half_swing_s;
+        let (law, misfit) = self.fit_law(slow_rad_s)?;
+        let dry_rad_s2 = 2.0 * law[2].abs();
+        let common = DISTURBED_MISFIT * misfit + DISTURBED_SHARE * law[0].abs() * amplitude_rad.sin().abs();
+        let off = |state: &State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, slow_rad_s))).abs();
+        let raw: Vec<bool> = self
+            .states
+            .iter()
+            .map(|state| off(state) > common + dry_rad_s2 + DISTURBED_NOISE * state.spread_rad_s2)
+            .collect();
+        self.law = law;
+        self.disturbed = sustained(&raw);
+        Some(())
+    }
+
+    /// The law from the middle half of the turning points on, and the typical misfit (rad/s²). Bad states lose their
+    /// vote from round to round.
+    fn fit_law(&self, slow_rad_s: f64) -> Option<(Law, f64)> {
+        let n_turns = self.turns.len();
+        let from_s = self.turns[(n_turns / 4).min(n_turns - MIN_TURNING_POINTS + 1)].time_s;
+        let to_s = self.turns[n_turns - 1 - n_turns / 20].time_s;
+        let trusted: Vec<&State> = self.states.iter().filter(|state| (from_s..=to_s).contains(&state.time_s)).collect();
+        let mut limit = f64::INFINITY;
+        let mut fitted = None;
+        for _ in 0..N_ROUNDS {
+            let law = least_squares(&trusted, slow_rad_s, fitted.as_ref().map(|law| (law, limit)))?;
+            let off = |state: &&State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, slow_rad_s))).abs();
+            let misfit = 1.4826 * median(&mut trusted.iter().map(off).collect::<Vec<f64>>());
+            limit = 4.0 * misfit;
+            fitted = Some(law);
+        }
+        fitted.map(|law| (law, limit / 4.0))
+    }
+
+    /// Median distance of turning points from their middle, rad.
+    fn typical_amplitude_rad(&self) -> f64 {
+        let mut amplitudes: Vec<f64> =
+            self.turns.windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs() / 2.0).collect();
+        median(&mut amplitudes)
+    }
+}
+
+pub(super) fn states(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64, width_s: f64) -> Vec<State> {
+    let step_s = median_step_s(times_s);
+    let stride = ((width_s / (STATES_PER_WIDTH * step_s)) as usize).max(1);
+    let state = |&time_s: &f64| {
+        let fit = LocalFit::<5>::new(times_s, angles_rad, time_s, width_s)?;
+        Some(State {
+            time_s,
+            angle_rad: fit.angle_rad(time_s),
+            velocity_rad_s: fit.velocity_rad_s(),
+            acceleration_rad_s2: fit.acceleration_rad_s2(),
+            spread_rad_s2: noise_rms_rad * fit.acceleration_spread(),
+        })
+    };
+    times_s.iter().step_by(stride).filter_map(state).collect()
+}
+
+/// The law with the least squares; states further off an earlier law than its limit do not count.
+fn least_squares(states: &[&State], slow_rad_s: f64, earlier: Option<(&Law, f64)>) -> Option<Law> {
+    let mut normal = SMatrix::<f64, N_TERMS, N_TERMS>::identity() * 1e-9;
+    let mut right = Law::zeros();
+    for state in states {
+        let terms = law_terms(state, slow_rad_s);
+        let is_off = |(law, limit): (&Law, f64)| (state.acceleration_rad_s2 - law.dot(&terms)).abs() > limit;
+        if earlier.is_some_and(is_off) {
+            continue;
+        }
+        normal += terms * terms.transpose();
+        right += terms * state.acceleration_rad_s2;
+    }
+    normal.try_inverse().map(|inverse| inverse * right)
+}
+
+/// Keeps marks that stand in a row of at least [`N_DISTURBED`].
+fn sustained(marks: &[bool]) -> Vec<bool> {
+    marks.chunk_by(|a, b| a == b).flat_map(|run| vec![run[0] && run.len() >= N_DISTURBED; run.len()]).collect()
+}

@@ -1,0 +1,118 @@
+//! How the free swing begins: at once, with a release, or with a hand that lets go.
+
+use super::{Cut, STILL_SPREADS, mean};
+use std::ops::Range;
+
+/// The free range begins this long after the fitted release, s: the release is known to a few ms.
+const GUARD_S: f64 = 0.010;
+
+/// A free pendulum is seen to fall after some noise rms; still for the time of a fall of this many, it is held.
+const HELD_FALL_NOISE: f64 = 20.0;
+
+/// The release is fitted to the first fall of this size, rad: enough to be seen, too little for anything but gravity …
+const RELEASE_FALL_RAD: f64 = 0.15;
+
+/// … and at least this many noise rms.
+const RELEASE_FALL_NOISE: f64 = 30.0;
+
+/// Moments tried for the release at most, whatever the steps of the recording.
+const MAX_RELEASES_TRIED: usize = 4000;
+
+/// How the free swing begins.
+pub(super) struct Start {
+    pub(super) lead_in: Option<Range<usize>>,
+    pub(super) free_idx: usize,
+    pub(super) release_s: f64,
+    pub(super) was_held: bool,
+}
+
+impl Start {
+    pub(super) fn at(cut: &Cut, free_idx: usize) -> Self {
+        Self { lead_in: None, free_idx, release_s: cut.recording.times_s()[free_idx], was_held: false }
+    }
+}
+
+impl Cut<'_> {
+    /// How the undisturbed stretch begins: at once, with a release, or with a hand letting go.
+    pub(super) fn start(&self, stretch: &Range<usize>) -> Start {
+        let lead_in = self.still_beginning();
+        let rough_s = self.times_s()[stretch.start];
+        let is_near = |held: &Range<usize>| rough_s - self.times_s()[held.end - 1] < 4.0 * self.width_s;
+        let was_held = lead_in.as_ref().is_some_and(|held| is_near(held) && self.must_be_held(held));
+        if stretch.start <= self.asked.start && !was_held {
+            return Start::at(self, self.asked.start);
+        }
+        match lead_in {
+            Some(held) if was_held => self.release(&held),
+            lead_in => {
+                let free_s = rough_s + self.width_s / 2.0;
+                let free_idx = self.recording.index_at(free_s).min(stretch.end);
+                Start { lead_in, free_idx, release_s: free_s, was_held: false }
+            }
+        }
+    }
+
+    /// The still part at the beginning, if there is one.
+    fn still_beginning(&self) -> Option<Range<usize>> {
+        let angles_rad = &self.angles_rad()[self.asked.start..];
+        let n_window = self.n_in(self.width_s / 4.0).min(angles_rad.len());
+        let limit = |n: usize| STILL_SPREADS * self.noise_rms_rad * (1.0 / n_window as f64 + 1.0 / n as f64).sqrt();
+        let mut sum = angles_rad[..n_window].iter().sum::<f64>();
+        let mut until = n_window;
+        // The window runs ahead of the mean it is compared with, so a slow start cannot drag the mean along.
+        while let Some(window) = angles_rad.get(until..until + n_window) {
+            if (mean(window) - sum / until as f64).abs() > limit(until) {
+                break;
+            }
+            sum += angles_rad[until];
+            until += 1;
+        }
+        let is_still = until >= 3 * n_window;
+        is_still.then(|| self.asked.start..self.asked.start + until)
+    }
+
+    /// Whether a free pendulum would have fallen visibly in that time. Tells a short hold from the first moments of a
+    /// fall when the noise is too large for accelerations.
+    fn must_be_held(&self, still: &Range<usize>) -> bool {
+        let angle_rad = mean(&self.angles_rad()[still.clone()]);
+        let gravity_rad_s2 = -self.law[0] * angle_rad.sin() + self.law[1] * angle_rad.cos();
+        let fall_rad = gravity_rad_s2.abs() * self.duration_s(still).powi(2) / 2.0;
+        fall_rad > HELD_FALL_NOISE * self.noise_rms_rad
+    }
+
+    /// Places the release: still until then, afterwards falling with constant torque and its first correction,
+    /// `θ0 + α (τ²/2 − ω0² cos θ0 τ⁴/24)`; the time with the least squares wins.
+    fn release(&self, held: &Range<usize>) -> Start {
+        let still_s = self.times_s()[held.end - 1];
+        let n_sure = (held.len() * 4 / 5).max(1);
+        let held_rad = mean(&self.angles_rad()[held.start..held.start + n_sure]);
+        let earliest = self.recording.index_at(still_s - 5.0 * self.width_s).max(held.start);
+        let latest = self.recording.index_at(still_s + 1.5 * self.width_s).min(self.asked.end);
+        let fall_rad = RELEASE_FALL_RAD.max(RELEASE_FALL_NOISE * self.noise_rms_rad);
+        let has_fallen = |idx: &usize| (self.angles_rad()[*idx] - held_rad).abs() > fall_rad;
+        let range = earliest..(held.end..latest).find(has_fallen).unwrap_or(latest);
+        let grid_s = self.recording.step_s() / 4.0;
+        let n_grid = ((3.0 * self.width_s / grid_s) as usize).min(MAX_RELEASES_TRIED);
+        let candidates = (0..n_grid).map(|idx| still_s - 1.5 * self.width_s + idx as f64 * grid_s);
+        let off = |release_s: f64| self.misfit_of_release(&range, held_rad, release_s);
+        let release_s = candidates.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(still_s);
+        let free_s = release_s + GUARD_S.max(self.recording.step_s());
+        let lead_in = held.start..self.recording.index_at(release_s - GUARD_S).clamp(held.start, held.end);
+        let free_idx = self.recording.index_at(free_s);
+        Start { lead_in: (!lead_in.is_empty()).then_some(lead_in), free_idx, release_s, was_held: true }
+    }
+
+    /// Sum of squares left by a release at `release_s` with the best acceleration.
+    fn misfit_of_release(&self, range: &Range<usize>, held_rad: f64, release_s: f64) -> f64 {
+        let stiffness = self.law[0] * held_rad.cos();
+        let shape = |time_s: f64| {
+            let after_s = (time_s - release_s).max(0.0);
+            after_s.powi(2) / 2.0 - stiffness * after_s.powi(4) / 24.0
+        };
+        let samples = || range.clone().map(|idx| (shape(self.times_s()[idx]), self.angles_rad()[idx] - held_rad));
+        let (across, along) =
+            samples().fold((0.0, 0.0), |(a, b), (shape, angle)| (a + shape * angle, b + shape * shape));
+        let acceleration = if along > 0.0 { across / along } else { 0.0 };
+        samples().map(|(shape, angle)| (angle - acceleration * shape).powi(2)).sum()
+    }
+}

@@ -1,0 +1,117 @@
+use super::*;
+
+const STEP_S: f64 = 0.005;
+
+/// A pendulum with dry and viscous friction (ω0² = 70/s²), released from `angle_rad`, in steps of 0.1 ms.
+fn swing(angle_rad: f64, duration_s: f64) -> Vec<f64> {
+    let (mut angle, mut velocity) = (angle_rad, 0.0_f64);
+    let mut angles = Vec::new();
+    for step_idx in 0..(duration_s / 1e-4) as usize {
+        if step_idx % 50 == 0 {
+            angles.push(angle);
+        }
+        let gravity = -70.0 * angle.sin();
+        let is_stuck = velocity.abs() < 1e-4 && gravity.abs() < 0.3;
+        let acceleration = gravity - 0.3 * velocity.signum() - 0.1 * velocity;
+        velocity = if is_stuck { 0.0 } else { velocity + 1e-4 * acceleration };
+        angle += 1e-4 * velocity;
+    }
+    angles
+}
+
+fn noisy(angles_rad: &[f64]) -> Recording {
+    let mut state = 17_u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let noise_rad = 1e-3 * 12f64.sqrt();
+    Recording::uniform(1.0 / STEP_S, angles_rad.iter().map(|angle| angle + noise_rad * uniform()).collect()).unwrap()
+}
+
+fn find(angles_rad: &[f64]) -> Segments {
+    segment(&noisy(angles_rad), &SegmentOptions::default()).unwrap()
+}
+
+#[test]
+fn a_held_pendulum_is_free_just_after_its_release() {
+    for angle_rad in [-2.5, -0.3, 0.15, 0.8, 1.57, 2.8] {
+        let held = vec![angle_rad; 100];
+        let segments = find(&[held, swing(angle_rad, 20.0)].concat());
+        let late = segments.free.start as f64 * STEP_S - 0.5;
+        assert!((0.0..0.06).contains(&late), "{angle_rad}: {late} {segments:?}");
+        assert!(segments.notes[0].contains("held still before the release"), "{segments:?}");
+    }
+}
+
+#[test]
+fn a_recording_that_begins_with_the_release_is_kept_whole() {
+    let segments = find(&swing(1.0, 8.0));
+    assert_eq!(segments.free, 0..1600);
+    assert_eq!((segments.lead_in, segments.rest), (None, None));
+    assert!(segments.notes.is_empty());
+}
+
+#[test]
+fn a_hand_that_ends_the_swing_is_cut() {
+    let mut angles_rad = swing(1.2, 8.0);
+    let caught_rad = angles_rad[1200];
+    angles_rad.iter_mut().skip(1200).for_each(|angle| *angle = caught_rad);
+    let segments = find(&angles_rad);
+    assert!((1100..=1205).contains(&segments.free.end), "{segments:?}");
+    assert!(segments.notes[0].contains("cut everything after"), "{segments:?}");
+}
+
+#[test]
+fn of_two_swings_in_one_recording_the_longer_one_is_taken() {
+    let segments = find(&[swing(0.8, 4.0), vec![1.0; 100], swing(1.0, 12.0)].concat());
+    let start_s = segments.free.start as f64 * STEP_S;
+    assert!((4.5..4.7).contains(&start_s), "{segments:?}");
+}
+
+#[test]
+fn a_push_in_the_middle_divides_the_swing() {
+    let first = swing(0.7, 3.0);
+    let last_rad = *first.last().unwrap();
+    let pushed: Vec<f64> = (0..80).map(|idx| last_rad + (1.4 - last_rad) * f64::from(idx) / 80.0).collect();
+    let segments = find(&[first, pushed, swing(1.4, 10.0)].concat());
+    let start_s = segments.free.start as f64 * STEP_S;
+    assert!((3.39..3.6).contains(&start_s), "{segments:?}");
+}
+
+#[test]
+fn a_hanging_angle_that_is_not_zero_does_not_matter() {
+    let angles_rad: Vec<f64> = [vec![0.9; 100], swing(0.9, 25.0)].concat().iter().map(|angle| angle + 0.2).collect();
+    let segments = find(&angles_rad);
+    assert!((100..112).contains(&segments.free.start), "{segments:?}");
+    assert!(segments.rest.is_some(), "{segments:?}");
+}
+
+#[test]
+fn one_swing_is_too_few_and_the_message_says_so() {
+    let error = segment(&noisy(&swing(1.0, 0.8)), &SegmentOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("two swings"), "{error}");
+}
+
+#[test]
+fn a_still_pendulum_has_too_few_swings() {
+    let error = segment(&noisy(&vec![0.2; 1000]), &SegmentOptions::default()).unwrap_err();
+    assert!(matches!(error, SegmentError::TooFewSwings { n_turning_points: 0, .. }), "{error}");
+}
+
+#[test]
+fn limits_of_the_user_are_taken_as_they_are() {
+    let recording = noisy(&swing(1.0, 12.0));
+    let options = SegmentOptions { from_s: Some(2.0), to_s: Some(8.0) };
+    let segments = segment(&recording, &options).unwrap();
+    assert_eq!(segments.free, 400..1601);
+    assert_eq!(segments.notes.len(), 2);
+}
+
+#[test]
+fn limits_outside_the_recording_are_refused_with_its_times() {
+    let recording = noisy(&swing(1.0, 12.0));
+    let options = SegmentOptions { from_s: Some(20.0), to_s: None };
+    let error = segment(&recording, &options).unwrap_err().to_string();
+    assert!(error.contains("from 0 s to 11.995 s"), "{error}");
+}
