@@ -67,7 +67,8 @@ impl Seeds {
             4 => [&bytes[from..to], word].concat(),
             5 => bytes[from..to].repeat(2),
             // Deep nesting and long lines, now and then.
-            6 if length < 8 => bytes[from..to].repeat(1 << (which % 13)),
+            6 if which > 250 => bytes[from..to].repeat(4096),
+            6 => bytes[from..to].repeat(usize::from(which % 32)),
             _ => {
                 let other = &self.0[usize::from(which) % self.0.len()];
                 let start = from.min(other.len());

@@ -14,7 +14,7 @@ use shared::parameters::Parameters;
 use shared::rig::{MAX_STORED, Outcome, Rig, Stored};
 use shared::units::{Code, Radian};
 use shared::wire::{self, Command, Deframer, Frame, Hello, MAX_FRAME, StoreState, Stream};
-use std::cell::{Cell, RefCell};
+use std::panic::AssertUnwindSafe;
 use std::time::{Duration, Instant};
 use tests::edits::Seeds;
 use tests::memory;
@@ -30,41 +30,47 @@ const MOST_GROWTH: u64 = 128 << 20;
 struct Watch {
     began: Instant,
     before: u64,
-    n_inputs: Cell<u64>,
-    n_good: Cell<u64>,
-    longest: Cell<Duration>,
+    n_inputs: u64,
+    n_good: u64,
+    longest: Duration,
 }
 
 impl Watch {
-    fn new() -> Self {
-        let (n_inputs, n_good, longest) = Default::default();
-        Self { began: Instant::now(), before: memory::resident(), n_inputs, n_good, longest }
-    }
-
-    /// `parse` says whether the input was good.
-    fn look(&self, parse: impl FnOnce() -> bool) {
+    fn look(&mut self, parse: impl FnOnce() -> bool) {
         let began = Instant::now();
-        let good = parse();
-        self.longest.set(self.longest.get().max(began.elapsed()));
-        self.n_inputs.set(self.n_inputs.get() + 1);
-        self.n_good.set(self.n_good.get() + u64::from(good));
+        self.n_good += u64::from(parse());
+        self.longest = self.longest.max(began.elapsed());
+        self.n_inputs += 1;
     }
 
     fn end(&self, name: &str) {
-        let (n_inputs, n_good, longest) = (self.n_inputs.get(), self.n_good.get(), self.longest.get());
-        let growth = memory::resident().saturating_sub(self.before);
-        let seconds = self.began.elapsed().as_secs_f64();
-        let peak_mb = memory::peak() >> 20;
+        let Self { began, before, n_inputs, n_good, longest } = self;
+        let growth = memory::resident().saturating_sub(*before);
         println!(
-            "{name}: {n_inputs} inputs, {n_good} good, in {seconds:.0} s, the longest took {longest:?}; memory grew by \
-             {} KB to {peak_mb} MB at most",
-            growth >> 10
+            "{name}: {n_inputs} inputs, {n_good} good, in {:.0} s, the longest took {longest:?}; memory grew by {} KB, \
+             to {} MB at most",
+            began.elapsed().as_secs_f64(),
+            growth >> 10,
+            memory::peak() >> 20
         );
-        assert!(longest < LONGEST, "{longest:?}");
+        assert!(*longest < LONGEST, "{longest:?}");
         assert!(growth < MOST_GROWTH, "memory grew by {growth} bytes");
         // Inputs that are all refused at once would prove little.
-        assert!(n_inputs > 100 && n_good > n_inputs / 100, "{n_good} of {n_inputs} inputs were good");
+        assert!(*n_inputs > 100 && *n_good > n_inputs / 100, "{n_good} of {n_inputs} inputs were good");
     }
+}
+
+/// Edited seeds into a parser, which says whether the input was good.
+fn attack(name: &str, seeds: &Seeds, mut parse: impl FnMut(&[u8]) -> bool) {
+    let (began, before) = (Instant::now(), memory::resident());
+    let mut watch = Watch { began, before, n_inputs: 0, n_good: 0, longest: Duration::ZERO };
+    let mut look = AssertUnwindSafe(|orders: &[u8]| watch.look(|| parse(&seeds.edited(orders))));
+    check!().for_each(move |orders: &[u8]| {
+        // Named whole, because only the whole is marked as safe to unwind.
+        let look = &mut look;
+        (look.0)(orders);
+    });
+    watch.end(name);
 }
 
 /// Messages of many kinds.
@@ -90,23 +96,19 @@ fn frames() {
     let encoded = |frame: &Frame| wire::encode(frame, &mut [0; MAX_FRAME]).unwrap().to_vec();
     let seeds = Seeds::new(messages().iter().map(encoded).collect());
     let hello = encoded(&messages()[0]);
-    let watch = Watch::new();
-    check!().for_each(|input: &[u8]| {
-        watch.look(|| {
-            let (mut at_pc, mut at_rig) = (Deframer::new(), Deframer::new());
-            let mut n_good = 0;
-            for byte in seeds.edited(input) {
-                n_good += u32::from(matches!(at_pc.push(byte), Some(Ok(_))));
-                let _ = at_rig.push_at_rig(byte);
-            }
-            // Whatever came before, the next whole frame is understood.
-            let mut last = at_pc.push(0);
-            hello.iter().for_each(|byte| last = at_pc.push(*byte));
-            assert!(matches!(last, Some(Ok(Frame::Hello(_)))));
-            n_good > 0
-        });
+    attack("frames", &seeds, |bytes| {
+        let (mut at_pc, mut at_rig) = (Deframer::new(), Deframer::new());
+        let mut n_good = 0;
+        for byte in bytes {
+            n_good += u32::from(matches!(at_pc.push(*byte), Some(Ok(_))));
+            let _ = at_rig.push_at_rig(*byte);
+        }
+        // Whatever came before, the next whole frame is understood.
+        let mut last = at_pc.push(0);
+        hello.iter().for_each(|byte| last = at_pc.push(*byte));
+        assert!(matches!(last, Some(Ok(Frame::Hello(_)))));
+        n_good > 0
     });
-    watch.end("frames");
 }
 
 /// A check sum stops nearly every edit; a stranger who knows it gets this far.
@@ -114,46 +116,35 @@ fn frames() {
 fn messages_with_a_right_check_sum() {
     let encoded = |frame: &Frame| postcard::to_slice(frame, &mut [0; MAX_FRAME]).unwrap().to_vec();
     let seeds = Seeds::new(messages().iter().map(encoded).collect());
-    let rig = RefCell::new(Rig::new("fuzz", 4095, Err(StoreState::Empty)));
-    let watch = Watch::new();
-    check!().for_each(|input: &[u8]| {
-        watch.look(|| {
-            let Ok(frame) = postcard::from_bytes::<Frame>(&seeds.edited(input)) else { return false };
-            let mut rig = rig.borrow_mut();
-            let answer = rig.on_frame(frame);
-            if let Outcome::Send(frame) = answer {
-                assert!(wire::encode(&frame, &mut [0; MAX_FRAME]).is_ok(), "{frame:?}");
-            }
-            rig.on_sample(Code(u16::from(input.len() as u8) << 4), |frame| {
-                assert!(wire::encode(&frame, &mut [0; MAX_FRAME]).is_ok(), "{frame:?}");
-            });
-            assert!(rig.parameters().check().is_ok());
-            true
-        });
+    let mut rig = Rig::new("fuzz", 4095, Err(StoreState::Empty));
+    let fits = |frame: Frame| assert!(wire::encode(&frame, &mut [0; MAX_FRAME]).is_ok(), "{frame:?}");
+    attack("messages", &seeds, |bytes| {
+        let Ok(frame) = postcard::from_bytes::<Frame>(bytes) else { return false };
+        if let Outcome::Send(frame) = rig.on_frame(frame) {
+            fits(frame);
+        }
+        rig.on_sample(Code(u16::from(bytes.len() as u8) << 4), fits);
+        assert!(rig.parameters().check().is_ok());
+        true
     });
-    watch.end("messages");
 }
 
 #[test]
 fn flash_content() {
     let mut stored = Stored { parameters: Parameters::paper().map(|value| value as f32), settings: settings_of_a_rig() };
-    let mut encoded = |stored: &Stored| stored.encode(&mut [0; MAX_STORED]).unwrap().to_vec();
+    let encoded = |stored: &Stored| stored.encode(&mut [0; MAX_STORED]).unwrap().to_vec();
     let without = encoded(&stored);
     let effect = formula::read("-k*omega; k in 0..1").unwrap();
     let mut parameters = Parameters::paper();
     formula::add(&mut parameters, effect, &[0.5]).unwrap();
     stored.parameters = parameters.map(|value| value as f32);
     let seeds = Seeds::new(vec![without, encoded(&stored)]);
-    let watch = Watch::new();
-    check!().for_each(|input: &[u8]| {
-        watch.look(|| {
-            let Ok(stored) = Stored::decode(&seeds.edited(input)) else { return false };
-            let mut rig = Rig::new("fuzz", 4095, Ok(stored));
-            rig.on_sample(Code(2000), |_| {});
-            true
-        });
+    attack("flash content", &seeds, |bytes| {
+        let Ok(stored) = Stored::decode(bytes) else { return false };
+        let mut rig = Rig::new("fuzz", 4095, Ok(stored));
+        rig.on_sample(Code(2000), |_| {});
+        true
     });
-    watch.end("flash content");
 }
 
 #[test]
@@ -161,16 +152,12 @@ fn recordings() {
     let seeds = Seeds::of_folder("recordings");
     let read = |bytes: &[u8]| read_bytes("fuzz.csv", bytes, &ReadOptions::default());
     seeds.all().iter().for_each(|seed| assert!(read(seed).is_ok(), "{:?}", read(seed)));
-    let watch = Watch::new();
-    check!().for_each(|input: &[u8]| {
-        watch.look(|| {
-            let Ok(recording) = read(&seeds.edited(input)) else { return false };
-            assert!(recording.angles_rad().iter().all(|angle| angle.is_finite()));
-            assert!(recording.times_s().windows(2).all(|pair| pair[0] < pair[1]));
-            true
-        });
+    attack("recordings", &seeds, |bytes| {
+        let Ok(recording) = read(bytes) else { return false };
+        assert!(recording.angles_rad().iter().all(|angle| angle.is_finite()));
+        assert!(recording.times_s().windows(2).all(|pair| pair[0] < pair[1]));
+        true
     });
-    watch.end("recordings");
 }
 
 #[test]
@@ -178,17 +165,13 @@ fn rig_files() {
     let seeds = Seeds::of_folder("rig_files");
     let parse = |bytes: &[u8]| RigFile::parse("fuzz.toml", &String::from_utf8_lossy(bytes));
     seeds.all().iter().for_each(|seed| drop(parse(seed).unwrap()));
-    let watch = Watch::new();
-    check!().for_each(|input: &[u8]| {
-        watch.look(|| {
-            let Ok(file) = parse(&seeds.edited(input)) else { return false };
-            assert!(file.parameters().check().is_ok());
-            let again = parse(file.to_string().as_bytes()).expect("what was read is written readably");
-            assert_eq!(again.parameters(), file.parameters());
-            true
-        });
+    attack("rig files", &seeds, |bytes| {
+        let Ok(file) = parse(bytes) else { return false };
+        assert!(file.parameters().check().is_ok());
+        let again = parse(file.to_string().as_bytes()).expect("what was read is written readably");
+        assert_eq!(again.parameters(), file.parameters());
+        true
     });
-    watch.end("rig files");
 }
 
 #[test]
@@ -196,13 +179,11 @@ fn formulas() {
     let seeds = Seeds::of_folder("formulas");
     let check = |bytes: &[u8]| formula::check(&String::from_utf8_lossy(bytes));
     seeds.all().iter().for_each(|seed| check(seed).unwrap());
-    let watch = Watch::new();
-    check!().for_each(|input: &[u8]| watch.look(|| check(&seeds.edited(input)).is_ok()));
-    watch.end("formulas");
+    attack("formulas", &seeds, |bytes| check(bytes).is_ok());
 }
 
 /// The page's server is made anew after so many requests, or it would be full of models and recordings.
-const REQUESTS_PER_SERVER: u64 = 2000;
+const REQUESTS_PER_SERVER: u32 = 2000;
 
 const ADDRESS: &str = "127.0.0.1:8080";
 
@@ -250,23 +231,20 @@ fn ask(runtime: &tokio::runtime::Runtime, page: &Router, request: &[u8]) -> Opti
 fn requests_of_the_page() {
     let seeds = Seeds::of_folder("requests");
     let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
-    let server = RefCell::new(page(&runtime));
-    let watch = Watch::new();
-    check!().for_each(|input: &[u8]| {
-        if watch.n_inputs.get() % REQUESTS_PER_SERVER == REQUESTS_PER_SERVER - 1 {
-            server.replace(page(&runtime));
+    let (mut server, mut n_asked) = (page(&runtime), 0);
+    attack("requests of the page", &seeds, |bytes| {
+        n_asked += 1;
+        if n_asked % REQUESTS_PER_SERVER == 0 {
+            server = page(&runtime);
         }
-        watch.look(|| {
-            let Some((status, body)) = ask(&runtime, &server.borrow(), &seeds.edited(input)) else { return false };
-            let text = || String::from_utf8_lossy(&body);
-            assert!((200..500).contains(&status), "{status}: {}", text());
-            if (400..500).contains(&status) {
-                assert!(text().contains("\"what\":\""), "{status} without a reason: {}", text());
-            }
-            // Where a number is due, there is a number.
-            assert!(!text().contains("\"rmse_rad\":null,\"modelled\""), "{}", text());
-            status < 300
-        });
+        let Some((status, body)) = ask(&runtime, &server, bytes) else { return false };
+        let text = String::from_utf8_lossy(&body);
+        assert!((200..500).contains(&status), "{status}: {text}");
+        if (400..500).contains(&status) {
+            assert!(text.contains("\"what\":\""), "{status} without a reason: {text}");
+        }
+        // Where a number is due, there is a number.
+        assert!(!text.contains("\"rmse_rad\":null,\"modelled\""), "{text}");
+        status < 300
     });
-    watch.end("requests of the page");
 }

@@ -3,7 +3,7 @@
 use super::guard::{self, Access};
 use super::live::{Wish, ports};
 use super::recordings::{MOST_BYTES, of_bytes, take_in};
-use super::request::{Answered, Body, DONE, Done, Query, Refused, Sent, blocking};
+use super::request::{Answered, Body, DONE, Done, Path, Query, Refused, Sent, blocking};
 use super::simulate::{Question, Slider, Values, answer, named, sliders_of, unknown_recording, with};
 use super::state::{App, Named, State as Page};
 use super::{downloads, draw, files, socket, surfaces, work};
@@ -11,7 +11,7 @@ use crate::error::Failure;
 use crate::formula::{self, effect_of};
 use crate::improve::Change;
 use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
-use axum::extract::{DefaultBodyLimit, Path, State, WebSocketUpgrade};
+use axum::extract::{DefaultBodyLimit, State, WebSocketUpgrade};
 use axum::http::header::CONTENT_TYPE;
 use axum::http::{StatusCode, Uri};
 use axum::middleware::from_fn_with_state;

@@ -3,6 +3,7 @@
 use super::{Qemu, ask_debugger, connect, debugger};
 use std::collections::BTreeMap;
 use std::os::unix::net::UnixStream;
+use std::time::Duration;
 
 /// The processor's memory.
 const RAM: std::ops::Range<u64> = 0x2000_0000..0x2002_0000;
@@ -13,6 +14,9 @@ const PIECE: u64 = 0x400;
 /// The counter has moved on by less than this since it was asked for.
 const MOST_AHEAD: u64 = 20_000;
 
+/// It may stand still just when one place is ahead of the other.
+const N_TRIES: u32 = 20;
+
 /// Its two places lie in the same structure.
 const MOST_APART: u64 = 0x400;
 
@@ -20,10 +24,17 @@ impl Qemu {
     /// Sets the sample counter, which was `last` a moment ago, to `new`, while the processor stands still. The counter
     /// is known by standing in memory twice, as number of the next sample and in the statistics. Gives what it was.
     pub fn move_counter(&self, last: u64, new: u64) -> Result<u64, String> {
-        let mut line = connect(&debugger(&self.directory))?;
-        let was = replace(&mut line, last, new);
-        ask(&mut line, "D")?;
-        was
+        let mut outcome = Err(String::new());
+        for _ in 0..N_TRIES {
+            let mut line = connect(&debugger(&self.directory))?;
+            outcome = replace(&mut line, last, new);
+            ask(&mut line, "D")?;
+            if outcome.is_ok() {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        outcome
     }
 }
 
