@@ -194,7 +194,7 @@ fn page(runtime: &tokio::runtime::Runtime) -> Router {
         token: None,
         port: None,
         sim_speed: 1.0,
-        model: Some((RigFile::new(Parameters::paper().pendulum), "fuzz".to_owned())),
+        model: Some((RigFile::new(Parameters::paper().pendulum).unwrap(), "fuzz".to_owned())),
         recordings: Vec::new(),
         folder: "/nowhere".into(),
         reading: ReadOptions::default(),

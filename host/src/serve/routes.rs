@@ -195,10 +195,9 @@ async fn pendulum(State(app): Shared, Sent(geometry): Sent<Geometry>) -> Done {
             let pendulum = Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2: GRAVITY_M_S2 };
             let refused =
                 |error| Failure::wrong_use(error).next("give kg, m and kg·m², such as 0.147, 0.156 and 0.0028");
-            shared::parameters::Parameters::frictionless(pendulum).check().map_err(refused)?;
-            RigFile::new(pendulum)
+            RigFile::new(pendulum).map_err(refused)?
         }
-        (None, None, None) => RigFile::normalised(GRAVITY_M_S2),
+        (None, None, None) => RigFile::normalised(GRAVITY_M_S2).map_err(Failure::from)?,
         _ => {
             return Err(Failure::wrong_use("mass, length and inertia belong together")
                 .next("give all three, or none")
