@@ -1,8 +1,8 @@
 //! A bad link: flips, drops, inserts, repeats, splits, stalls, breaks or restarts, by a seed; and the truth beside it.
 
 use crate::chance::Chance;
-use host::recording::{self, ReadOptions, Recording};
 use host::record::Taken;
+use host::recording::{self, ReadOptions, Recording};
 use shared::wire::{Deframer, Frame};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;

@@ -113,9 +113,9 @@ fn no_wrong_number_of_the_firmware_enters_a_recording_whatever_the_link_does() {
         let path = folder.path().join("swing.csv");
         let began = std::time::Instant::now();
         let taken = run(qemu.port(), seed, &path);
-        let (end, n_samples, lost) = taken.as_ref().map_or((None, 0, 0), |(taken, _)| {
-            (Some(format!("{:?}", taken.end)), taken.n_samples, taken.samples_lost)
-        });
+        let (end, n_samples, lost) = taken
+            .as_ref()
+            .map_or((None, 0, 0), |(taken, _)| (Some(format!("{:?}", taken.end)), taken.n_samples, taken.samples_lost));
         println!("seed {seed}: {n_samples} samples, {lost} lost, ended by {end:?}, after {:.1?}", began.elapsed());
         if let Some((taken, n_gaps)) = taken {
             n_taken += u64::from(taken.n_samples > 0);

@@ -131,7 +131,8 @@ fn messages_with_a_right_check_sum() {
 
 #[test]
 fn flash_content() {
-    let mut stored = Stored { parameters: Parameters::paper().map(|value| value as f32), settings: settings_of_a_rig() };
+    let mut stored =
+        Stored { parameters: Parameters::paper().map(|value| value as f32), settings: settings_of_a_rig() };
     let encoded = |stored: &Stored| stored.encode(&mut [0; MAX_STORED]).unwrap().to_vec();
     let without = encoded(&stored);
     let effect = formula::read("-k*omega; k in 0..1").unwrap();

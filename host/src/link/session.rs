@@ -124,7 +124,11 @@ impl Session {
         self.next_number = self.next_number.wrapping_add(1);
         let frame = Frame::Command(number, command.clone());
         let (n_times, patience) = patience(command);
-        for _ in 0..n_times {
+        for attempt in 0..n_times {
+            if attempt > 0 {
+                // Ends what the link may have left of the one before, or this one would be lost with it.
+                self.write(&[0])?;
+            }
             self.send(&frame)?;
             match self.answer(number, patience)? {
                 None => {}
