@@ -1,5 +1,7 @@
 //! The pendulum rig on the PC.
 
+#![forbid(unsafe_code)]
+
 pub mod calibrate;
 pub mod cli;
 pub mod compare;

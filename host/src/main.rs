@@ -1,5 +1,7 @@
 //! The program `host`: understand the command line, do it, say how it went.
 
+#![forbid(unsafe_code)]
+
 use host::cli;
 use std::process::ExitCode;
 

@@ -27,6 +27,9 @@ use std::ops::Range;
 /// Fewer samples than this cannot show a swing: refused when read.
 pub const MIN_SAMPLES: usize = 16;
 
+/// The model's sine serves angles up to here: 1,500 turns.
+const LARGEST_RAD: f64 = 1e4;
+
 /// A step longer than this many median steps is a gap.
 const GAP_STEPS: f64 = 1.5;
 
@@ -71,6 +74,7 @@ impl Recording {
         check_lengths(&times_s, &angles_rad, codes.as_deref())?;
         check_finite("time", &times_s)?;
         check_finite("angle", &angles_rad)?;
+        check_turns(&angles_rad)?;
         check_increasing(&times_s)?;
         let gaps = find_gaps(&times_s);
         Ok(Self { header, times_s, angles_rad, codes, gaps, notes: Vec::new() })
@@ -186,6 +190,11 @@ fn check_lengths(times_s: &[f64], angles_rad: &[f64], codes: Option<&[u16]>) -> 
         return Err(Fault::TooFewSamples { n_found: times_s.len() });
     }
     Ok(())
+}
+
+fn check_turns(angles_rad: &[f64]) -> Result<(), Fault> {
+    let largest = angles_rad.iter().fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+    if largest > LARGEST_RAD { Err(Fault::TooManyTurns { largest }) } else { Ok(()) }
 }
 
 fn check_finite(column: &str, values: &[f64]) -> Result<(), Fault> {

@@ -76,13 +76,19 @@ pub struct RigFile {
 
 impl RigFile {
     /// The model of a pendulum whose geometry is known; friction is a guess from its size until a fit.
-    pub fn new(pendulum: Pendulum<f64>) -> Self {
+    ///
+    /// # Errors
+    /// Numbers that no pendulum has.
+    pub fn new(pendulum: Pendulum<f64>) -> Result<Self, RigFileError> {
         Self::written(&guess::parameters(pendulum), false)
     }
 
     /// The model of a pendulum of which only the motion is known: m·g·l = 1, so that every torque and moment of
     /// inertia is per m·g·l.
-    pub fn normalised(gravity_m_s2: f64) -> Self {
+    ///
+    /// # Errors
+    /// A gravity of no place.
+    pub fn normalised(gravity_m_s2: f64) -> Result<Self, RigFileError> {
         Self::written(&guess::parameters(guess::normalised_pendulum(gravity_m_s2)), true)
     }
 
@@ -93,7 +99,7 @@ impl RigFile {
     pub fn of_rig(parameters: &Parameters<f32>, source: &Source) -> Result<Self, RigFileError> {
         let reported = parameters.map(exactly);
         reported.check().map_err(RigFileError::Model)?;
-        let mut file = Self::new(reported.pendulum);
+        let mut file = Self::new(reported.pendulum)?;
         file.take_over(parameters, source)?;
         // A guess that happens to be right came from the rig all the same.
         for quantity in Quantity::all(&reported).into_iter().filter(|quantity| quantity.owner() != "pendulum") {
@@ -103,10 +109,9 @@ impl RigFile {
         Ok(file)
     }
 
-    /// A fresh file around parameters that passed their check.
-    fn written(parameters: &Parameters<f64>, normalised: bool) -> Self {
-        let text = write::template(parameters, normalised);
-        Self::parse(USUAL_NAME, &text).expect("the template is a valid file")
+    fn written(parameters: &Parameters<f64>, normalised: bool) -> Result<Self, RigFileError> {
+        parameters.check().map_err(RigFileError::Model)?;
+        Self::parse(USUAL_NAME, &write::template(parameters, normalised))
     }
 
     /// Reads the file at `path`.
@@ -152,7 +157,7 @@ impl RigFile {
     pub fn is_fresh(&self) -> bool {
         let pendulum = self.parameters.pendulum;
         let guesses = [Self::new(pendulum), Self::normalised(pendulum.gravity_m_s2)];
-        guesses.iter().any(|guess| guess.parameters == self.parameters)
+        guesses.iter().flatten().any(|guess| guess.parameters == self.parameters)
     }
 
     /// The sensor's calibration, if the file has one.

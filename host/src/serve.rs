@@ -95,6 +95,12 @@ pub fn run(settings: Settings, stop: &Stop, announce: impl FnOnce(&str)) -> Resu
     runtime.map_err(Failure::failed)?.block_on(serve(settings, stop, announce))
 }
 
+/// The page without a network, a rig and a worker, for tests: takes requests, and what they ask for stays waiting.
+pub fn unplugged(settings: Settings) -> axum::Router {
+    let access = Access::new(settings.listen, settings.token.clone());
+    routes::router(&App::new(settings, Stop::default()), access)
+}
+
 async fn serve(settings: Settings, stop: &Stop, announce: impl FnOnce(&str)) -> Result<(), Failure> {
     let wanted = settings.listen;
     let listener = TcpListener::bind(wanted).await.map_err(|error| not_bound(wanted, &error))?;

@@ -19,6 +19,16 @@ const MOVED_RAD: f64 = 5e-3;
 /// turning point at 0.1 rad the angle stays for a quarter of that.
 const HELD_S: f64 = 0.4;
 
+/// Over a gap the model goes on in steps like those between samples …
+const GAP_STEP_S: f64 = 0.01;
+
+/// … for so long. After more than that nobody knows where the pendulum is, and the next measurement begins anew.
+const LONGEST_GAP_S: f64 = 5.0;
+
+/// A model that is further from the measurement than this (rad), or faster (rad/s), has run away: its parameters are of
+/// no pendulum. It begins anew, so that good parameters find it well.
+const LOST: f64 = 1e4;
+
 /// What the observer says after a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate<R> {
@@ -105,15 +115,23 @@ impl<R: Real> Observer<R> {
         self.started = true;
     }
 
-    /// Takes a measured angle (rad), `dt_s` after the one before. The first one only sets the state.
+    /// Takes a measured angle (rad), `dt_s` after the one before. The first one only sets the state; one that is no
+    /// number counts as a gap.
     pub fn on_measurement(&mut self, measured_rad: R, dt_s: R) -> Estimate<R> {
-        if !self.started {
-            self.start_at(measured_rad, R::zero());
-        } else {
+        if !measured_rad.abs().lt(R::of(LOST)).all() {
+            return self.on_gap(dt_s);
+        }
+        if self.started {
             self.model.step(&mut self.state, dt_s);
             self.state.time_s = self.since_release.after(measured_rad, dt_s);
+        } else {
+            self.start_at(measured_rad, R::zero());
         }
-        let innovation = measured_rad - self.model.read(&self.state, &mut self.sensor);
+        let mut innovation = measured_rad - self.model.read(&self.state, &mut self.sensor);
+        if self.is_lost(innovation) {
+            self.start_at(measured_rad, R::zero());
+            innovation = measured_rad - self.model.read(&self.state, &mut self.sensor);
+        }
         self.correct(innovation, dt_s);
         let forget = (dt_s * R::of(1.0 / FORGETTING_S)).min(R::one());
         self.mean_square = self.mean_square + forget * (innovation * innovation - self.mean_square);
@@ -122,11 +140,27 @@ impl<R: Real> Observer<R> {
 
     /// Lets `dt_s` pass without a usable measurement.
     pub fn on_gap(&mut self, dt_s: R) -> Estimate<R> {
-        if self.started {
-            self.model.step(&mut self.state, dt_s);
-            self.since_release.gaps_s = self.since_release.gaps_s + dt_s;
+        // Not a number fails the comparison too.
+        self.started &= dt_s.lt(R::of(LONGEST_GAP_S)).all();
+        let mut left_s = if self.started { dt_s } else { R::zero() };
+        while R::zero().lt(left_s).any() {
+            let step_s = left_s.min(R::of(GAP_STEP_S));
+            self.model.step(&mut self.state, step_s);
+            self.since_release.gaps_s = self.since_release.gaps_s + step_s;
+            left_s = left_s - step_s;
+        }
+        if self.is_lost(R::zero()) {
+            self.state = self.model.release(R::zero(), R::zero());
+            self.started = false;
         }
         self.estimate(R::zero())
+    }
+
+    fn is_lost(&self, innovation_rad: R) -> bool {
+        let limit = R::of(LOST);
+        let State { angle_rad, velocity_rad_s, .. } = self.state;
+        let numbers = [innovation_rad, angle_rad, velocity_rad_s];
+        !numbers.iter().all(|number| number.abs().lt(limit).all())
     }
 
     fn correct(&mut self, innovation: R, dt_s: R) {
@@ -140,10 +174,13 @@ impl<R: Real> Observer<R> {
     }
 
     fn estimate(&self, innovation_rad: R) -> Estimate<R> {
+        // A law of absurd numbers may have no value at some speed; whoever draws it needs one.
+        let friction_nm = self.model.friction_torque_nm(&self.state);
+        let has_value = friction_nm.abs().lt(R::of(LOST));
         Estimate {
             angle_rad: self.state.angle_rad,
             velocity_rad_s: self.state.velocity_rad_s,
-            friction_nm: self.model.friction_torque_nm(&self.state),
+            friction_nm: R::select(has_value, friction_nm, R::zero()),
             innovation_rad,
         }
     }

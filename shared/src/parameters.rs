@@ -11,7 +11,11 @@ use serde::{Deserialize, Serialize};
 pub const MAX_EFFECTS: usize = 10;
 
 /// A value this many times above the usual range of its parameter is refused as a mistake of units.
-const ABSURD: f64 = 1000.0;
+pub const ABSURD: f64 = 1000.0;
+
+/// In SI units no pendulum's mass, length, inertia or gravity is larger, nor smaller than its inverse: beyond, products
+/// of them leave `f32`.
+const ENORMOUS: f64 = 1e6;
 
 /// One effect's numbers, in the order of its parameter list.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,7 +41,8 @@ pub struct Parameters<R> {
 /// What is wrong with a set of parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ParameterError {
-    /// Mass, length or gravity not positive, inertia negative, or one of them not a number: which, by position.
+    /// Mass, length or gravity not positive, inertia negative, or one of them not a number or beyond all that is
+    /// built: which, by position.
     Pendulum {
         /// 0 mass, 1 length, 2 inertia, 3 gravity.
         index: u8,
@@ -81,7 +86,7 @@ impl core::fmt::Display for ParameterError {
         match *self {
             Self::Pendulum { index } => {
                 let what = ["mass", "length", "inertia", "gravity"].get(usize::from(index)).copied().unwrap_or("?");
-                write!(f, "the pendulum's {what} is not a positive number")
+                write!(f, "the pendulum's {what} is not a positive number from 1e-6 to 1e6 (SI units)")
             }
             Self::UnknownEffect { id: CUSTOM_FORMULA_ID } => {
                 write!(f, "there are values of a custom formula, but no formula")
@@ -192,13 +197,12 @@ impl<R: Copy + Into<f64>> Parameters<R> {
 
     fn check_pendulum(&self) -> Result<(), ParameterError> {
         let p = &self.pendulum;
-        let positive = |value: R| value.into().is_finite() && value.into() > 0.0;
-        let inertia = p.inertia_kg_m2.into();
+        let sensible = |value: R| (1.0 / ENORMOUS..=ENORMOUS).contains(&value.into());
         let good = [
-            positive(p.mass_kg),
-            positive(p.length_m),
-            inertia.is_finite() && inertia >= 0.0,
-            positive(p.gravity_m_s2),
+            sensible(p.mass_kg),
+            sensible(p.length_m),
+            (0.0..=ENORMOUS).contains(&p.inertia_kg_m2.into()),
+            sensible(p.gravity_m_s2),
         ];
         match good.iter().position(|good| !good) {
             Some(index) => Err(ParameterError::Pendulum { index: index as u8 }),

@@ -14,6 +14,9 @@ pub const FULL_SCALE_12_BIT: u16 = 4095;
 /// Readings this close to an end (as a share of full scale) are the dead zone, an end stop or a broken wire.
 const END_SHARE: f32 = 0.004;
 
+/// A converter this coarse shows no swing.
+const MOST_RADIAN_PER_CODE: f32 = 1.0;
+
 /// Calibration of the potentiometer: angle = (code − zero) · gain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Potentiometer {
@@ -50,10 +53,10 @@ impl Potentiometer {
         code > margin && code < f32::from(self.full_scale) - margin
     }
 
-    /// Is this a calibration to compute with? Gain finite and not zero, zero within the converter's range.
+    /// Is this a calibration to compute with? Gain not zero and at most a radian a code, zero within the converter's range.
     pub fn is_valid(&self) -> bool {
-        self.radian_per_code.is_finite()
-            && self.radian_per_code != 0.0
+        self.radian_per_code.is_normal()
+            && self.radian_per_code.abs() <= MOST_RADIAN_PER_CODE
             && (0.0..=f32::from(self.full_scale)).contains(&self.zero_code)
     }
 }

@@ -3,6 +3,8 @@
 //! The pendulum is the clock: one code is one sample, and the firmware acknowledges every sixteen, so neither runs
 //! away from the other and no wall-clock time enters a result.
 
+mod counter;
+
 use crate::plant::{Plant, Scenario};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -152,6 +154,7 @@ impl Shared {
     /// Sends samples while the firmware acknowledges them; kills it at the time limit.
     fn feed(&self, mut plant: Plant, mut line: UnixStream, limit: Duration) {
         let started = Instant::now();
+        let real_time_hz = plant.real_time_hz();
         let mut in_flight = 0;
         let mut last_heard = Instant::now();
         while !self.stop.load(Ordering::Relaxed) {
@@ -164,11 +167,20 @@ impl Shared {
             if let Some(scenario) = self.next_scenario.lock().ok().and_then(|mut next| next.take()) {
                 plant = Plant::new(scenario);
             }
-            let bytes: Vec<u8> = (in_flight..WINDOW).flat_map(|_| two_bytes(plant.next_code().0)).collect();
+            let n_due = real_time_hz.map_or(WINDOW, |rate_hz| {
+                let due = (started.elapsed().as_secs_f64() * rate_hz) as u64;
+                due.saturating_sub(self.n_samples.load(Ordering::Relaxed))
+            });
+            if n_due == 0 {
+                std::thread::sleep(Duration::from_millis(1));
+                continue;
+            }
+            let n_new = n_due.min(WINDOW - in_flight);
+            let bytes: Vec<u8> = (0..n_new).flat_map(|_| two_bytes(plant.next_code().0)).collect();
             if line.write_all(&bytes).is_err() {
                 return;
             }
-            in_flight = WINDOW;
+            in_flight += n_new;
             self.n_samples.fetch_add(bytes.len() as u64 / 2, Ordering::Relaxed);
             self.n_swings.store(u64::from(plant.n_swings()), Ordering::Relaxed);
 

@@ -22,7 +22,7 @@ const EVERY: usize = 50;
 
 fn dry() -> RigFile {
     let pendulum = Parameters::paper().pendulum;
-    let mut file = RigFile::new(Pendulum { ..pendulum });
+    let mut file = RigFile::new(Pendulum { ..pendulum }).unwrap();
     let mut parameters = Parameters::paper();
     // More dry friction than the paper's, so that it comes to rest in time.
     parameters.set_friction(5.4e-4, 8e-3, 1e-2, 0.055);

@@ -50,3 +50,18 @@ fn other_licences_are_refused() {
     assert!(is_allowed("MIT OR GPL-3.0-only", &allowed) && is_allowed("MIT/Apache-2.0", &allowed));
     assert!(!is_allowed("GPL-3.0-only", &allowed) && !is_allowed("MIT AND AGPL-3.0-only", &allowed));
 }
+
+/// The boards' registers need some; what runs on both sides, and on the PC, needs none.
+#[test]
+fn what_runs_on_the_pc_is_without_unsafe_code() {
+    for file in ["shared/src/lib.rs", "host/src/lib.rs", "host/src/main.rs", "firmware/src/lib.rs"] {
+        let text = std::fs::read_to_string(workspace().join(file)).unwrap();
+        assert!(text.lines().any(|line| line == "#![forbid(unsafe_code)]"), "{file}");
+    }
+}
+
+#[test]
+fn tests_notice_overflow() {
+    let overflow = std::panic::catch_unwind(|| std::hint::black_box(u8::MAX) + std::hint::black_box(1));
+    assert!(overflow.is_err());
+}

@@ -1,8 +1,10 @@
 //! Recordings outlive the program: killed at any moment, it leaves a file that is the beginning of the whole.
+#![cfg(unix)]
 
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Instant;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 use tests::chance::Chance;
 use tests::program::{self, host};
 
@@ -70,4 +72,100 @@ fn a_folder_that_takes_no_files_is_named_before_anybody_swings() {
     let folder = tempfile::tempdir().unwrap();
     host(folder.path(), "record --port sim -o /proc/swing.csv").failed(1, &["/proc/swing.csv"]);
     host(folder.path(), "record --port sim -o nowhere/swing.csv").failed(1, &["nowhere/swing.csv"]);
+}
+
+/// As whoever may not write there; the system's own files serve where the tests run as root.
+#[test]
+fn a_read_only_folder_is_named_and_what_lies_in_it_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let locked = folder.path().join("locked");
+    std::fs::create_dir(&locked).unwrap();
+    std::fs::write(locked.join("kept.csv"), "kept").unwrap();
+    let allow = |writing: bool| {
+        let mut permissions = std::fs::metadata(&locked).unwrap().permissions();
+        std::os::unix::fs::PermissionsExt::set_mode(&mut permissions, if writing { 0o755 } else { 0o555 });
+        std::fs::set_permissions(&locked, permissions).unwrap();
+    };
+    allow(false);
+    let is_root = std::fs::write(locked.join("root"), "").is_ok();
+    let place = if is_root { "/proc" } else { "locked" };
+    host(folder.path(), &format!("record --port sim -o {place}/swing.csv")).failed(1, &[&format!("{place}/swing.csv")]);
+    host(folder.path(), "init --mass 0.1466084 --length 0.1562177 --inertia 0.00284252").succeeded();
+    host(folder.path(), &format!("simulate -o {place}/swing.csv")).failed(1, &[&format!("{place}/swing.csv")]);
+    let init = format!("init --mass 0.1 --length 0.2 --inertia 0.001 -o {place}/rig.toml");
+    host(folder.path(), &init).failed(1, &[&format!("{place}/rig.toml")]);
+    allow(true);
+    assert_eq!(std::fs::read_to_string(locked.join("kept.csv")).unwrap(), "kept");
+}
+
+#[test]
+fn a_file_that_is_replaced_while_it_is_read_is_read_whole_before_or_after() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("swing.csv");
+    let text = |angle: f64| {
+        let rows: String = (0..2000).map(|k| format!("{:.3},{angle}\n", 1e-3 * f64::from(k))).collect();
+        format!("t,theta\n{rows}")
+    };
+    let texts = [text(0.5), text(-0.25)];
+    std::fs::write(&path, &texts[0]).unwrap();
+    let read = || host::recording::read(&path, &Default::default());
+    let done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            for k in 0.. {
+                if done.load(Ordering::Relaxed) {
+                    return;
+                }
+                let beside = folder.path().join("new.csv");
+                std::fs::write(&beside, &texts[k % 2]).unwrap();
+                std::fs::rename(&beside, &path).unwrap();
+            }
+        });
+        let mut seen = [0, 0];
+        let began = Instant::now();
+        while seen.iter().any(|n| *n < 50) && began.elapsed() < Duration::from_secs(20) {
+            let recording = read().unwrap();
+            let angles = recording.angles_rad();
+            assert!(angles.len() == 2000 && angles.iter().all(|angle| *angle == angles[0]), "a mixture");
+            seen[usize::from(angles[0] < 0.0)] += 1;
+        }
+        done.store(true, Ordering::Relaxed);
+        assert!(seen.iter().all(|n| *n >= 50), "{seen:?}");
+    });
+}
+
+/// Written over in its place, as an editor or a second recording may do it.
+#[test]
+fn a_file_that_is_cut_while_it_is_read_is_its_beginning_or_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("swing.csv");
+    let rows: String =
+        (0..2000).map(|k| format!("{:.3},{}\n", 1e-3 * f64::from(k), 0.1 + 1e-4 * f64::from(k))).collect();
+    let whole = format!("t,theta\n{rows}");
+    std::fs::write(&path, &whole).unwrap();
+    let all = host::recording::read(&path, &Default::default()).unwrap();
+    let done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !done.load(Ordering::Relaxed) {
+                std::fs::write(&path, &whole).unwrap();
+            }
+        });
+        let (mut n_read, mut n_refused) = (0, 0);
+        for _ in 0..2000 {
+            match host::recording::read(&path, &Default::default()) {
+                Ok(recording) => {
+                    assert_eq!(recording.angles_rad(), &all.angles_rad()[..recording.len()]);
+                    n_read += 1;
+                }
+                Err(error) => {
+                    assert!(error.to_string().contains("swing.csv"), "{error}");
+                    n_refused += 1;
+                }
+            }
+        }
+        done.store(true, Ordering::Relaxed);
+        println!("{n_read} read, {n_refused} refused");
+        assert!(n_read > 0);
+    });
 }

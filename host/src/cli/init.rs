@@ -3,7 +3,7 @@
 use super::values::{not_negative, positive};
 use super::{output, rig};
 use crate::error::Failure;
-use crate::rigfile::RigFile;
+use crate::rigfile::{RigFile, RigFileError};
 use clap::Args;
 use serde::Serialize;
 use shared::motion::Pendulum;
@@ -61,7 +61,7 @@ struct Written {
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     rig::refuse_existing(&options.output, options.force)?;
-    let file = model(options);
+    let file = model(options)?;
     file.save(&options.output)?;
     let pendulum = &file.parameters().pendulum;
     let (gravity_torque_nm, pivot_inertia_kg_m2) = (pendulum.gravity_torque_nm(), pendulum.pivot_inertia_kg_m2());
@@ -81,7 +81,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     Ok(())
 }
 
-fn model(options: &Options) -> RigFile {
+fn model(options: &Options) -> Result<RigFile, RigFileError> {
     match (options.mass, options.length, options.inertia) {
         (Some(mass_kg), Some(length_m), Some(inertia_kg_m2)) => {
             RigFile::new(Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2: options.gravity })

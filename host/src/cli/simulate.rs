@@ -232,5 +232,11 @@ fn convert(potentiometer: &Potentiometer, angle_rad: f64) -> (f64, Option<u16>) 
 }
 
 fn not_written(error: WriteError) -> Failure {
-    Failure::failed(error)
+    match error {
+        WriteError::BadSample { time_s, angle_rad, .. } => {
+            let what = format!("the swing runs away: at {time_s:.3} s its angle is {angle_rad:e} rad");
+            Failure::failed(what).next("an effect of the model feeds energy in without end; choose smaller values")
+        }
+        error => Failure::failed(error),
+    }
 }

@@ -45,6 +45,9 @@ pub struct Totals {
     pub ratio: f64,
 }
 
+/// Less motion than this no sensor sees, rad.
+const LEAST_MOTION_RAD: f64 = 1e-9;
+
 impl Totals {
     /// Over several recordings.
     pub fn of(recordings: &[Judged]) -> Self {
@@ -55,10 +58,12 @@ impl Totals {
         };
         let residual_rad = rms(&residuals);
         let motion = weighted(&|r| r.motion_rad.powi(2)).sqrt();
+        // What does not move has nothing to explain; a share of zero would be no number.
+        let share = residual_rad / motion.max(LEAST_MOTION_RAD);
         let noise_rad = weighted(&|r| r.noise.level_rad().powi(2)).sqrt();
         Self {
-            explained: 1.0 - (residual_rad / motion).powi(2),
-            nrmse_fit: 1.0 - residual_rad / motion,
+            explained: 1.0 - share.powi(2),
+            nrmse_fit: 1.0 - share,
             residual_rad,
             noise_rad,
             ratio: residual_rad / noise_rad.max(1e-300),

@@ -12,7 +12,7 @@ use super::search::{excess, fit_promise};
 use super::trial::{Trial, finish, fit_from, refined};
 use crate::fit::descent::Patience;
 use crate::fit::problem::{Point, Problem};
-use crate::formula::read;
+use crate::formula::{self, read};
 use crate::swing::Window;
 use rayon::prelude::*;
 use shared::effect::{Effect, MAX_VALUES};
@@ -193,7 +193,10 @@ impl Guess {
         let ranges: String =
             numbers.map(|((symbol, ..), value)| format!("; {symbol} in {}", range(*value, AROUND))).collect();
         let typed = |unit: &str| format!("-k*{}; k in {}{unit}{ranges}", laws.join("*"), range(values[0], (0.0, 2.0)));
-        [typed(" N·m"), typed("")].into_iter().find(|text| read(text).is_ok()).unwrap_or(self.effect.formula.to_owned())
+        [typed(" N·m"), typed("")]
+            .into_iter()
+            .find(|text| formula::check(text).is_ok())
+            .unwrap_or(self.effect.formula.to_owned())
     }
 
     /// With numbers, as a person would write it.

@@ -138,7 +138,7 @@ fn next_level(problem: &Problem, beam: &[Trial], candidates: &[&'static Effect<f
     level = looked_at_again(problem, level);
     let Some(lowest) = level.first().map(|best| best.cost) else { return level };
     // Models far above the best one stay as they are: nothing that follows depends on their last digit.
-    let near = level.iter().take(MAX_FINISHED).take_while(|trial| trial.cost < NEAR * lowest).count();
+    let near = level.iter().take(MAX_FINISHED).take_while(|trial| trial.cost < NEAR * lowest).count().max(1);
     let mut rest = level.split_off(near);
     // What somebody typed deserves its last digit anyway.
     level.extend(rest.extract_if(.., |trial| trial.has(CUSTOM_FORMULA_NAME)));

@@ -42,7 +42,7 @@ fn values(parsed: &Parsed) -> impl Iterator<Item = [f64; MAX_VALUES]> + '_ {
 }
 
 /// Refuses a formula that gives no number somewhere, and tells where.
-pub(super) fn check(parsed: &Parsed, formula: &Formula) -> Result<(), FormulaError> {
+pub(super) fn has_values(parsed: &Parsed, formula: &Formula) -> Result<(), FormulaError> {
     let (exact, as_on_board) = (Program::<f64>::new(formula), Program::<f32>::new(formula));
     for values in values(parsed) {
         for motion in instants() {

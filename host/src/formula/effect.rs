@@ -2,7 +2,7 @@
 
 use super::FormulaError;
 use super::compile::compile;
-use super::domain::{check, instants};
+use super::domain::{has_values, instants};
 use super::parse::{Parsed, parse};
 use super::ranges::Declared;
 use shared::effect::{Action, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, MAX_VALUES, Parameter};
@@ -14,6 +14,9 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 /// Where in its range the search for a parameter that is no strength begins, one start each.
 const SHARES: [f64; 3] = [0.5, 0.2, 0.8];
 
+/// A program that reads more different formulas than this was never meant to; each takes about a kilobyte.
+const MOST_KEPT: usize = 10_000;
+
 /// Effects by text. Everything that lists effects expects them to live for ever, so each formula is kept once.
 fn known() -> &'static Mutex<HashMap<String, &'static Effect<f64>>> {
     static KNOWN: OnceLock<Mutex<HashMap<String, &'static Effect<f64>>>> = OnceLock::new();
@@ -23,18 +26,45 @@ fn known() -> &'static Mutex<HashMap<String, &'static Effect<f64>>> {
 /// Reads a formula and makes an effect of it.
 ///
 /// # Errors
-/// What is wrong with it, and where.
+/// What is wrong with it, and where; or that too many others were read before.
 pub fn read(text: &str) -> Result<&'static Effect<f64>, FormulaError> {
     let parsed = parse(text)?;
-    let mut known = known().lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(effect) = known.get(&parsed.text) {
+    if let Some(effect) = kept_already(&parsed) {
         return Ok(effect);
     }
-    let formula = compile(&parsed)?;
-    check(&parsed, &formula)?;
-    let effect = Box::leak(Box::new(effect(&parsed, formula)));
-    known.insert(parsed.text, effect);
+    let understood = understood(&parsed)?;
+    let mut known = known().lock().unwrap_or_else(PoisonError::into_inner);
+    if known.len() >= MOST_KEPT {
+        let problem = format!("{MOST_KEPT} formulas were read already, and no more are kept; start the program again");
+        return Err(FormulaError::whole(&parsed.text, problem));
+    }
+    let effect = *known.entry(parsed.text.clone()).or_insert_with(|| Box::leak(Box::new(effect(&parsed, understood))));
     Ok(effect)
+}
+
+/// Is this a formula? Says the same as [`read`], and keeps nothing.
+///
+/// # Errors
+/// What is wrong with it, and where.
+pub fn check(text: &str) -> Result<(), FormulaError> {
+    understood(&parse(text)?).map(|_| ())
+}
+
+fn kept_already(parsed: &Parsed) -> Option<&'static Effect<f64>> {
+    known().lock().unwrap_or_else(PoisonError::into_inner).get(&parsed.text).copied()
+}
+
+/// A formula that can be used, and where a search for its parameters begins.
+struct Understood {
+    formula: Formula,
+    starts: Vec<[f64; MAX_VALUES]>,
+}
+
+fn understood(parsed: &Parsed) -> Result<Understood, FormulaError> {
+    let formula = compile(parsed)?;
+    has_values(parsed, &formula)?;
+    let starts = starts(parsed, &formula);
+    Ok(Understood { formula, starts })
 }
 
 /// The effect with an id, as it is meant in a set of parameters.
@@ -50,8 +80,7 @@ pub fn add(parameters: &mut Parameters<f64>, effect: &Effect<f64>, values: &[f64
     }
 }
 
-fn effect(parsed: &Parsed, formula: Formula) -> Effect<f64> {
-    let starts = starts(parsed, &formula);
+fn effect(parsed: &Parsed, Understood { formula, starts }: Understood) -> Effect<f64> {
     let parameter = |(index, declared): (usize, &Declared)| Parameter {
         symbol: kept(&declared.name),
         unit: kept(&declared.unit),

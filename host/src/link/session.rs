@@ -13,10 +13,13 @@ const HELLO_PATIENCE: Duration = Duration::from_secs(4);
 const HELLO_EVERY: Duration = Duration::from_millis(500);
 
 /// Commands may be repeated: none of them does harm when carried out twice.
-const N_ATTEMPTS: u32 = 3;
+const N_ATTEMPTS: u32 = 6;
 
-/// How long an answer may take.
-const ANSWER_PATIENCE: Duration = Duration::from_secs(1);
+/// How long an answer may take before it is asked for again; a late one still counts.
+const ANSWER_PATIENCE: Duration = Duration::from_millis(500);
+
+/// Flash wears, so it is not asked as often.
+const N_FLASH_ATTEMPTS: u32 = 3;
 
 /// Erasing a flash sector stops the rig for up to a second or two.
 const FLASH_PATIENCE: Duration = Duration::from_secs(5);
@@ -120,11 +123,16 @@ impl Session {
         let number = self.next_number;
         self.next_number = self.next_number.wrapping_add(1);
         let frame = Frame::Command(number, command.clone());
+        let (n_times, patience) = patience(command);
         log::debug!("asking the rig to {}", words(command));
-        for _ in 0..N_ATTEMPTS {
+        for attempt in 0..n_times {
+            if attempt > 0 {
+                // Ends what the link may have left of the one before, or this one would be lost with it.
+                self.write(&[0])?;
+            }
             self.send(&frame)?;
-            match self.answer(number, patience(command))? {
-                None => log::debug!("no answer within {:?}", patience(command)),
+            match self.answer(number, patience)? {
+                None => log::debug!("no answer within {patience:?}"),
                 Some(Answer::Refused(refusal)) => {
                     return Err(LinkError::Refused { command: words(command), refusal });
                 }
@@ -132,7 +140,7 @@ impl Session {
             }
         }
         let port = self.port.name().to_owned();
-        Err(LinkError::NoAnswer { port, command: words(command), n_times: N_ATTEMPTS })
+        Err(LinkError::NoAnswer { port, command: words(command), n_times })
     }
 
     /// Tells the rig to do something that has no answer but "done".
@@ -277,10 +285,11 @@ impl Drop for Session {
     }
 }
 
-fn patience(command: &Command) -> Duration {
+/// How often to ask, and how long to wait each time.
+fn patience(command: &Command) -> (u32, Duration) {
     match command {
-        Command::Save | Command::Load => FLASH_PATIENCE,
-        _ => ANSWER_PATIENCE,
+        Command::Save | Command::Load => (N_FLASH_ATTEMPTS, FLASH_PATIENCE),
+        _ => (N_ATTEMPTS, ANSWER_PATIENCE),
     }
 }
 

@@ -112,8 +112,8 @@ impl<'a> Recorder<'a> {
     fn take(&mut self, samples: &Samples, watch: &mut dyn Watch) -> Result<Option<End>, RecordError> {
         let first = *self.first_received.get_or_insert(samples.first_sample);
         for (offset, code) in samples.codes.iter().enumerate() {
-            let number = samples.first_sample + offset as u64;
-            self.next_number = number + 1;
+            let number = samples.first_sample.saturating_add(offset as u64);
+            self.next_number = number.saturating_add(1);
             self.now_s = number.saturating_sub(first) as f64 / f64::from(self.settings.rate_hz);
             if let Some(end) = self.take_sample(number, *code, watch)? {
                 return Ok(Some(end));

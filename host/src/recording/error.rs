@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::columns::ColumnsError;
 use super::header::{FORMAT_NAME, FORMAT_VERSION};
-use super::{MIN_SAMPLES, read};
+use super::{LARGEST_RAD, MIN_SAMPLES, read};
 
 /// A file that could not be read as a recording.
 #[derive(Debug, Error)]
@@ -138,6 +138,12 @@ pub enum Fault {
     )]
     LooksLikeDegrees {
         /// Largest magnitude in the column.
+        largest: f64,
+    },
+    /// No pendulum turns so often.
+    #[error("angles reach {largest:e} rad, expected at most {LARGEST_RAD:e}; check the column and its unit")]
+    TooManyTurns {
+        /// Largest magnitude, rad.
         largest: f64,
     },
     /// Steps too long for seconds, unit not stated.

@@ -27,6 +27,9 @@ const MIN_TURNING_POINTS: usize = 4;
 /// Stillness is doubted when the mean over a short window leaves the start by this many of its standard deviations.
 const STILL_SPREADS: f64 = 5.0;
 
+/// A free swing of ten hours; a simulation of more would want more memory than there is.
+const LONGEST_S: f64 = 36_000.0;
+
 /// The user's own limits, s; `None` = found.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SegmentOptions {
@@ -70,6 +73,15 @@ pub enum SegmentError {
         /// Length of the stretch, s.
         duration_s: f64,
     },
+    /// Longer than any pendulum swings.
+    #[error(
+        "{duration_s:e} s of free swing, expected at most {LONGEST_S} s; is the time in seconds? Otherwise choose the \
+         stretch with --from and --to"
+    )]
+    TooLong {
+        /// Length of the stretch, s.
+        duration_s: f64,
+    },
     /// Limits that leave nothing.
     #[error(
         "--from {from_s} s and --to {to_s} s leave {n_samples} samples; the recording goes from {first_s} s to {last_s} s"
@@ -105,8 +117,11 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
     };
     let free = start.free_idx..end.max(start.free_idx);
     let n_turning_points = cut.count_turns(&free);
+    let duration_s = cut.duration_s(&free);
+    if duration_s > LONGEST_S {
+        return Err(SegmentError::TooLong { duration_s });
+    }
     if n_turning_points < MIN_TURNING_POINTS {
-        let duration_s = cut.duration_s(&free);
         return Err(SegmentError::TooFewSwings { n_turning_points, duration_s });
     }
     log::debug!("noise {:.3e} rad from {}; free swing {free:?}", cut.noise.total_rms, cut.noise.method);

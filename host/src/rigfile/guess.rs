@@ -4,8 +4,9 @@
 //! The shares are those of the paper's rig (Table 9), rounded: a damping ratio of 0.7 %, and dry friction of some
 //! thousandths of m·g·l.
 
+use shared::effect::Effect;
 use shared::motion::Pendulum;
-use shared::parameters::Parameters;
+use shared::parameters::{ABSURD, Parameters, base};
 
 /// Mw as a share of √(m·g·l·J), J the moment of inertia about the pivot; twice the damping ratio.
 const VISCOUS_SHARE: f64 = 0.015;
@@ -25,16 +26,20 @@ const NORMALISED_LENGTH_M: f64 = 1e-3;
 /// Period of small swings of a pendulum of which nothing is known, s.
 const USUAL_PERIOD_S: f64 = 1.0;
 
-/// A pendulum with friction as usual for its size, values rounded to two digits.
+/// A pendulum with friction as usual for its size, values rounded to two digits, within what is accepted.
 pub(super) fn parameters(pendulum: Pendulum<f64>) -> Parameters<f64> {
     let (gravity_nm, inertia) = (pendulum.gravity_torque_nm(), pendulum.pivot_inertia_kg_m2());
     let frequency_rad_s = (gravity_nm / inertia).sqrt();
     let mut parameters = Parameters::frictionless(pendulum);
+    let accepted = |id: u16, index: usize, value: f64| {
+        let most = Effect::<f64>::by_id(id).map_or(value, |effect| effect.parameters[index].high * ABSURD);
+        rounded(value).min(most)
+    };
     parameters.set_friction(
-        rounded(VISCOUS_SHARE * (gravity_nm * inertia).sqrt()),
-        rounded(COULOMB_SHARE * gravity_nm),
-        rounded(STICTION_SHARE * gravity_nm),
-        rounded(BAND_SHARE * frequency_rad_s),
+        accepted(base::VISCOUS, 0, VISCOUS_SHARE * (gravity_nm * inertia).sqrt()),
+        accepted(base::COULOMB, 0, COULOMB_SHARE * gravity_nm),
+        accepted(base::STICTION, 0, STICTION_SHARE * gravity_nm),
+        accepted(base::STICTION, 1, BAND_SHARE * frequency_rad_s),
     );
     parameters
 }

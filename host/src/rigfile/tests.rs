@@ -2,7 +2,7 @@ use super::*;
 use shared::parameters::base;
 
 fn paper() -> RigFile {
-    RigFile::new(Parameters::paper().pendulum)
+    RigFile::new(Parameters::paper().pendulum).unwrap()
 }
 
 fn reread(file: &RigFile) -> RigFile {
@@ -17,7 +17,7 @@ const VISCOUS: Quantity = Quantity::Effect { id: base::VISCOUS, index: 0 };
 
 #[test]
 fn a_fresh_file_reads_back_the_same() {
-    for file in [paper(), RigFile::normalised(9.81)] {
+    for file in [paper(), RigFile::normalised(9.81).unwrap()] {
         let again = reread(&file);
         assert_eq!(again.parameters(), file.parameters());
         assert_eq!(again.is_normalised(), file.is_normalised());

@@ -1,14 +1,14 @@
 //! Files to keep: the model, what was compared, the recordings.
 
 use super::draw;
-use super::request::{Refused, blocking};
+use super::request::{Path, Refused, blocking};
 use super::routes::{Shared, model_of};
 use super::simulate::unknown_recording;
 use super::state::App;
 use crate::error::Failure;
 use crate::report::report;
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
 use std::sync::Arc;

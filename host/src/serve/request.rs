@@ -4,7 +4,7 @@ use super::recordings::MOST_BYTES;
 use crate::error::Failure;
 use axum::Json;
 use axum::body::Bytes;
-use axum::extract::rejection::{JsonRejection, QueryRejection};
+use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
 use axum::extract::{FromRequest, FromRequestParts};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
@@ -48,6 +48,12 @@ impl From<JsonRejection> for Refused {
     }
 }
 
+impl From<PathRejection> for Refused {
+    fn from(rejection: PathRejection) -> Self {
+        Self::new(rejection.status(), rejection.body_text(), "ask for an address that the page uses")
+    }
+}
+
 impl From<QueryRejection> for Refused {
     fn from(rejection: QueryRejection) -> Self {
         Self::new(rejection.status(), rejection.body_text(), "send a query as the page does")
@@ -63,6 +69,11 @@ pub(super) struct Sent<T>(pub(super) T);
 #[derive(FromRequestParts)]
 #[from_request(via(axum::extract::Query), rejection(Refused))]
 pub(super) struct Query<T>(pub(super) T);
+
+/// A part of the address, whose faults are told as [`Refused`].
+#[derive(FromRequestParts)]
+#[from_request(via(axum::extract::Path), rejection(Refused))]
+pub(super) struct Path<T>(pub(super) T);
 
 /// An answer as JSON, or why there is none.
 pub(super) type Answered<T> = Result<Json<T>, Refused>;

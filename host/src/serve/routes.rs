@@ -3,7 +3,7 @@
 use super::guard::{self, Access};
 use super::live::{Wish, ports};
 use super::recordings::{MOST_BYTES, of_bytes, take_in};
-use super::request::{Answered, Body, DONE, Done, Query, Refused, Sent, blocking};
+use super::request::{Answered, Body, DONE, Done, Path, Query, Refused, Sent, blocking};
 use super::simulate::{Question, Slider, Values, answer, named, sliders_of, unknown_recording, with};
 use super::state::{App, Named, State as Page};
 use super::{downloads, draw, files, socket, surfaces, work};
@@ -11,7 +11,7 @@ use crate::error::Failure;
 use crate::formula::{self, effect_of};
 use crate::improve::Change;
 use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
-use axum::extract::{DefaultBodyLimit, Path, State, WebSocketUpgrade};
+use axum::extract::{DefaultBodyLimit, State, WebSocketUpgrade};
 use axum::http::header::CONTENT_TYPE;
 use axum::http::{StatusCode, Uri};
 use axum::middleware::from_fn_with_state;
@@ -195,10 +195,9 @@ async fn pendulum(State(app): Shared, Sent(geometry): Sent<Geometry>) -> Done {
             let pendulum = Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2: GRAVITY_M_S2 };
             let refused =
                 |error| Failure::wrong_use(error).next("give kg, m and kg·m², such as 0.147, 0.156 and 0.0028");
-            shared::parameters::Parameters::frictionless(pendulum).check().map_err(refused)?;
-            RigFile::new(pendulum)
+            RigFile::new(pendulum).map_err(refused)?
         }
-        (None, None, None) => RigFile::normalised(GRAVITY_M_S2),
+        (None, None, None) => RigFile::normalised(GRAVITY_M_S2).map_err(Failure::from)?,
         _ => {
             return Err(Failure::wrong_use("mass, length and inertia belong together")
                 .next("give all three, or none")

@@ -107,6 +107,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn it_agrees_with_a_support_of_its_own_degree_of_freedom() {
         let times: std::vec::Vec<f64> = (1..=40).map(|i| 0.05 * f64::from(i)).collect();
         for start in [0.3, 0.8, 1.4] {
