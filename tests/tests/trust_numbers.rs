@@ -236,7 +236,7 @@ fn strange_motions() -> Vec<(&'static str, Vec<(f64, f64)>)> {
         ("large", samples(|t| 1e4 * swing(t))),
         ("as small as numbers go", samples(|t| 1e-310 * swing(t))),
         ("growing", samples(|t| 1e-3 * (0.8 * t).exp() * (6.5 * t).cos())),
-        ("to and fro", samples(|t| if (RATE_HZ * t).round() as u32 % 2 == 0 { 1.0 } else { -1.0 })),
+        ("to and fro", samples(|t| if ((RATE_HZ * t).round() as u32).is_multiple_of(2) { 1.0 } else { -1.0 })),
         ("one jump", samples(|t| if t < 4.0 { 1.0 } else { 0.0 })),
         ("in nanoseconds", stretched(1e-9)),
         ("in milliseconds", stretched(1e3)),
