@@ -61,7 +61,9 @@ struct Written {
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     rig::refuse_existing(&options.output, options.force)?;
-    let file = model(options)?;
+    // The numbers were typed just now.
+    let file =
+        model(options).map_err(|error| Failure::wrong_use(error).next("give a value within the range, in SI units"))?;
     file.save(&options.output)?;
     let pendulum = &file.parameters().pendulum;
     let (gravity_torque_nm, pivot_inertia_kg_m2) = (pendulum.gravity_torque_nm(), pendulum.pivot_inertia_kg_m2());

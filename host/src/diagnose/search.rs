@@ -38,9 +38,11 @@ const MAX_FITTED: usize = 6;
 /// Costs within this factor of the best are worth a fit to the last digit.
 const NEAR: f64 = 1.3;
 
-/// A model that leaves more than this share of the noise variance is not the last word: those near it are looked at
-/// from other sides too.
+/// A model that leaves more than this share of the noise variance is not the last word: the best …
 const WELL_EXPLAINED: f64 = 0.02;
+
+/// … so many are then looked at from other sides too.
+const RIVALS: usize = 2;
 
 /// A base with a velocity band is gone on with, beside the one without, if its cost is below this share.
 const WORTH_KEEPING_THE_BAND: f64 = 0.8;
@@ -144,7 +146,8 @@ fn next_level(problem: &Problem, beam: &[Trial], candidates: &[&'static Effect<f
     level.extend(rest.extract_if(.., |trial| trial.has(CUSTOM_FORMULA_NAME)));
     level = level.par_iter().map(|trial| finish(problem, trial)).collect();
     if level.iter().all(|trial| excess(problem, trial.cost) > WELL_EXPLAINED) {
-        level = level.par_iter().map(|trial| from_other_sides(problem, trial)).collect();
+        sort(&mut level);
+        level.par_iter_mut().take(RIVALS).for_each(|trial| *trial = from_other_sides(problem, trial));
     }
     level.extend(rest);
     sort(&mut level);
