@@ -3,6 +3,7 @@
 
 pub mod decimate;
 pub mod overlay;
+pub mod staircase;
 pub mod svg;
 pub mod web;
 
@@ -34,17 +35,24 @@ pub struct Axis {
     pub is_logarithmic: bool,
     /// Whole numbers only.
     pub is_count: bool,
+    /// Names of 0, 1, 2 …, if these are no numbers.
+    pub names: Vec<String>,
 }
 
 impl Axis {
     /// Equal steps.
     pub fn linear(label: &str) -> Self {
-        Self { label: label.to_owned(), is_logarithmic: false, is_count: false }
+        Self { label: label.to_owned(), is_logarithmic: false, is_count: false, names: Vec::new() }
     }
 
     /// Things in their order.
     pub fn counted(label: &str) -> Self {
         Self { is_count: true, ..Self::linear(label) }
+    }
+
+    /// Things with names.
+    pub fn named(label: &str, names: Vec<String>) -> Self {
+        Self { names, ..Self::linear(label) }
     }
 
     /// Equal factors.

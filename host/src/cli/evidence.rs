@@ -2,8 +2,9 @@
 
 use super::number::with_spread;
 use super::table::wrapped;
-use crate::diagnose::{Candidate, Diagnosis, Suggestion, Value};
+use crate::diagnose::{Candidate, Diagnosis, Step, Suggestion, Value};
 use crate::formula::effect_of;
+use crate::plot::staircase::Tread;
 use shared::effect::Effect;
 
 /// For what no effect explains.
@@ -122,12 +123,21 @@ fn staircase(diagnosis: &Diagnosis) -> String {
     let bar = |rmse: f64| "█".repeat((BAR_WIDTH * rmse / highest).round().max(1.0) as usize);
     let held_out = |rmse: Option<f64>| rmse.map_or(String::new(), |rmse| format!("  held out {:.2}", 1e3 * rmse));
     let mut lines = vec!["Error, mrad rms".to_owned()];
-    lines.extend(diagnosis.staircase.iter().map(|step| {
-        let name = if step.added == "base" { "base model".to_owned() } else { format!("+ {}", step.added) };
-        format!("  {name:<28}{:>8.2}  {}{}", 1e3 * step.rmse, bar(step.rmse), held_out(step.held_out))
+    lines.extend(treads(diagnosis).iter().map(|tread| {
+        let Tread { words, rmse_rad, held_out_rad } = tread;
+        format!("  {words:<28}{:>8.2}  {}{}", 1e3 * rmse_rad, bar(*rmse_rad), held_out(*held_out_rad))
     }));
     lines.push(format!("  {:<28}{:>8.2}  {}", "noise", 1e3 * diagnosis.noise, bar(diagnosis.noise)));
     lines.join("\n")
+}
+
+/// The steps of the staircase with their names.
+pub(super) fn treads(diagnosis: &Diagnosis) -> Vec<Tread> {
+    let tread = |step: &Step| {
+        let words = if step.added == "base" { "base model".to_owned() } else { format!("+ {}", step.added) };
+        Tread { words, rmse_rad: step.rmse, held_out_rad: step.held_out }
+    };
+    diagnosis.staircase.iter().map(tread).collect()
 }
 
 /// Widest bar of the staircase, characters.

@@ -7,6 +7,8 @@ use crate::diagnose::{Wishes, diagnose_with};
 use crate::error::Failure;
 use crate::formula::effect_of;
 use crate::improve::{Change, Step, change};
+use crate::plot::staircase::{Tread, staircase};
+use crate::plot::svg::svg;
 use crate::rigfile::Source;
 use clap::Args;
 use serde::Serialize;
@@ -38,11 +40,15 @@ pub(super) struct Options {
     /// Replace another model file that exists there
     #[arg(long)]
     force: bool,
+    /// Draw the error after each step here (SVG)
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
 }
 
 const EXAMPLE: &str = "\
 Example:
   host improve swing*.csv --rig rig.toml -o rig.toml       until nothing is missing
+  host improve swing*.csv --plot falling.svg               … and a picture of it
   host improve swing*.csv --add quadratic-drag -o rig.toml one step by hand
   host improve swing*.csv --remove viscous                 what would that cost?
 
@@ -65,10 +71,12 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
             Wishes { typed: options.effect, ..Wishes::default() },
         );
         show(options, &diagnosis, || evidence::in_words(&diagnosis));
+        draw(options, &evidence::treads(&diagnosis), diagnosis.noise)?;
         (diagnosis.parameters, diagnosis.values)
     } else {
         let steps = change(&swings, &held_out, model.parameters(), &changes).map_err(Failure::failed)?;
         show(options, &Steps { steps: &steps }, || in_words(&steps));
+        draw(options, &treads(&steps), steps.first().map_or(0.0, |step| step.noise))?;
         let last = steps.into_iter().next_back();
         last.map_or_else(|| (model.parameters().clone(), Vec::new()), |step| (step.parameters, step.values))
     };
@@ -98,6 +106,19 @@ fn changes(options: &Options, rig: &Parameters<f64>) -> Result<Vec<Change>, Fail
 
 fn show(options: &Options, fields: &impl Serialize, words: impl Fn() -> String) {
     if options.given.json { output::json("improve", fields) } else { output::result(&words()) }
+}
+
+fn draw(options: &Options, treads: &[Tread], noise_rad: f64) -> Result<(), Failure> {
+    let Some(path) = &options.plot else { return Ok(()) };
+    std::fs::write(path, svg(&staircase(treads, noise_rad))).map_err(|error| {
+        Failure::failed(format!("could not write {}: {error}", path.display()))
+            .next("give --plot a file in a folder that exists and may be written to")
+    })
+}
+
+fn treads(steps: &[Step]) -> Vec<Tread> {
+    let tread = |step: &Step| Tread { words: step.words.clone(), rmse_rad: step.rmse, held_out_rad: step.held_out };
+    steps.iter().map(tread).collect()
 }
 
 #[derive(Serialize)]

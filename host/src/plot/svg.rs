@@ -131,6 +131,10 @@ fn legend_mark<'a>(x: i32, y: i32, paint: RGBColor, dot: bool) -> DynElement<'st
 
 /// A number beside an axis, with as many digits as its range needs.
 fn label(axis: &Axis, value: f64, size: f64) -> String {
+    if !axis.names.is_empty() {
+        let is_whole = (value - value.round()).abs() < 1e-6 && value > -0.5;
+        return axis.names.get(value.round() as usize).filter(|_| is_whole).cloned().unwrap_or_default();
+    }
     if axis.is_logarithmic {
         return logarithmic_label(10f64.powf(value), size);
     }

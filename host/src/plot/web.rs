@@ -56,7 +56,9 @@ pub fn html(picture: &Picture) -> String {
 fn axis(axis: &Axis) -> WebAxis {
     let kind = if axis.is_logarithmic { AxisType::Log } else { AxisType::Linear };
     let whole = if axis.is_count { WebAxis::new().dtick(1.0) } else { WebAxis::new() };
-    whole
+    let places = (0..axis.names.len()).map(|k| k as f64).collect();
+    let named = if axis.names.is_empty() { whole } else { whole.tick_values(places).tick_text(axis.names.clone()) };
+    named
         .title(Title::with_text(&axis.label))
         .type_(kind)
         .show_grid(true)
