@@ -15,6 +15,7 @@ pub use error::RecordError;
 pub use words::{in_words, usable};
 
 use crate::link::{LinkError, Session};
+use crate::now;
 use crate::recording::{Existing, WriteError};
 use recorder::Recorder;
 use shared::wire::{self, Stream};
@@ -23,6 +24,15 @@ use std::sync::atomic::AtomicBool;
 
 /// A swing with fewer passages through the lowest point is of no use.
 const USABLE_PASSAGES: u32 = 4;
+
+/// A file in this folder for a swing that begins now: `swing-DATE-TIME` and the suffix, with a number behind it if that
+/// is taken.
+pub fn unused_path(folder: &Path, suffix: &str) -> PathBuf {
+    let stamp = now::for_file_name();
+    let numbers = std::iter::once(String::new()).chain((2..).map(|number| format!("-{number}")));
+    let mut paths = numbers.map(|number| folder.join(format!("swing-{stamp}{suffix}{number}.csv")));
+    paths.find(|path| !path.exists()).unwrap_or_default()
+}
 
 /// What to record, and when to give up.
 #[derive(Clone, Debug)]

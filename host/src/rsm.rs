@@ -31,7 +31,7 @@ pub use anova::{Anova, AnovaRow, LackOfFit, anova, factor_effects};
 pub use canonical::{Canonical, StationaryKind, canonical};
 pub use coding::{CodingError, Factor};
 pub use coefficients::{Coefficient, coefficient_table};
-pub use design::{Design, DesignError};
+pub use design::{COMPOSITE_FACTORS, Design, DesignError};
 pub use desirability::{Composite, Desirability, DesirabilityError};
 pub use goodness::{Goodness, goodness};
 pub use misprints::{Misprint, MisprintError, PrintedEquation, misprints, read_equations};

@@ -1,8 +1,11 @@
 //! A recording made ready for the fit: the free swing alone, its time counted from its first sample.
 
+use crate::fit::quality::count_lobes;
 use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
 use crate::recording::{Fault, Recording};
 use crate::trajectory::Schedule;
+use shared::effect::Effect;
+use shared::parameters::Parameters;
 
 /// Why a recording has no swing to fit.
 #[derive(Debug, thiserror::Error)]
@@ -27,10 +30,10 @@ pub struct Swing {
     pub times_s: Vec<f64>,
     /// Measured angle in rad, unfiltered.
     pub angles_rad: Vec<f64>,
-    /// How to step through the times.
-    pub schedule: Schedule,
     /// Total rms noise of the angle, rad.
     pub noise_rad: f64,
+    /// How to step through the times, usually and with effects that change within a few degrees.
+    schedules: [Schedule; 2],
     /// Number of samples before the last swings, in which stiction decides.
     n_lively: usize,
 }
@@ -52,9 +55,10 @@ impl Swing {
     /// From times and angles of the free motion, noise in rad. At least three samples, times rising strictly.
     pub fn new(name: &str, times_s: &[f64], angles_rad: &[f64], noise_rad: f64) -> Self {
         let times_s: Vec<f64> = times_s.iter().map(|t| t - times_s[0]).collect();
-        let schedule = Schedule::new(&times_s);
         let n_lively = n_lively(angles_rad);
-        Self { name: name.to_owned(), times_s, angles_rad: angles_rad.to_vec(), schedule, noise_rad, n_lively }
+        let longest_s = longest_step_s(times_s[n_lively - 1], &angles_rad[..n_lively], noise_rad);
+        let schedules = [longest_s, longest_s.min(FINE_STEP_S)].map(|step_s| Schedule::new(&times_s, step_s));
+        Self { name: name.to_owned(), times_s, angles_rad: angles_rad.to_vec(), noise_rad, schedules, n_lively }
     }
 
     /// The free swing of a recording and what was cut off. Of the rest at the end only the beginning is kept: it tells
@@ -76,6 +80,12 @@ impl Swing {
         };
         let part = recording.part(range)?;
         Ok((Self::new(name, part.times_s(), part.angles_rad(), segments.noise.total_rms), segments))
+    }
+
+    /// How to step through the times with this model.
+    pub fn schedule<R>(&self, parameters: &Parameters<R>) -> &Schedule {
+        let is_fine = |id: u16| Effect::<f64>::by_id(id).is_none_or(|effect| effect.is_fine);
+        &self.schedules[usize::from(parameters.effects.iter().any(|effect| is_fine(effect.id)))]
     }
 
     /// Number of samples.
@@ -130,6 +140,27 @@ fn n_lively(angles_rad: &[f64]) -> usize {
     let threshold = LIVELY_RAD.max(LIVELY_SHARE * amplitude).min(0.5 * amplitude);
     angles_rad.iter().rposition(|x| x.abs() > threshold).map_or(angles_rad.len(), |last| last + 1)
 }
+
+/// The longest integration step for a swing that goes on for so long, in s.
+fn longest_step_s(duration_s: f64, angles_rad: &[f64], noise_rad: f64) -> f64 {
+    let lobes = count_lobes(angles_rad.iter().copied(), LOBE_NOISES * noise_rad);
+    match lobes.positive + lobes.negative {
+        0 => FINE_STEP_S,
+        n_lobes => (2.0 * duration_s / n_lobes as f64 / STEPS_A_PERIOD).min(LONGEST_STEP_S),
+    }
+}
+
+/// With so many Runge–Kutta steps a period the angle is wrong by less than 2e-5 rad after 50 periods.
+const STEPS_A_PERIOD: f64 = 80.0;
+
+/// Velocities change too much within a longer one: frictions near zero velocity would be missed.
+const LONGEST_STEP_S: f64 = 1e-2;
+
+/// For effects that change within a few degrees.
+const FINE_STEP_S: f64 = 5e-3;
+
+/// A lobe rises above so many noises.
+const LOBE_NOISES: f64 = 4.0;
 
 /// Below this angle, and below this share of the largest, stiction may decide.
 const LIVELY_RAD: f64 = 0.12;

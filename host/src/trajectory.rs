@@ -1,13 +1,10 @@
 //! Simulated readings at given times.
 //!
-//! The Runge–Kutta step need not be the sampling interval: steps of up to [`LONGEST_STEP_S`] are taken and the
-//! samples between are read off the cubic through both ends (Hermite), which is exact to 1e-8 rad there.
+//! The Runge–Kutta step need not be the sampling interval: longer steps are taken and the samples between are read off
+//! the cubic through both ends (Hermite), which is exact to 2e-7 rad at 10 ms.
 
 use shared::model::{Model, State};
 use shared::real::Real;
-
-/// At 5 ms and 8 rad/s the Runge–Kutta step is wrong by less than 1e-5 rad after 50 s.
-pub const LONGEST_STEP_S: f64 = 5e-3;
 
 /// One integration step and the samples that fall into it (after its start, up to its end).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,23 +22,23 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// `times_s` must rise strictly; the first is the start.
-    pub fn new(times_s: &[f64]) -> Self {
+    /// `times_s` must rise strictly; the first is the start. No step is longer than `longest_step_s`.
+    pub fn new(times_s: &[f64], longest_step_s: f64) -> Self {
         let mut schedule = Self { steps: Vec::new(), shares: Vec::with_capacity(times_s.len()) };
         let mut from = 0;
         while from + 1 < times_s.len() {
-            from = schedule.add_step(times_s, from);
+            from = schedule.add_step(times_s, from, longest_step_s);
         }
         schedule
     }
 
     /// One step from sample `from` over as many samples as it may hold, or several into one long interval.
-    fn add_step(&mut self, times_s: &[f64], from: usize) -> usize {
+    fn add_step(&mut self, times_s: &[f64], from: usize, longest_step_s: f64) -> usize {
         // The tolerance keeps five 1 ms intervals in one step although 5 × 0.001 rounds up.
-        let reachable = |i: &usize| times_s[*i] - times_s[from] <= LONGEST_STEP_S * (1.0 + 1e-9);
+        let reachable = |i: &usize| times_s[*i] - times_s[from] <= longest_step_s * (1.0 + 1e-9);
         let to = (from + 1..times_s.len()).take_while(reachable).last().unwrap_or(from + 1);
         let length_s = times_s[to] - times_s[from];
-        let n_steps = (length_s / LONGEST_STEP_S * (1.0 - 1e-9)).ceil().max(1.0);
+        let n_steps = (length_s / longest_step_s * (1.0 - 1e-9)).ceil().max(1.0);
         let dt_s = length_s / n_steps;
         self.steps.extend((1..n_steps as usize).map(|_| Step { dt_s, n_samples: 0 }));
         self.steps.push(Step { dt_s, n_samples: to - from });
@@ -108,9 +105,10 @@ mod tests {
     use shared::parameters::Parameters;
 
     fn readings(times_s: &[f64]) -> Vec<f64> {
+        let schedule = Schedule::new(times_s, 5e-3);
         let model = Model::new(&Parameters::paper());
         let mut out = Vec::new();
-        simulate(&model, model.release(1.5, 0.0), &Schedule::new(times_s), times_s.len(), |_, x| out.push(x));
+        simulate(&model, model.release(1.5, 0.0), &schedule, times_s.len(), |_, x| out.push(x));
         out
     }
 

@@ -141,6 +141,8 @@ pub struct Effect<R: 'static> {
     pub starts: &'static [[f64; MAX_VALUES]],
     /// The simpler effect of which this one is the wider form; the simpler one wins unless it is clearly worse.
     pub generalises: Option<&'static str>,
+    /// Does its torque change within a few degrees? Then the fit takes shorter steps.
+    pub is_fine: bool,
     /// Where and how it acts.
     pub action: Action<R>,
 }

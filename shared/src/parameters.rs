@@ -86,7 +86,8 @@ impl core::fmt::Display for ParameterError {
         match *self {
             Self::Pendulum { index } => {
                 let what = ["mass", "length", "inertia", "gravity"].get(usize::from(index)).copied().unwrap_or("?");
-                write!(f, "the pendulum's {what} is not a positive number from 1e-6 to 1e6 (SI units)")
+                let low = if what == "inertia" { "0" } else { "1e-6" };
+                write!(f, "the pendulum's {what} is not a number from {low} to 1e6 (SI units)")
             }
             Self::UnknownEffect { id: CUSTOM_FORMULA_ID } => {
                 write!(f, "there are values of a custom formula, but no formula")

@@ -205,3 +205,31 @@ fn a_drifting_friction_fades_from_the_release_on() {
     assert!((loss(&parameters) / plain - 1.0 - (-0.02_f64 / 2.0).exp()).abs() < 1e-12);
     assert!(parameters.values(base::COULOMB).is_some());
 }
+
+/// Root mean square over 20 s of how far readings with steps of so many seconds are from those with 1 ms, in rad.
+fn error_of_long_steps(parameters: &Parameters<f64>, step_s: f64) -> f64 {
+    let model = Model::new(parameters);
+    let readings = |step_s: f64| -> Vec<f64> {
+        let mut state = model.release(1.5, 0.0);
+        let mut sensor = model.sensor_at_rest(&state);
+        let per_reading = (0.02 / step_s).round() as usize;
+        let mut next = || {
+            (0..per_reading).for_each(|_| model.step(&mut state, step_s));
+            model.read(&state, &mut sensor)
+        };
+        (0..1000).map(|_| next()).collect()
+    };
+    let (long, short) = (readings(step_s), readings(1e-3));
+    (long.iter().zip(&short).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / long.len() as f64).sqrt()
+}
+
+#[test]
+fn effects_that_are_not_fine_allow_steps_of_10_ms() {
+    for effect in added().filter(|effect| !effect.is_fine) {
+        for share in [0.05, 0.5, 0.95] {
+            let error_rad = error_of_long_steps(&rig_with(effect, share), 1e-2);
+            // A fiftieth of the usual noise.
+            assert!(error_rad < 2e-5, "{} at {share}: {error_rad:e} rad", effect.name);
+        }
+    }
+}

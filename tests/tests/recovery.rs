@@ -1,9 +1,9 @@
 //! Known pendulums come back: random rigs from the box of the paper's Table 2, measured by an integrator that shares no
 //! code with ours, are identified from one recording each, beginning with its segments.
 //!
-//! By default the first 24 rigs, about a minute on two cores; `RECOVERY_RIGS=100 cargo test -p tests --test recovery --
-//! --include-ignored --nocapture` takes a hundred (about four minutes) and prints a line for each. Of these the surfaces
-//! alone bring 98 within 1.5 noises, and least squares after them all within 1.05.
+//! By default the first 24 rigs, half a minute on two cores; `RECOVERY_RIGS=100 cargo test -p tests --test recovery --
+//! --include-ignored --nocapture` takes a hundred (about three minutes) and prints a line for each. Of these the surfaces
+//! alone bring 97 within 1.5 noises, and least squares after them all within 1.05.
 
 mod physics_reference;
 

@@ -8,6 +8,7 @@ use crate::recording::segment::SegmentOptions;
 use crate::recording::{self, AngleUnit, Columns, ReadOptions, Recording};
 use crate::swing::Swing;
 use clap::Args;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Options for reading recordings.
@@ -68,12 +69,13 @@ impl Reading {
 
     /// Reads the swings of several recordings and says what was noticed.
     pub(super) fn swings(&self, paths: &[PathBuf]) -> Result<Vec<Swing>, Failure> {
-        let read = |path: &PathBuf| {
-            let (swing, notes) = self.swing(path)?;
+        let read: Vec<_> = paths.par_iter().map(|path| self.swing(path)).collect();
+        let told = |read: Result<(Swing, Vec<String>), Failure>| {
+            let (swing, notes) = read?;
             notes.iter().for_each(|note| output::warn(note));
             Ok(swing)
         };
-        paths.iter().map(read).collect()
+        read.into_iter().map(told).collect()
     }
 
     /// Reads a recording and finds its free swing; gives what was noticed on the way too.

@@ -11,6 +11,7 @@ use crate::error::Failure;
 use crate::plot::svg::svg;
 use crate::report::report;
 use clap::Args;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Show how well the model follows recordings, where it fails, and whether noise or physics is left.
@@ -46,7 +47,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         draw(folder, &comparison)?;
     }
     if let Some(path) = &options.report {
-        write(path, &report(&comparison))?;
+        output::write(path, &report(&comparison))?;
     }
     if options.given.json {
         output::json("compare", &comparison)
@@ -57,20 +58,12 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 }
 
 fn measurements(reading: &Reading, paths: &[PathBuf]) -> Result<Vec<Measurement>, Failure> {
-    paths.iter().map(|path| reading.measurement(path)).collect()
+    paths.par_iter().map(|path| reading.measurement(path)).collect()
 }
 
 fn draw(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|error| not_written(folder, &error))?;
+    std::fs::create_dir_all(folder).map_err(|error| output::not_written(folder, &error))?;
     pictures(comparison)
         .iter()
-        .try_for_each(|picture| write(&folder.join(format!("{}.svg", picture.key)), &svg(picture)))
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|error| not_written(path, &error))
-}
-
-fn not_written(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::failed(format!("could not write {}: {error}", path.display()))
+        .try_for_each(|picture| output::write(&folder.join(format!("{}.svg", picture.key)), &svg(picture)))
 }

@@ -67,8 +67,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         return Ok(());
     };
     rig::refuse_existing(path, options.force)?;
-    std::fs::write(path, &text)
-        .map_err(|error| Failure::failed(format!("could not write {}: {error}", path.display())))?;
+    output::write(path, &text)?;
     let n_lines = text.lines().count();
     let done = Exported { file: path.clone(), format: options.format, effects: effects(&model), n_lines };
     if options.json {

@@ -15,8 +15,7 @@ use crate::error::Failure;
 use crate::fit::identify::{self, Fit};
 use crate::improve::{Change, change};
 use crate::link::Session;
-use crate::now;
-use crate::record::in_words;
+use crate::record::{in_words, unused_path};
 use crate::recording::Existing;
 use crate::rigfile::{RigFile, Source};
 use crate::swing::Swing;
@@ -26,7 +25,7 @@ use result::{Check, Outcome};
 use shared::effect::Effect;
 use shared::observer::Observer;
 use shared::parameters::Parameters;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Find friction and inertia from swings: recorded ones, or one that is recorded from the rig now.
 #[derive(Debug, Args)]
@@ -132,7 +131,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         Some(session) => vec![record(session, options, "")?],
         None => options.recordings.clone(),
     };
-    let swings = swings(options, &recordings)?;
+    let swings = options.reading.swings(&recordings)?;
     let held_out = swings_quietly(options, &options.hold_out)?;
 
     let rig = with_effect(options, &swings, model.parameters())?;
@@ -181,7 +180,7 @@ fn check_output(options: &Options) -> Result<(), Failure> {
 }
 
 fn record(session: &mut Session, options: &Options, suffix: &str) -> Result<PathBuf, Failure> {
-    let path = PathBuf::from(format!("swing-{}{suffix}.csv", now::for_file_name()));
+    let path = unused_path(Path::new(""), suffix);
     let taken = take(session, &path, Existing::Keep, &options.patience)?;
     output::say(&in_words(&taken));
     Ok(path)
@@ -193,16 +192,6 @@ fn with_effect(options: &Options, swings: &[Swing], rig: &Parameters<f64>) -> Re
     output::say("looking where the formula's parameters may lie …");
     let steps = change(swings, &[], rig, &[Change::Add(effect)]).map_err(Failure::failed)?;
     Ok(steps.last().map_or_else(|| rig.clone(), |step| step.parameters.clone()))
-}
-
-/// Reads swings and says what was noticed.
-fn swings(options: &Options, recordings: &[PathBuf]) -> Result<Vec<Swing>, Failure> {
-    let read = |path: &PathBuf| {
-        let (swing, notes) = options.reading.swing(path)?;
-        notes.iter().for_each(|note| output::warn(note));
-        Ok(swing)
-    };
-    recordings.iter().map(read).collect()
 }
 
 fn swings_quietly(options: &Options, recordings: &[PathBuf]) -> Result<Vec<Swing>, Failure> {

@@ -110,10 +110,7 @@ fn show(options: &Options, fields: &impl Serialize, words: impl Fn() -> String) 
 
 fn draw(options: &Options, treads: &[Tread], noise_rad: f64) -> Result<(), Failure> {
     let Some(path) = &options.plot else { return Ok(()) };
-    std::fs::write(path, svg(&staircase(treads, noise_rad))).map_err(|error| {
-        Failure::failed(format!("could not write {}: {error}", path.display()))
-            .next("give --plot a file in a folder that exists and may be written to")
-    })
+    output::write(path, &svg(&staircase(treads, noise_rad)))
 }
 
 fn treads(steps: &[Step]) -> Vec<Tread> {

@@ -6,6 +6,7 @@ use env_logger::fmt::Formatter;
 use log::Record;
 use serde::Serialize;
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Version of every `--json` object.
@@ -28,6 +29,17 @@ pub(super) fn json(command: &str, fields: &impl Serialize) {
     let object = Object { format: JSON_FORMAT, command, fields };
     let text = serde_json::to_string_pretty(&object).expect("plain numbers and texts");
     result(&text);
+}
+
+/// Writes a picture, a report or a program that was asked for.
+pub(super) fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|error| not_written(path, &error))
+}
+
+/// Why a file or folder that was asked for is not there.
+pub(super) fn not_written(path: &Path, error: &io::Error) -> Failure {
+    Failure::failed(format!("could not write {}: {error}", path.display()))
+        .next("name one in a folder that exists and may be written to")
 }
 
 /// Set once, before the command begins.

@@ -18,7 +18,7 @@ pub(super) fn least_squares(problem: &Problem, first: &Point, progress: &(dyn Fn
     start_in_the_middle(&smooth, &mut from);
     let grown = windows::grow(&smooth, &from);
     progress(Progress::Stiction);
-    Outcome::settled(stiction::settle(&smooth, &grown, Patience::FINE))
+    Outcome::settled(stiction::settle(&smooth, &grown, Patience::JUDGE))
 }
 
 /// Friction that is unknown starts at a usual value, because at zero its bound would hold it there.

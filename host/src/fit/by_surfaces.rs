@@ -1,20 +1,44 @@
 //! Response surfaces without least squares: through growing windows, then Ms and DV by search where that left errors.
 
+use super::covariance::covariance;
 use super::identify::Progress;
+use super::linear::{Steps, linearise};
 use super::outcome::{Outcome, full_values, pair_of, smooth, smooth_point};
 use super::problem::{Point, Problem, Unknown};
 use super::region::Region;
 use super::sequential::{self, Ranges, Sequence};
 use super::start;
 use super::stiction::{self, Stiction, with_stiction};
+use crate::rsm::COMPOSITE_FACTORS;
 use crate::swing::Window;
 
 pub(super) fn surfaces(problem: &Problem, ranges: &Ranges, progress: &(dyn Fn(Progress) + Sync)) -> Sequence {
-    sequential::sequence(problem, ranges, &start::starts(problem.swings), &|window| match window {
+    let starts = start::starts(problem.swings);
+    let begins = |window: Window| match window {
         Window::First(seconds) => progress(Progress::Surfaces(seconds.ceil() as u32)),
         Window::Lively => progress(Progress::Surfaces(0)),
         Window::Calming(_) | Window::Whole => (),
-    })
+    };
+    if COMPOSITE_FACTORS.contains(&problem.unknowns.len()) {
+        return sequential::sequence(problem, ranges, &starts, &begins);
+    }
+    // Too many for one design: Ms and DV wait until the end.
+    let smooth_sequence = sequential::sequence(&smooth(problem), &smooth_ranges(problem, ranges), &starts, &begins);
+    let mut ended = smooth_sequence.region.ranges().0.into_iter();
+    let range = |(unknown, range): (&Unknown, &(f64, f64))| match unknown.is_stiction() {
+        true => *range,
+        false => ended.next().unwrap_or(*range),
+    };
+    let region = Region::of_ranges(&Ranges(problem.unknowns.iter().zip(&ranges.0).map(range).collect()));
+    let pair = pair_of(problem, &Point { values: problem.template_values(), starts: Vec::new() });
+    let values = full_values(problem, &smooth_sequence.point, pair);
+    Sequence { point: Point { values, ..smooth_sequence.point }, stages: smooth_sequence.stages, region }
+}
+
+/// The ranges without those of Ms and DV.
+fn smooth_ranges(problem: &Problem, ranges: &Ranges) -> Ranges {
+    let keep = |(unknown, range): (&Unknown, &(f64, f64))| (!unknown.is_stiction()).then_some(*range);
+    Ranges(problem.unknowns.iter().zip(&ranges.0).filter_map(keep).collect())
 }
 
 /// The end of response surfaces without least squares: Ms and DV by search, then designs over the whole swing, first
@@ -53,8 +77,7 @@ fn finishing_round(
     pair: Stiction,
 ) -> Outcome {
     let fixed = with_stiction(smooth, pair);
-    let keep = |(unknown, range): (&Unknown, &(f64, f64))| (!unknown.is_stiction()).then_some(*range);
-    let ranges = Ranges(problem.unknowns.iter().zip(&sequence.region.ranges().0).filter_map(keep).collect());
+    let ranges = finishing_ranges(problem, &fixed, &sequence.region, point);
     let from = Sequence { point: point.clone(), stages: Vec::new(), region: Region::of_ranges(&ranges) };
     let smooth_end = sequential::in_window(&fixed, from, Window::Whole);
     sequence.stages.extend(smooth_end.stages.iter().cloned());
@@ -80,6 +103,21 @@ fn finishing_round(
         converged: true,
     }
 }
+
+/// A box for the smooth parameters: that in which the sequence ended, widened to a few standard deviations where it
+/// shrank in vain against another Ms and DV.
+fn finishing_ranges(problem: &Problem, fixed: &Problem, ended: &Region, point: &Point) -> Ranges {
+    let known = covariance(&linearise(fixed, point, Window::Whole, &mut Steps::new(fixed)));
+    let widened = |(k, (low, high)): (usize, (f64, f64))| {
+        let std = known.as_ref().and_then(|known| known.std(k)).unwrap_or(0.0);
+        let half = (0.5 * (high - low)).max(FINISHING_STDS * std);
+        (point.values[k] - half, point.values[k] + half)
+    };
+    Ranges(smooth_ranges(problem, &ended.ranges()).0.into_iter().enumerate().map(widened).collect())
+}
+
+/// The last designs begin with boxes at least so many standard deviations wide to either side.
+const FINISHING_STDS: f64 = 3.0;
 
 /// Surfaces that come this near to the noise need no search.
 const GOOD_END_NOISES: f64 = 1.1;

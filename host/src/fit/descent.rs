@@ -28,9 +28,9 @@ impl Patience {
     pub const ROUGH: Self = Self { max_iterations: 6, least_gain: 3.0, least_share: 1e-3, ..Self::FINE };
     /// Where the numbers of a law depend on each other.
     pub const LONG: Self = Self { max_iterations: 12, least_gain: 3.0, least_share: 1e-4, ..Self::FINE };
-    /// To choose between models: to the last digit only where the noise is nearly reached.
+    /// For a model's last fit: to the last digit only where the noise is nearly reached.
     pub const JUDGE: Self = Self { max_iterations: 12, least_gain: 0.1, least_share_of_excess: 3e-3, ..Self::FINE };
-    /// For the final answer.
+    /// To the last digit.
     pub const FINE: Self = Self { max_iterations: 15, least_gain: 1e-2, least_share: 0.0, least_share_of_excess: 0.0 };
 }
 

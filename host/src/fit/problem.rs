@@ -2,7 +2,7 @@
 
 use crate::lanes::Lanes;
 use crate::swing::{Swing, Window};
-use crate::trajectory::simulate;
+use crate::trajectory::{Schedule, simulate};
 use rayon::prelude::*;
 use shared::effect::{Effect, Parameter};
 use shared::model::Model;
@@ -175,7 +175,7 @@ impl Problem<'_> {
                 let model = Model::new(&self.parameters(values));
                 let state = model.release(start.angle_rad, start.velocity_rad_s);
                 let mut column = Vec::with_capacity(n_samples);
-                simulate(&model, state, &self.swings[swing_idx].schedule, n_samples, |_, reading| column.push(reading));
+                simulate(&model, state, self.schedule(swing_idx), n_samples, |_, reading| column.push(reading));
                 vec![column]
             }
             _ => self.predict_lanes(swing_idx, n_samples, batch),
@@ -193,14 +193,18 @@ impl Problem<'_> {
         let model = Model::new(&parameters);
         let angle = Lanes(std::array::from_fn(|lane| guess(lane).1.angle_rad));
         let velocity = Lanes(std::array::from_fn(|lane| guess(lane).1.velocity_rad_s));
-        let mut columns = vec![Vec::with_capacity(n_samples); batch.len()];
+        let mut columns: Vec<Vec<f64>> = batch.iter().map(|_| Vec::with_capacity(n_samples)).collect();
         let state = model.release(angle, velocity);
-        simulate(&model, state, &self.swings[swing_idx].schedule, n_samples, |_, reading: Lanes<LANES>| {
+        simulate(&model, state, self.schedule(swing_idx), n_samples, |_, reading: Lanes<LANES>| {
             for (column, value) in columns.iter_mut().zip(reading.0) {
                 column.push(value);
             }
         });
         columns
+    }
+
+    fn schedule(&self, swing_idx: usize) -> &Schedule {
+        self.swings[swing_idx].schedule(&self.template)
     }
 
     /// Sums of squared errors within a window, one a guess, all swings together.

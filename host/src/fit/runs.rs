@@ -5,7 +5,7 @@
 use super::linear::{dot, solve_damped};
 use super::problem::{PER_SWING, Point, Problem, Start};
 use super::quality::{Measured, Responses};
-use crate::swing::Window;
+use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -42,13 +42,44 @@ impl Nuisance {
     }
 }
 
+/// The readings of each swing, one column a run.
+type Simulated = Vec<Vec<Vec<f64>>>;
+
 /// Simulates many sets of values from the starts of one guess, solving for their own starts.
 pub fn runs(problem: &Problem, from: &Point, window: Window, nuisance: &Nuisance, values: &[Vec<f64>]) -> Vec<Run> {
-    let of_swing = |swing_idx: usize| -> Vec<(Start, Responses, usize)> {
+    solved(problem, from, window, nuisance, values, simulated(problem, from, window, values))
+}
+
+/// The same, and the derivatives for further runs from this guess, simulated beside them.
+pub fn first_runs(problem: &Problem, from: &Point, window: Window, values: &[Vec<f64>]) -> (Nuisance, Vec<Run>) {
+    let (nuisance, simulated) =
+        rayon::join(|| Nuisance::at(problem, from, window), || simulated(problem, from, window, values));
+    let runs = solved(problem, from, window, &nuisance, values, simulated);
+    (nuisance, runs)
+}
+
+fn simulated(problem: &Problem, from: &Point, window: Window, values: &[Vec<f64>]) -> Simulated {
+    let of_swing = |(swing_idx, swing): (usize, &Swing)| {
+        let start = from.starts[swing_idx];
+        let guesses: Vec<(&[f64], Start)> = values.iter().map(|values| (values.as_slice(), start)).collect();
+        problem.predict(swing_idx, swing.samples_within(window), &guesses)
+    };
+    problem.swings.par_iter().enumerate().map(of_swing).collect()
+}
+
+/// Solves for the starts of simulated runs and compares these with the measurement.
+fn solved(
+    problem: &Problem,
+    from: &Point,
+    window: Window,
+    nuisance: &Nuisance,
+    values: &[Vec<f64>],
+    simulated: Simulated,
+) -> Vec<Run> {
+    let of_swing = |(swing_idx, runs): (usize, Vec<Vec<f64>>)| -> Vec<(Start, Responses, usize)> {
         let swing = &problem.swings[swing_idx];
         let n_samples = swing.samples_within(window);
         let start = from.starts[swing_idx];
-        let guesses: Vec<(&[f64], Start)> = values.iter().map(|values| (values.as_slice(), start)).collect();
         let measured = Measured::new(swing, window, start.offset_rad);
         let columns = &nuisance.0[swing_idx];
         let normal = DMatrix::from_fn(PER_SWING, PER_SWING, |i, j| dot(&columns[i], &columns[j]));
@@ -69,9 +100,9 @@ pub fn runs(problem: &Problem, from: &Point, window: Window, nuisance: &Nuisance
             };
             (solved, measured.compare(&simulated, &residuals), n_samples)
         };
-        problem.predict(swing_idx, n_samples, &guesses).into_par_iter().map(solve_start).collect()
+        runs.into_par_iter().map(solve_start).collect()
     };
-    let per_swing: Vec<Vec<(Start, Responses, usize)>> = (0..problem.swings.len()).map(of_swing).collect();
+    let per_swing: Vec<Vec<(Start, Responses, usize)>> = simulated.into_par_iter().enumerate().map(of_swing).collect();
     let run = |(run_idx, values): (usize, &Vec<f64>)| {
         let parts: Vec<&(Start, Responses, usize)> = per_swing.iter().map(|swing| &swing[run_idx]).collect();
         let starts = parts.iter().map(|part| part.0).collect();

@@ -12,14 +12,24 @@ use super::problem::{Point, Problem, Start};
 use super::proposal::{promised_gain, proposals};
 use super::quality::Responses;
 use super::region::Region;
-use super::runs::{Nuisance, runs};
+use super::runs::{first_runs, runs};
 use super::windows::{CALMING, WINDOWS_S};
 use crate::rsm::{Design, Factor, Goodness, Surface, goodness};
 use crate::swing::Window;
 use serde::Serialize;
 
-/// Rounds of design and move within one window.
+/// Rounds of design and move within one window of lively motion.
 const MAX_ROUNDS: usize = 24;
+
+/// And with ever more of the last swings, where surfaces only creep: the error has kinks along Ms and DV, which are
+/// searched separately in the end.
+const MAX_CALMING_ROUNDS: usize = 4;
+
+/// And over the whole swings.
+const MAX_WHOLE_ROUNDS: usize = 8;
+
+/// A window is left when so many rounds in turn gained little, however incredible their surfaces.
+const MAX_IDLE_ROUNDS: usize = 3;
 
 /// Below this predicted R² (PRESS) of mseA a surface is not believed.
 const CREDIBLE_R_SQUARED: f64 = 0.9;
@@ -96,45 +106,69 @@ pub fn sequence(problem: &Problem, ranges: &Ranges, starts: &[Start], begins: &d
 /// Designs and moves within one window until the noise or the gains are small.
 pub fn in_window(problem: &Problem, from: Sequence, window: Window) -> Sequence {
     let mut now = from;
-    for _ in 0..MAX_ROUNDS {
-        let Some((next, is_finished)) = one_stage(problem, &now, window) else { break };
-        now = next;
-        if is_finished {
+    let max_rounds = match window {
+        Window::First(_) | Window::Lively => MAX_ROUNDS,
+        Window::Calming(_) => MAX_CALMING_ROUNDS,
+        Window::Whole => MAX_WHOLE_ROUNDS,
+    };
+    let mut n_idle = 0;
+    for _ in 0..max_rounds {
+        match one_stage(problem, &mut now, window) {
+            None | Some(Gain::Last) => break,
+            Some(Gain::Little) => n_idle += 1,
+            Some(Gain::Much) => n_idle = 0,
+        }
+        if n_idle == MAX_IDLE_ROUNDS {
             break;
         }
     }
     now
 }
 
-/// One design around the present guess and the move it leads to; true if nothing is left to gain in this window.
-fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Sequence, bool)> {
+/// What a move brought.
+enum Gain {
+    /// So little that nothing is left to gain in this window, says a credible surface.
+    Last,
+    /// Little, but the surface is not credible.
+    Little,
+    /// Enough to go on.
+    Much,
+}
+
+/// One design around the present guess and the move it leads to; none where there is no box left to lay a design in.
+fn one_stage(problem: &Problem, now: &mut Sequence, window: Window) -> Option<Gain> {
     let region = now.region.around(&now.point.values, &problem.unknowns);
     if region.is_spent(&problem.unknowns) {
         return None;
     }
     let design = Design::face_centred(axes(problem.unknowns.len())?, 1).ok()?;
-    let nuisance = Nuisance::at(problem, &now.point, window);
-    let simulate = |values: &[Vec<f64>]| runs(problem, &now.point, window, &nuisance, values);
     let natural = |coded: &[Vec<f64>]| coded.iter().map(|c| region.natural(c, &problem.unknowns)).collect::<Vec<_>>();
-
-    let mut tried = simulate(&[vec![now.point.values.clone()], natural(design.coded_runs())].concat());
+    let planned = [vec![now.point.values.clone()], natural(design.coded_runs())].concat();
+    let (nuisance, mut tried) = first_runs(problem, &now.point, window, &planned);
     let here = tried.remove(0);
     let surfaces: Vec<Surface> = (0..Responses::NAMES.len())
         .map(|k| Surface::fit(&design, &tried.iter().map(|run| run.responses.values()[k]).collect::<Vec<_>>()))
         .collect::<Result<_, _>>()
         .ok()?;
-    tried.extend(simulate(&natural(&proposals(&surfaces, &tried))));
+    let proposed = natural(&proposals(&surfaces, &tried));
+    tried.extend(runs(problem, &now.point, window, &nuisance, &proposed));
     let best = tried.iter().min_by(|a, b| a.responses.mse_angle.total_cmp(&b.responses.mse_angle))?;
     let moves = best.responses.mse_angle < here.responses.mse_angle;
     let chosen = if moves { best } else { &here };
 
-    let noises = problem.n_samples(window) as f64 / problem.noise_rad().powi(2);
+    let n_samples = problem.n_samples(window) as f64;
+    let noises = n_samples / problem.noise_rad().powi(2);
     let gain = (here.responses.mse_angle - chosen.responses.mse_angle) * noises;
     let promised = promised_gain(&surfaces[0], &region.coded(&now.point.values)) * noises;
     let kept_promise = gain > KEPT_PROMISE * promised || promised < LITTLE_GAIN;
     let r_squared_predicted = goodness(&surfaces[0]).r_squared_predicted;
     let is_credible = kept_promise && r_squared_predicted.is_some_and(|r| r > CREDIBLE_R_SQUARED);
-    let stage = Stage {
+    now.region = if is_credible {
+        region.canonical(&surfaces[0], &chosen.point.values, chosen.responses.mse_angle, n_samples)
+    } else {
+        region.halved()
+    };
+    now.stages.push(Stage {
         window_s: match window {
             Window::First(seconds) => Some(seconds),
             _ => None,
@@ -144,18 +178,16 @@ fn one_stage(problem: &Problem, now: &Sequence, window: Window) -> Option<(Seque
         before: here.responses,
         after: chosen.responses,
         goodness: surfaces.iter().map(goodness).collect(),
-        surfaces: surfaces.clone(),
-        region: region.clone(),
+        surfaces,
+        region,
         r_squared_predicted,
-    };
-    let region = if is_credible {
-        let n_samples = problem.n_samples(window) as f64;
-        region.canonical(&surfaces[0], &chosen.point.values, chosen.responses.mse_angle, n_samples)
-    } else {
-        region.halved()
-    };
-    let stages = [now.stages.clone(), vec![stage]].concat();
-    Some((Sequence { point: chosen.point.clone(), stages, region }, is_credible && gain < LITTLE_GAIN))
+    });
+    now.point = chosen.point.clone();
+    Some(match gain < LITTLE_GAIN {
+        true if is_credible => Gain::Last,
+        true => Gain::Little,
+        false => Gain::Much,
+    })
 }
 
 fn symbols(problem: &Problem) -> impl Iterator<Item = &'static str> {

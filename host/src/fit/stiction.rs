@@ -89,11 +89,12 @@ pub fn without_band(problem: &Problem, from: &Descent, patience: Patience) -> Se
         let descent = descend(&chosen_problem, &point, Window::Whole, patience, steps.clone());
         let settled = Settled { stiction: tried[chosen], level_range_nm: ranges[chosen], descent };
         let gain = best.as_ref().map_or(f64::INFINITY, |before| before.descent.cost - settled.descent.cost);
+        let point_cost = settled.descent.cost;
         point = settled.descent.point.clone();
         if gain > 0.0 {
             best = Some(settled);
         }
-        if gain < problem.noise_rad().powi(2) {
+        if gain < little(problem, patience, point_cost) {
             break;
         }
     }
@@ -215,13 +216,21 @@ fn narrowed(problem: &Problem, best: Settled, patience: Patience) -> Settled {
         let linear = linearise(&here, &point, Window::Whole, &mut best.descent.steps.clone());
         let grid = finer(&best.stiction);
         let costs = answered_costs(&here, &linear, &point, &grid);
-        let Some(chosen) = lowest(&costs) else { break };
+        let least = little(problem, patience, before);
+        let Some(chosen) = lowest(&costs).filter(|chosen| before - costs[*chosen] > least) else { break };
         best = better(best, descended(problem, &point, grid[chosen], patience));
-        if before - best.descent.cost < problem.noise_rad().powi(2) {
+        if before - best.descent.cost < least {
             break;
         }
     }
     best
+}
+
+/// A gain that is not worth another round: one noise variance, or a small share of what the cost has beyond the noise.
+fn little(problem: &Problem, patience: Patience, cost: f64) -> f64 {
+    let variance = problem.noise_rad().powi(2);
+    let excess = cost - variance * problem.n_samples(Window::Whole) as f64;
+    variance.max(patience.least_share_of_excess * excess)
 }
 
 /// The best level for each band, the most promising bands first.

@@ -98,6 +98,7 @@ fn effect(parsed: &Parsed, Understood { formula, starts }: Understood) -> Effect
         experiment: "Releases from several angles, small and large.",
         parameters: Vec::leak(parsed.parameters.iter().enumerate().map(parameter).collect()),
         generalises: None,
+        is_fine: true,
         action: Action::Formula(Box::leak(Box::new(formula))),
         starts: Vec::leak(starts),
     }

@@ -16,6 +16,9 @@ pub struct Tread {
 /// Half the width of a tread: they touch.
 const HALF: f64 = 0.5;
 
+const EXPLANATION: &str = "Each step changes the model by one effect and fits everything again. Where the stairs reach \
+    the noise, nothing is left to explain; dots far above them would show an effect that suits the fitted swings only.";
+
 /// Draws the treads in their order, against the noise of the measurement in rad.
 pub fn staircase(treads: &[Tread], noise_rad: f64) -> Picture {
     let place = |k: usize| k as f64;
@@ -32,11 +35,7 @@ pub fn staircase(treads: &[Tread], noise_rad: f64) -> Picture {
     Picture {
         key: "staircase".to_owned(),
         title: "Error after each step".to_owned(),
-        explanation:
-            "Each step is one effect more in the model, everything refitted. Where the stairs reach the noise, \
-                      nothing is left to explain; dots far above them would show an effect that suits the fitted \
-                      swings only."
-                .to_owned(),
+        explanation: EXPLANATION.to_owned(),
         x: Axis::named("model", treads.iter().map(|tread| tread.words.clone()).collect()),
         y: Axis::logarithmic("error in mrad rms"),
         content: Content::Curves(curves),

@@ -84,9 +84,14 @@ impl Desirability {
 
     /// How welcome a response is, 0 to 1; 0 if it is NaN.
     pub fn of(&self, response: f64) -> f64 {
+        self.logarithm(response).exp()
+    }
+
+    /// Natural logarithm of [`Desirability::of`]: 0 down to −∞.
+    fn logarithm(&self, response: f64) -> f64 {
         match self.side(response) {
-            Side::Welcome => 1.0,
-            Side::Falling { weight, .. } => (1.0 - self.distance(response)).max(0.0).powf(weight),
+            Side::Welcome => 0.0,
+            Side::Falling { weight, .. } => weight * (1.0 - self.distance(response)).max(0.0).ln(),
         }
     }
 
@@ -164,10 +169,13 @@ impl Composite {
     /// The geometric mean weighted by importance, 0 to 1; 0 as soon as one response is unacceptable.
     pub fn of(&self, responses: &[f64]) -> f64 {
         let largest = self.parts.iter().map(|part| part.importance).fold(0.0, f64::max);
-        let shares: f64 = self.parts.iter().map(|part| part.importance / largest).sum();
-        let share = |part: &Desirability| part.importance / largest / shares;
-        let factors = self.parts.iter().zip(responses).map(|(part, &response)| part.of(response).powf(share(part)));
-        factors.product::<f64>().clamp(0.0, 1.0)
+        let (mut sum, mut shares) = (0.0, 0.0);
+        for (part, &response) in self.parts.iter().zip(responses) {
+            let share = part.importance / largest;
+            sum += share * part.logarithm(response);
+            shares += share;
+        }
+        (sum / shares).exp()
     }
 
     /// The composite where it is positive; elsewhere minus the sum of the excesses, so that a search finds its way

@@ -9,6 +9,7 @@ use super::desirability::Composite;
 use super::nelder_mead::{Candidate, climb};
 use super::random::Random;
 use super::surface::Surface;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// A coded value this close to ±1 lies on the face.
@@ -74,8 +75,19 @@ pub enum OptimumError {
 /// Searches the coded box of the surfaces for the largest composite desirability.
 pub fn optimum(surfaces: &[Surface], composite: &Composite, search: &Search) -> Result<Optimum, OptimumError> {
     check(surfaces, composite, search)?;
-    let predict = |point: &[f64]| -> Vec<f64> { surfaces.iter().map(|surface| surface.predict(point)).collect() };
     let factors = surfaces[0].factors();
+    // All surfaces have the same terms: their values are worked out once a point.
+    let predict = |point: &[f64]| {
+        let mut responses = vec![0.0; surfaces.len()];
+        for (term_idx, term) in surfaces[0].terms().iter().enumerate() {
+            let value = term.value(point);
+            responses
+                .iter_mut()
+                .zip(surfaces)
+                .for_each(|(sum, surface)| *sum += surface.coefficients()[term_idx] * value);
+        }
+        responses
+    };
     let coded = best_point(factors.len(), search, |point| composite.merit(&predict(point)));
     let responses = predict(&coded);
     let on_face = |value: f64| 1.0 - value.abs() < FACE_TOLERANCE;
@@ -105,20 +117,20 @@ fn check(surfaces: &[Surface], composite: &Composite, search: &Search) -> Result
 }
 
 /// The best of many climbs: one from the centre and one from each of the best random points.
-fn best_point(n_factors: usize, search: &Search, merit: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+fn best_point(n_factors: usize, search: &Search, merit: impl Fn(&[f64]) -> f64 + Sync) -> Vec<f64> {
     let mut random = Random::new(search.seed);
     let judged = |point: Vec<f64>| Candidate { merit: merit(&point), point };
     let mut starts: Vec<Candidate> = (0..search.n_samples).map(|_| judged(random.point_in_box(n_factors))).collect();
     starts.sort_by(|a, b| b.merit.total_cmp(&a.merit));
     starts.truncate(search.n_starts);
-    let mut best = judged(vec![0.0; n_factors]);
-    for start in std::iter::once(best.clone()).chain(starts) {
-        let reached = climb(start, search.smallest_edge, &mut random, judged);
-        if reached.merit > best.merit {
-            best = reached;
-        }
-    }
-    best.point
+    starts.push(judged(vec![0.0; n_factors]));
+    let climbed = |(climb_idx, start)| {
+        let mut random = Random::new(search.seed.wrapping_add(1 + climb_idx as u64));
+        climb(start, search.smallest_edge, &mut random, judged)
+    };
+    let reached: Vec<Candidate> = starts.into_par_iter().enumerate().map(climbed).collect();
+    let best = reached.into_iter().max_by(|a, b| a.merit.total_cmp(&b.merit));
+    best.map_or_else(|| vec![0.0; n_factors], |best| best.point)
 }
 
 #[cfg(test)]

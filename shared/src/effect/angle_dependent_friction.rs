@@ -44,6 +44,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             [0.0, 0.0, 10.0, 0.0],
         ],
         generalises: None,
+        is_fine: false,
         action: Action::Friction(torque),
     }
 }

@@ -36,6 +36,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         ],
         starts: &[[0.0, 0.0, 0.0, 0.0], [4e-3, 0.0, 0.0, 0.0], [4e-3, 0.7, 0.0, 0.0], [4e-3, -0.7, 0.0, 0.0]],
         generalises: None,
+        is_fine: false,
         action: Action::Sensor(Sensor { start, read }),
     }
 }

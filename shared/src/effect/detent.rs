@@ -48,6 +48,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             [0.0, 0.0, 30.0, 0.0],
         ],
         generalises: None,
+        is_fine: true,
         action: Action::Drive(torque),
     }
 }

@@ -46,6 +46,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         ],
         starts: &[[0.0, 0.0, 10.0, 0.0], [0.0, 0.0, 3.0, 0.0], [0.0, 0.0, 35.0, 0.0], [0.0, 0.0, 120.0, 0.0]],
         generalises: None,
+        is_fine: false,
         action: Action::Friction(torque),
     }
 }

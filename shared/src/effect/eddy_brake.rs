@@ -49,6 +49,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             [0.0, 0.0, 0.6, 0.0],
         ],
         generalises: None,
+        is_fine: false,
         action: Action::Friction(torque),
     }
 }

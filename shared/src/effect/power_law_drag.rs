@@ -34,6 +34,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         ],
         starts: &[[0.0, 2.5, 0.0, 0.0], [0.0, 1.5, 0.0, 0.0], [0.0, 3.2, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0]],
         generalises: Some("quadratic-drag"),
+        is_fine: false,
         action: Action::Friction(torque),
     }
 }

@@ -38,6 +38,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         ],
         starts: &[[0.0, 5e-3, 0.0, 0.0], [0.0, 5e-4, 0.0, 0.0], [0.0, 3e-2, 0.0, 0.0]],
         generalises: None,
+        is_fine: false,
         action: Action::State(Memory { start, torque, advance }),
     }
 }

@@ -24,6 +24,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         }],
         starts: &[[0.0; MAX_VALUES]],
         generalises: None,
+        is_fine: false,
         action: Action::Friction(torque),
     }
 }

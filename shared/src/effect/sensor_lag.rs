@@ -27,6 +27,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         }],
         starts: &[[0.0, 0.0, 0.0, 0.0], [5e-3, 0.0, 0.0, 0.0], [2e-2, 0.0, 0.0, 0.0]],
         generalises: None,
+        is_fine: false,
         action: Action::Sensor(Sensor { start, read }),
     }
 }

@@ -44,6 +44,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         ],
         starts: &[[0.0, 0.0, 0.0, 0.0]],
         generalises: Some("sensor-gain"),
+        is_fine: false,
         action: Action::Sensor(Sensor { start, read }),
     }
 }

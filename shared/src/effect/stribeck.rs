@@ -34,6 +34,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         ],
         starts: &[[0.0, 0.5, 0.0, 0.0], [0.0, 0.12, 0.0, 0.0], [0.0, 1.5, 0.0, 0.0], [0.0, 4.0, 0.0, 0.0]],
         generalises: None,
+        is_fine: false,
         action: Action::Friction(torque),
     }
 }

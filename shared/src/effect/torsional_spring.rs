@@ -29,6 +29,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         ],
         starts: &[[0.0, 0.0, 0.0, 0.0], [0.0, 0.3, 0.0, 0.0], [0.0, -0.3, 0.0, 0.0]],
         generalises: None,
+        is_fine: false,
         action: Action::Drive(torque),
     }
 }

@@ -1,5 +1,6 @@
 //! `--plot`: measured against model, as an SVG.
 
+use crate::cli::output;
 use crate::error::Failure;
 use crate::fit::identify::Fit;
 use crate::fit::problem::Start;
@@ -20,7 +21,8 @@ pub(super) fn of_fit(path: &Path, fit: &Fit, swings: &[Swing]) -> Result<(), Fai
         [_] => "Measured against model".to_owned(),
         _ => format!("Measured against model: {} swings", swings.len()),
     };
-    save(path, &Overlay { title, subtitle: numbers(fit), rows })
+    let overlay = Overlay { title, subtitle: numbers(fit), rows };
+    output::write(path, &overlay.svg())
 }
 
 /// Draws the paper's simulation at its three optima over the rebuilt recording, as in its Figs 6, 7 and 9.
@@ -39,24 +41,23 @@ pub(super) fn of_paper(path: &Path) -> Result<(), Failure> {
         model_rad: replay.angles_rad(&optimum.values),
         noise_rad: simulation.floor_angle.sqrt(),
     };
-    save(
-        path,
-        &Overlay {
-            title: "The paper's simulation at its three optima over the rebuilt recording".to_owned(),
-            subtitle: format!(
-                "start {} rad, {:.1} s, 1 ms steps; noise as in the paper's own recording",
-                simulation.start_rad, simulation.duration_s
-            ),
-            rows: published.optima.iter().map(row).collect(),
-        },
-    )
+    let overlay = Overlay {
+        title: "The paper's simulation at its three optima over the rebuilt recording".to_owned(),
+        subtitle: format!(
+            "start {} rad, {:.1} s, 1 ms steps; noise as in the paper's own recording",
+            simulation.start_rad, simulation.duration_s
+        ),
+        rows: published.optima.iter().map(row).collect(),
+    };
+    output::write(path, &overlay.svg())
 }
 
 fn row(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Row {
     let model = Model::new(parameters);
     let state = model.release(start.angle_rad, start.velocity_rad_s);
     let mut model_rad = Vec::with_capacity(swing.len());
-    simulate(&model, state, &swing.schedule, swing.len(), |_, reading: f64| model_rad.push(reading + start.offset_rad));
+    let schedule = swing.schedule(parameters);
+    simulate(&model, state, schedule, swing.len(), |_, reading: f64| model_rad.push(reading + start.offset_rad));
     let squares: f64 = swing.angles_rad.iter().zip(&model_rad).map(|(m, s)| (m - s).powi(2)).sum();
     let rmse_mrad = 1e3 * (squares / swing.len() as f64).sqrt();
     let name = Path::new(&swing.name).file_name().map_or(swing.name.as_str().into(), |name| name.to_string_lossy());
@@ -76,11 +77,4 @@ fn numbers(fit: &Fit) -> String {
         format!("{} = {} {}", found.symbol, crate::cli::number::significant(found.value, 4), found.unit)
     };
     fit.identified.iter().map(number).collect::<Vec<_>>().join(", ")
-}
-
-fn save(path: &Path, overlay: &Overlay) -> Result<(), Failure> {
-    std::fs::write(path, overlay.svg()).map_err(|error| {
-        Failure::failed(format!("could not write {}: {error}", path.display()))
-            .next("give --plot a file in a folder that exists and may be written to")
-    })
 }

@@ -4,12 +4,11 @@ use super::points::Points;
 use super::{Owner, POINTS_PER_S};
 use crate::error::Failure;
 use crate::now;
-use crate::record::{Live, Plan, Stage, Watch, in_words, record, usable};
+use crate::record::{Live, Plan, Stage, Watch, in_words, record, unused_path, usable};
 use crate::recording::Existing;
 use crate::serve::recordings;
 use crate::serve::state::App;
 use shared::wire;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Give up if the pendulum was not let go within so many seconds.
@@ -22,7 +21,7 @@ impl Owner<'_> {
     /// Records a swing into the folder the server was started in, and adds it to the list.
     pub(super) fn record(&mut self) -> Result<(), Failure> {
         let app = self.app.clone();
-        let path = unused_path(&app);
+        let path = unused_path(&app.settings.folder, "");
         let session = self.session()?;
         let rate_hz = session.settings()?.rate_hz;
         let live_every = (rate_hz / POINTS_PER_S).round().max(1.0) as u16;
@@ -46,13 +45,6 @@ impl Owner<'_> {
         // Listening goes on where the rig is still there.
         self.start()
     }
-}
-
-fn unused_path(app: &App) -> PathBuf {
-    let stamp = now::for_file_name();
-    let numbers = std::iter::once(String::new()).chain((2..).map(|number| format!("-{number}")));
-    let mut paths = numbers.map(|number| app.settings.folder.join(format!("swing-{stamp}{number}.csv")));
-    paths.find(|path| !path.exists()).unwrap_or_default()
 }
 
 struct Watcher<'a> {
