@@ -212,12 +212,14 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn the_right_model_leaves_no_innovation() {
         let truth = Parameters::paper();
         assert!(innovation_rms(&truth, &truth, 3.0) < 1e-12);
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn a_wrong_model_shows_at_low_bandwidth_and_hides_at_high() {
         let truth = Parameters::paper();
         let mut wrong = truth.clone();
@@ -227,6 +229,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn time_counts_from_the_release_however_long_it_was_held_before() {
         let truth = Parameters::paper().map(|value| value as f32);
         let model = Model::new(&truth);

@@ -165,6 +165,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn the_sine_is_as_precise_as_promised() {
         assert!(worst_sine_error(4.0, Real::sin) < 5e-16);
         assert!(worst_sine_error(1e4, Real::sin) < 1e-15);

@@ -26,14 +26,8 @@ impl Port for Watched {
     }
 
     fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
-        let until_s = self.rig.elapsed_s() + timeout.as_secs_f64();
-        while self.rig.output().is_empty() && self.rig.elapsed_s() < until_s {
-            self.rig.sample();
-        }
-        let output = self.rig.output();
-        self.longest.fetch_max(output.len(), Ordering::Relaxed);
-        let n_bytes = output.len().min(buffer.len());
-        output.drain(..n_bytes).zip(buffer).for_each(|(byte, slot)| *slot = byte);
+        let n_bytes = self.rig.read(buffer, timeout);
+        self.longest.fetch_max(n_bytes + self.rig.output().len(), Ordering::Relaxed);
         Ok(n_bytes)
     }
 

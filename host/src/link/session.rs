@@ -18,11 +18,10 @@ const N_ATTEMPTS: u32 = 6;
 /// How long an answer may take before it is asked for again; a late one still counts.
 const ANSWER_PATIENCE: Duration = Duration::from_millis(500);
 
-/// Flash wears, so it is not asked as often.
-const N_FLASH_ATTEMPTS: u32 = 3;
-
-/// Erasing a flash sector stops the rig for up to a second or two.
-const FLASH_PATIENCE: Duration = Duration::from_secs(5);
+/// Erasing a flash sector stops the rig for up to a second or two. Flash wears: it is asked again only when the
+/// command or its answer is known to be lost, or after so long.
+const FLASH_PATIENCE: Duration = Duration::from_secs(15);
+const FLASH_ANSWER_PATIENCE: Duration = Duration::from_secs(5);
 
 /// A formula in the words of "the rig refused to …".
 const FORMULA_WORDS: &str = "exchange a custom formula";
@@ -120,19 +119,22 @@ impl Session {
     /// # Errors
     /// No answer, a refusal, or the port is gone.
     pub fn ask(&mut self, command: &Command) -> Result<Answer, LinkError> {
-        let number = self.next_number;
-        self.next_number = self.next_number.wrapping_add(1);
+        let number = self.new_number();
         let frame = Frame::Command(number, command.clone());
-        let (n_times, patience) = patience(command);
         log::debug!("asking the rig to {}", words(command));
-        for attempt in 0..n_times {
-            if attempt > 0 {
+        let is_slow = matches!(command, Command::Save | Command::Load);
+        let give_up = self.port.elapsed() + if is_slow { FLASH_PATIENCE } else { N_ATTEMPTS * ANSWER_PATIENCE };
+        let mut n_times = 0;
+        while self.port.elapsed() < give_up {
+            if n_times > 0 {
                 // Ends what the link may have left of the one before, or this one would be lost with it.
                 self.write(&[0])?;
             }
+            n_times += 1;
             self.send(&frame)?;
-            match self.answer(number, patience)? {
-                None => log::debug!("no answer within {patience:?}"),
+            let answer = if is_slow { self.slow_answer(number)? } else { self.quick_answer(number)? };
+            match answer {
+                None => log::debug!("no answer"),
                 Some(Answer::Refused(refusal)) => {
                     return Err(LinkError::Refused { command: words(command), refusal });
                 }
@@ -218,11 +220,39 @@ impl Session {
         Ok(None)
     }
 
-    fn answer(&mut self, number: u16, patience: Duration) -> Result<Option<Answer>, LinkError> {
+    fn new_number(&mut self) -> u16 {
+        let number = self.next_number;
+        self.next_number = self.next_number.wrapping_add(1);
+        number
+    }
+
+    fn quick_answer(&mut self, number: u16) -> Result<Option<Answer>, LinkError> {
+        Ok(self.answer(&[number], ANSWER_PATIENCE)?.map(|(_, answer)| answer))
+    }
+
+    /// The answer to a command that may take seconds. Now and then the rig is asked for something quick: it answers in
+    /// order, so if that answer comes first, the command or its own answer was lost.
+    fn slow_answer(&mut self, number: u16) -> Result<Option<Answer>, LinkError> {
+        let give_up = self.port.elapsed() + FLASH_ANSWER_PATIENCE;
+        let probe = self.new_number();
+        while self.port.elapsed() < give_up {
+            match self.answer(&[number, probe], ANSWER_PATIENCE)? {
+                Some((of, answer)) => return Ok((of == number).then_some(answer)),
+                None => {
+                    self.write(&[0])?;
+                    self.send(&Frame::Command(probe, Command::GetSettings))?;
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// The first answer to one of these commands, with the command's number.
+    fn answer(&mut self, numbers: &[u16], patience: Duration) -> Result<Option<(u16, Answer)>, LinkError> {
         let deadline = self.port.elapsed() + patience;
         while let Some(frame) = self.next_frame(deadline, None)? {
             match frame {
-                Frame::Answer(of, answer) if of == number => return Ok(Some(answer)),
+                Frame::Answer(of, answer) if numbers.contains(&of) => return Ok(Some((of, answer))),
                 Frame::Samples(_) | Frame::Live(_) if self.streaming => self.waiting.push_back(frame),
                 _ => {}
             }
@@ -282,14 +312,6 @@ impl Drop for Session {
             let number = self.next_number;
             let _ = self.send(&Frame::Command(number, Command::Stop));
         }
-    }
-}
-
-/// How often to ask, and how long to wait each time.
-fn patience(command: &Command) -> (u32, Duration) {
-    match command {
-        Command::Save | Command::Load => (N_FLASH_ATTEMPTS, FLASH_PATIENCE),
-        _ => (N_ATTEMPTS, ANSWER_PATIENCE),
     }
 }
 

@@ -161,6 +161,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn the_exponential_is_as_precise_as_promised() {
         for i in -700_000..=700_000 {
             let x = f64::from(i) * 1e-3;
@@ -172,6 +173,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn the_power_is_as_precise_as_promised() {
         for i in 1..=2000 {
             for exponent in [-1.5, 0.25, 1.0, 2.0, 2.5, 4.0] {

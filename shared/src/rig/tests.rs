@@ -105,6 +105,7 @@ fn tell_formula(rig: &mut Rig, bytes: &[u8]) -> Frame {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too long for an interpreter")]
 fn a_formula_is_held_used_by_the_observer_and_kept_in_flash() {
     let mut rig = rig();
     let bytes: Vec<u8, MAX_BYTES> = drag().bytes().iter().copied().collect();
@@ -162,6 +163,7 @@ fn values_without_a_formula_and_bytes_without_a_program_are_refused() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "too long for an interpreter")]
 fn zero_and_gain_are_calibrated_only_while_still() {
     let mut rig = rig();
     (0..500).for_each(|i| {
