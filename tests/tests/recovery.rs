@@ -166,7 +166,8 @@ fn least_squares_after_them_comes_within_5_percent_of_the_noise_in_all_rigs() {
     check_share("polished", 1.05, 1.0, |outcome| &outcome.polished);
 }
 
-/// Of 500 rigs the intervals of I held the truth in 469, of the first 100 in 89: chance alone makes so few of a hundred in 1 % of cases.
+/// Of 500 rigs the intervals of I held the truth in 469, of the first 100 in 89: chance alone makes so few of a hundred
+/// in 1 % of cases.
 #[test]
 #[ignore = "needs 500 rigs, which take twenty minutes: RECOVERY_RIGS=500"]
 fn stated_95_percent_intervals_contain_the_truth_in_90_to_99_percent() {
