@@ -1,11 +1,13 @@
 //! A recording made ready for the fit: the free swing alone, its time counted from its first sample.
 
-use crate::fit::quality::count_lobes;
+mod step;
+
 use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
 use crate::recording::{Fault, Recording};
 use crate::trajectory::Schedule;
 use shared::effect::Effect;
 use shared::parameters::Parameters;
+use step::{FINE_STEP_S, longest_step_s};
 
 /// Why a recording has no swing to fit.
 #[derive(Debug, thiserror::Error)]
@@ -141,50 +143,6 @@ fn n_lively(angles_rad: &[f64]) -> usize {
     angles_rad.iter().rposition(|x| x.abs() > threshold).map_or(angles_rad.len(), |last| last + 1)
 }
 
-/// The longest integration step for a swing, in s: so many to a period, and fewer degrees a step where it spins.
-fn longest_step_s(times_s: &[f64], angles_rad: &[f64], noise_rad: f64) -> f64 {
-    let middle_rad = angles_rad.iter().sum::<f64>() / angles_rad.len() as f64;
-    let lobes = count_lobes(angles_rad.iter().map(|angle| angle - middle_rad), LOBE_NOISES * noise_rad);
-    let n_lobes = (lobes.positive + lobes.negative).max(1) as f64;
-    let period_s = 2.0 * times_s[angles_rad.len() - 1] / n_lobes;
-    let by_speed_s = LARGEST_STEP_RAD / largest_speed_rad_s(times_s, angles_rad);
-    (period_s / STEPS_A_PERIOD).min(by_speed_s).clamp(SHORTEST_STEP_S, LONGEST_STEP_S)
-}
-
-/// Over stretches of the longest step, so that noise does not count.
-fn largest_speed_rad_s(times_s: &[f64], angles_rad: &[f64]) -> f64 {
-    let mut from = 0;
-    let mut largest = 0.0_f64;
-    for to in 1..angles_rad.len() {
-        while times_s[to] - times_s[from + 1] >= LONGEST_STEP_S {
-            from += 1;
-        }
-        let seconds = times_s[to] - times_s[from];
-        if seconds >= LONGEST_STEP_S {
-            largest = largest.max((angles_rad[to] - angles_rad[from]).abs() / seconds);
-        }
-    }
-    largest
-}
-
-/// With so many Runge–Kutta steps a period the angle is wrong by less than 2e-5 rad after 50 periods.
-const STEPS_A_PERIOD: f64 = 80.0;
-
-/// The pendulum turns by no more in a step.
-const LARGEST_STEP_RAD: f64 = 0.15;
-
-/// Velocities change too much within a longer one: frictions near zero velocity would be missed.
-const LONGEST_STEP_S: f64 = 1e-2;
-
-/// The board's own step.
-const SHORTEST_STEP_S: f64 = 1e-3;
-
-/// For effects that change within a few degrees.
-const FINE_STEP_S: f64 = 5e-3;
-
-/// A lobe rises above so many noises.
-const LOBE_NOISES: f64 = 4.0;
-
 /// Below this angle, and below this share of the largest, stiction may decide.
 const LIVELY_RAD: f64 = 0.12;
 const LIVELY_SHARE: f64 = 0.1;
@@ -194,32 +152,3 @@ const START_FIT_S: f64 = 0.06;
 
 /// Fewer would not tell noise from velocity.
 const MIN_START_SAMPLES: usize = 5;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// For angles at 1 kHz over 10 s.
-    fn step_s(angle_rad: impl Fn(f64) -> f64) -> f64 {
-        let times_s: Vec<f64> = (0..10_000).map(|i| f64::from(i) * 1e-3).collect();
-        let angles_rad: Vec<f64> = times_s.iter().map(|time_s| angle_rad(*time_s)).collect();
-        longest_step_s(&times_s, &angles_rad, 1e-3)
-    }
-
-    #[test]
-    fn a_step_is_a_share_of_the_period_wherever_the_sensors_zero_lies() {
-        assert_eq!(step_s(|time_s| 0.5 * (std::f64::consts::TAU * time_s).cos()), LONGEST_STEP_S);
-        let quick = step_s(|time_s| 0.4 + 0.1 * (std::f64::consts::TAU * time_s / 0.3).cos());
-        assert!((quick / (0.3 / STEPS_A_PERIOD) - 1.0).abs() < 0.05, "{quick}");
-    }
-
-    #[test]
-    fn a_pendulum_that_spins_is_followed_in_short_steps() {
-        assert!((step_s(|time_s| 30.0 * time_s) - LARGEST_STEP_RAD / 30.0).abs() < 1e-6);
-    }
-
-    #[test]
-    fn noise_alone_does_not_make_steps_shorter_than_the_boards() {
-        assert_eq!(step_s(|time_s| (1e6 * time_s).sin()), SHORTEST_STEP_S);
-    }
-}

@@ -30,7 +30,7 @@ pub(super) fn surfaces(problem: &Problem, ranges: &Ranges, progress: &(dyn Fn(Pr
         false => ended.next().unwrap_or(*range),
     };
     let region = Region::of_ranges(&Ranges(problem.unknowns.iter().zip(&ranges.0).map(range).collect()));
-    let pair = pair_of(problem, &Point { values: problem.template_values(), starts: Vec::new() });
+    let pair = pair_of(problem, &problem.template_values());
     let values = full_values(problem, &smooth_sequence.point, pair);
     Sequence { point: Point { values, ..smooth_sequence.point }, stages: smooth_sequence.stages, region }
 }
@@ -47,7 +47,7 @@ pub(super) fn finish_surfaces(problem: &Problem, sequence: &mut Sequence) -> Out
     let smooth = smooth(problem);
     let mut best = Outcome {
         point: smooth_point(problem, &sequence.point),
-        stiction: pair_of(problem, &sequence.point),
+        stiction: pair_of(problem, &sequence.point.values),
         level_range_nm: (0.0, 0.0),
         cost: problem.costs(Window::Whole, std::slice::from_ref(&sequence.point))[0],
         converged: true,
@@ -94,7 +94,7 @@ fn finishing_round(
     let from = Sequence { point, stages: Vec::new(), region: Region::of_ranges(&ranges) };
     let end = if pair.velocity_band > 0.0 { sequential::in_window(problem, from, Window::Whole) } else { from };
     sequence.stages.extend(end.stages.iter().cloned());
-    let stiction = pair_of(problem, &end.point);
+    let stiction = pair_of(problem, &end.point.values);
     Outcome {
         point: smooth_point(problem, &end.point),
         stiction,

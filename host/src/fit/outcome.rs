@@ -64,9 +64,9 @@ pub(super) fn full_values(problem: &Problem, smooth: &Point, stiction: Stiction)
     problem.unknowns.iter().map(next).collect()
 }
 
-pub(super) fn pair_of(problem: &Problem, point: &Point) -> Stiction {
+pub(super) fn pair_of(problem: &Problem, values: &[f64]) -> Stiction {
     let value = |index: usize| {
-        let of_stiction = problem.unknowns.iter().zip(&point.values).filter(|(unknown, _)| unknown.is_stiction());
+        let of_stiction = problem.unknowns.iter().zip(values).filter(|(unknown, _)| unknown.is_stiction());
         of_stiction.map(|(_, value)| *value).nth(index).unwrap_or(0.0)
     };
     Stiction { level_nm: value(0), velocity_band: value(1) }
