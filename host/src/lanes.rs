@@ -51,12 +51,20 @@ pub fn pack<const N: usize>(sets: &[Parameters<f64>; N]) -> Option<Parameters<La
 impl<const N: usize> Lanes<N> {
     #[inline(always)]
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Self(array::from_fn(|lane| f(self.0[lane])))
+        let mut out = self;
+        for lane in 0..N {
+            out.0[lane] = f(self.0[lane]);
+        }
+        out
     }
 
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        Self(array::from_fn(|lane| f(self.0[lane], other.0[lane])))
+        let mut out = self;
+        for lane in 0..N {
+            out.0[lane] = f(self.0[lane], other.0[lane]);
+        }
+        out
     }
 
     #[inline(always)]

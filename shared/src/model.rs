@@ -213,7 +213,7 @@ impl<R: Real> Model<R> {
         if state.contact.is_sliding().and(onward).all() || self.stays(state, trial, dt_s).all() {
             self.accept(state, trial, dt_s);
         } else {
-            self.step_in_pieces(state, dt_s);
+            self.step_in_pieces(state, trial, dt_s);
         }
     }
 
@@ -233,61 +233,80 @@ impl<R: Real> Model<R> {
         slides.or(creeps).or(contact.is_resting().and(held))
     }
 
-    /// A step in which sliding may begin or end: cut there as often as needed.
+    /// A step in which sliding begins or ends: cut there as often as needed.
     #[inline(never)]
-    fn step_in_pieces(&self, state: &mut State<R>, dt_s: R) {
-        let mut left_s = dt_s;
+    fn step_in_pieces(&self, state: &mut State<R>, trial: Phase<R>, dt_s: R) {
+        let (mut trial, mut left_s) = (trial, dt_s);
         for _ in 0..MAX_CUTS {
-            left_s = self.step_to_change(state, left_s);
+            left_s = self.trial_to_change(state, trial, left_s);
             if !R::zero().lt(left_s).any() {
                 return;
             }
+            trial = self.trial(state, left_s);
+            if self.stays(state, trial, left_s).all() {
+                break;
+            }
         }
-        self.accept(state, self.trial(state, left_s), left_s);
+        self.accept(state, trial, left_s);
     }
 
     /// Steps until the contact changes, at most `dt_s`; gives what is left of it. A part of [`Model::step`], which is
     /// what simulations call; alone it serves whoever writes the step in another language.
     pub fn step_to_change(&self, state: &mut State<R>, dt_s: R) -> R {
+        self.trial_to_change(state, self.trial(state, dt_s), dt_s)
+    }
+
+    /// The same for the step that `trial` is.
+    fn trial_to_change(&self, state: &mut State<R>, trial: Phase<R>, dt_s: R) -> R {
         let before = state.contact;
-        let trial = self.trial(state, dt_s);
         let (sliding, in_band, resting) = (before.is_sliding(), before.is_in_band(), before.is_resting());
 
         // What happens within this step, lane by lane.
         let enters = sliding.and(self.velocity_band.le(before.slide * trial.velocity).not());
         let leaves = in_band.and(self.velocity_band.lt(trial.velocity.abs()));
+        let crosses = enters.or(leaves);
         let excess = |angle, velocity, time| {
             before.push * self.drive_nm(angle, velocity, time, &state.memories) - before.level_nm
         };
-        let excess_end = excess(trial.angle, trial.velocity, state.time_s + dt_s);
-        let holds = in_band.and(leaves.not()).and(excess_end.lt(R::zero()));
+        let end_s = state.time_s + dt_s;
+        let creeps = in_band.and(leaves.not());
+        let holds = creeps.and_then(|| excess(trial.angle, trial.velocity, end_s).lt(R::zero()));
         let breaks =
-            resting.and(self.balance(state.angle_rad, R::zero(), state.time_s + dt_s, &state.memories).holds().not());
+            resting.and_then(|| self.balance(state.angle_rad, R::zero(), end_s, &state.memories).holds().not());
 
         // When it happens, as a share of the step.
-        let regime = self.regime(&before);
-        let rise_start =
-            self.acceleration(&regime, state.angle_rad, state.velocity_rad_s, state.time_s, &state.memories);
-        let rise_end = self.acceleration(&regime, trial.angle, trial.velocity, state.time_s + dt_s, &state.memories);
         let edge = R::select(sliding, before.slide, trial.velocity.sign()) * self.velocity_band;
-        let crosses = enters.or(leaves);
-        let share_cross =
-            rk4::share_until(state.velocity_rad_s, rise_start * dt_s, trial.velocity, rise_end * dt_s, edge);
-        let share_hold = self.share_until_held(state, trial, dt_s, excess);
-        let share_break = R::select(breaks, R::zero(), R::one());
-        let share = R::select(crosses, share_cross, R::select(holds, share_hold, share_break));
+        let mut share = R::select(breaks, R::zero(), R::one());
+        if crosses.may_be() {
+            share = R::select(crosses, self.share_until_edge(state, trial, dt_s, edge), share);
+        }
+        if holds.may_be() {
+            share = R::select(holds, self.share_until_held(state, trial, dt_s, excess), share);
+        }
 
         let reached = self.trial(state, share * dt_s);
         let velocity = R::select(crosses, edge, reached.velocity);
         self.accept(state, Phase { angle: reached.angle, velocity }, share * dt_s);
 
-        let settled = self.balance(state.angle_rad, velocity, state.time_s, &state.memories).contact();
         let held = Contact { slide: R::zero(), push: R::zero(), level_nm: before.level_nm };
-        let kept = Contact::select(holds, held, before);
-        let outside = Contact::select(leaves, Contact::sliding(edge.sign()), kept);
-        state.contact = Contact::select(enters.or(breaks), settled, outside);
+        state.contact = Contact::select(holds, held, before);
+        state.contact = Contact::select(leaves, Contact::sliding(edge.sign()), state.contact);
+        let decides = enters.or(breaks);
+        if decides.may_be() {
+            let settled = self.balance(state.angle_rad, velocity, state.time_s, &state.memories).contact();
+            state.contact = Contact::select(decides, settled, state.contact);
+        }
         state.velocity_rad_s = R::select(state.contact.is_resting(), R::zero(), velocity);
         (R::one() - share) * dt_s
+    }
+
+    /// The share of a step at which the velocity reaches the edge of the band.
+    fn share_until_edge(&self, state: &State<R>, trial: Phase<R>, dt_s: R, edge: R) -> R {
+        let regime = self.regime(&state.contact);
+        let rise_start =
+            self.acceleration(&regime, state.angle_rad, state.velocity_rad_s, state.time_s, &state.memories);
+        let rise_end = self.acceleration(&regime, trial.angle, trial.velocity, state.time_s + dt_s, &state.memories);
+        rk4::share_until(state.velocity_rad_s, rise_start * dt_s, trial.velocity, rise_end * dt_s, edge)
     }
 
     /// The share of a step in the band at which the drive falls to what friction holds: secant steps along the cubic
@@ -390,23 +409,28 @@ impl<R: Real> Model<R> {
     }
 
     fn added_drive_nm(&self, motion: &Motion<R>, memories: &[[R; MEMORY]; MAX_MEMORIES]) -> R {
-        let of_state = self.memories.iter().zip(memories).map(|(term, m)| (term.law.torque)(motion, m, &term.values));
-        let of_formula = self.custom.iter().map(|term| term.law.drive_nm(motion, &term.values));
-        self.drives
-            .iter()
-            .map(|term| (term.law)(motion, &term.values))
-            .chain(of_state)
-            .chain(of_formula)
-            .fold(R::zero(), |sum, t| sum + t)
+        let mut sum = R::zero();
+        for term in &self.drives {
+            sum = sum + (term.law)(motion, &term.values);
+        }
+        for (term, memory) in self.memories.iter().zip(memories) {
+            sum = sum + (term.law.torque)(motion, memory, &term.values);
+        }
+        if let Some(term) = &self.custom {
+            sum = sum + term.law.drive_nm(motion, &term.values);
+        }
+        sum
     }
 
     fn added_friction_nm(&self, motion: &Motion<R>) -> R {
-        let of_formula = self.custom.iter().map(|term| term.law.friction_nm(motion, &term.values));
-        self.frictions
-            .iter()
-            .map(|term| (term.law)(motion, &term.values))
-            .chain(of_formula)
-            .fold(R::zero(), |sum, t| sum + t)
+        let mut sum = R::zero();
+        for term in &self.frictions {
+            sum = sum + (term.law)(motion, &term.values);
+        }
+        if let Some(term) = &self.custom {
+            sum = sum + term.law.friction_nm(motion, &term.values);
+        }
+        sum
     }
 
     /// Torque of everything that acts at rest too: gravity, springs, magnets, bristles.

@@ -22,6 +22,18 @@ pub trait Mask: Copy {
     fn or(self, other: Self) -> Self;
     /// True where this is false.
     fn not(self) -> Self;
+
+    /// May it be true in some lane? Only for leaving out what would change nothing: a formula that is written down
+    /// rather than worked out can't know, and says yes.
+    #[inline(always)]
+    fn may_be(self) -> bool {
+        self.any()
+    }
+    /// True where both are true; the other one is only worked out if it matters.
+    #[inline(always)]
+    fn and_then(self, other: impl FnOnce() -> Self) -> Self {
+        if self.may_be() { self.and(other()) } else { self }
+    }
 }
 
 impl Mask for bool {

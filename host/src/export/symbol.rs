@@ -174,6 +174,9 @@ impl Mask for Truth {
     fn all(self) -> bool {
         self.asked()
     }
+    fn may_be(self) -> bool {
+        self.known() != Some(false)
+    }
     fn and(self, other: Self) -> Self {
         match (self.known(), other.known()) {
             (Some(false), _) | (_, Some(false)) => Self::of(false),

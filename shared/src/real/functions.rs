@@ -105,7 +105,9 @@ pub(super) fn exp_f64(x: f64) -> f64 {
     let value = 1.0 + (r + r2 * (first + r4 * (second + r4 * third)));
     // The lowest bits of `shifted` are the number of doublings; moved up they are an exponent.
     let power = f64::from_bits(shifted.to_bits().wrapping_add(1023) << 52);
-    if x < EXP_RANGE[0] { 0.0 } else { value * power }
+    // A factor, where a choice would become a branch and keep lanes apart.
+    let exists = if x < EXP_RANGE[0] { 0.0 } else { 1.0 };
+    value * power * exists
 }
 
 /// 2/(2n + 1), from n = 1 to 10: the series of ln((1 + s)/(1 − s))/s.
