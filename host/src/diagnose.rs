@@ -35,7 +35,7 @@ use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 use summary::Summary;
 use verdict::{INDISTINGUISHABLE, Judge};
-use zero::{ANGLE_OFFSET, Zero};
+use zero::{ANGLE_OFFSET, ASYMMETRIC, Zero};
 
 /// Finds what is missing from the base model of a rig.
 pub fn diagnose(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>) -> Diagnosis {
@@ -76,7 +76,7 @@ pub fn diagnose_counted(
     let n_claimed = claimed.effects.len();
     let Zero { model, offset_is_missing, alike } = zero::decide(&problem, claimed, INDISTINGUISHABLE * judge.unit());
     // What the asymmetry explains, another effect may have imitated.
-    let claimed = if model.effects.len() > n_claimed { judge.pruned(model) } else { model };
+    let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, Some(ASYMMETRIC)) } else { model };
     undecided.extend(alike);
     Summary { judge, claimed, undecided, offset_is_missing, held_out, began, count }.build(wishes.formulas)
 }
@@ -109,5 +109,5 @@ fn base_problem<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a Atomi
 
 fn fit_base(problem: &Problem) -> Settled {
     let grown = windows::grow(problem, &start::guess(problem));
-    stiction::settle(problem, &grown, Patience::JUDGE)
+    stiction::settle(problem, &grown.point, Patience::JUDGE)
 }

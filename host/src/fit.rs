@@ -1,7 +1,7 @@
 //! Identification: from swings to parameters with uncertainties.
 //!
 //! [`problem`] says what is unknown, [`descent`] lowers the squared error, [`windows`] keeps it out of local minima
-//! by letting the time window grow, [`stiction`] searches the two parameters in which the error is not smooth, and
+//! by letting the time window grow, [`stiction`] and [`stop_level`] search the two parameters in which the error is not smooth, and
 //! [`covariance`] tells how well each is known.
 
 mod by_least_squares;
@@ -23,4 +23,5 @@ pub mod runs;
 pub mod sequential;
 pub mod start;
 pub mod stiction;
+pub mod stop_level;
 pub mod windows;

@@ -137,7 +137,7 @@ fn fitted_as_it_is(problem: &Problem) -> Trial {
         effects.filter_map(|effect| effect_of(&problem.template, effect.id)).collect();
     let free = with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
     let grown = windows::grow(&free, &start::guess(&free));
-    Trial::settled(&free, effects, stiction::settle(&free, &grown, Patience::JUDGE))
+    Trial::settled(&free, effects, stiction::settle(&free, &grown.point, Patience::JUDGE))
 }
 
 fn added(problem: &Problem, trial: &Trial, effect: &'static Effect<f64>) -> Result<Trial, ChangeError> {

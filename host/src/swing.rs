@@ -34,6 +34,8 @@ pub struct Swing {
     pub angles_rad: Vec<f64>,
     /// Total rms noise of the angle, rad.
     pub noise_rad: f64,
+    /// No integration step should be longer, s.
+    longest_step_s: f64,
     /// How to step through the times, usually and with effects that change within a few degrees.
     schedules: [Schedule; 2],
     /// Number of samples before the last swings, in which stiction decides.
@@ -57,10 +59,18 @@ impl Swing {
     /// From times and angles of the free motion, noise in rad. At least three samples, times rising strictly.
     pub fn new(name: &str, times_s: &[f64], angles_rad: &[f64], noise_rad: f64) -> Self {
         let times_s: Vec<f64> = times_s.iter().map(|t| t - times_s[0]).collect();
-        let n_lively = n_lively(angles_rad);
-        let longest_s = longest_step_s(&times_s, &angles_rad[..n_lively], noise_rad);
-        let schedules = [longest_s, longest_s.min(FINE_STEP_S)].map(|step_s| Schedule::new(&times_s, step_s));
-        Self { name: name.to_owned(), times_s, angles_rad: angles_rad.to_vec(), noise_rad, schedules, n_lively }
+        let longest_step_s = longest_step_s(&times_s, &angles_rad[..n_lively(angles_rad)], noise_rad);
+        let steps_s = [longest_step_s, longest_step_s.min(FINE_STEP_S)];
+        let schedules = steps_s.map(|step_s| Schedule::new(&times_s, step_s));
+        Self {
+            name: name.to_owned(),
+            n_lively: n_lively(angles_rad),
+            angles_rad: angles_rad.to_vec(),
+            times_s,
+            noise_rad,
+            longest_step_s,
+            schedules,
+        }
     }
 
     /// The free swing of a recording and what was cut off. Of the rest at the end only the beginning is kept: it tells
@@ -112,6 +122,14 @@ impl Swing {
         Self::new(&self.name, &pick(&self.times_s), &pick(&self.angles_rad), self.noise_rad)
     }
 
+    /// Enough of it to find the way to the best values: few samples, and steps that are too long for the last digit.
+    pub fn sketched(&self) -> Self {
+        let thin = self.thinned(SKETCH_RATE_HZ);
+        let steps_s = [self.longest_step_s, self.longest_step_s.min(FINE_STEP_S)];
+        let schedules = steps_s.map(|step_s| Schedule::new(&thin.times_s, SKETCH_STEP * step_s));
+        Self { schedules, ..thin }
+    }
+
     /// Number of samples in a window.
     pub fn samples_within(&self, window: Window) -> usize {
         match window {
@@ -146,6 +164,10 @@ fn n_lively(angles_rad: &[f64]) -> usize {
 /// Below this angle, and below this share of the largest, stiction may decide.
 const LIVELY_RAD: f64 = 0.12;
 const LIVELY_SHARE: f64 = 0.1;
+
+/// A sketch has so many samples a second, and steps so many times as long: 40 to a period, 3e-5 rad off.
+const SKETCH_RATE_HZ: f64 = 50.0;
+const SKETCH_STEP: f64 = 2.0;
 
 /// A parabola follows the pendulum this long.
 const START_FIT_S: f64 = 0.06;

@@ -179,10 +179,15 @@ fn many_rigs() {
             let seed = 1000 * round + 200 + k as u64;
             let rig = Rig::random(seed);
             let target = [2.5, 4.0][(round as usize / 2 + k) % 2];
-            let (rig_a, _) = cached(&format!("{label}-a"), rig.clone().with(a), target);
-            let (rig_b, left) = cached(&format!("{label}-b"), rig_a.clone().with(b), target * 1.4);
+            // Each is as large as it has to be for the base model to leave so much of it alone.
+            let alone = [a, b].map(|name| cached(&format!("{label}-{name}"), rig.clone().with(name), target));
+            let mut both = rig.with(a).with(b);
+            for (hidden, (alone, _)) in both.hidden.iter_mut().zip(&alone) {
+                hidden.size = alone.hidden[0].size;
+            }
             let accept: &[&str] = if *a == "sensor-nonlinearity" { &["sensor-gain"] } else { &[] };
-            judge(&label, &[a, b], accept, &rig_b, left, &mut two);
+            println!("{label}: alone {:.2} and {:.2} noises", alone[0].1, alone[1].1);
+            judge(&label, &[a, b], accept, &both, both.base_ratio(), &mut two);
         }
         if wanted("bandplus") {
             for (k, name) in ["quadratic-drag", "torsional-spring"].iter().enumerate() {

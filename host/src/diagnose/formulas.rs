@@ -6,7 +6,7 @@
 //! First the laws of speed and of angle alone, then the best laws of speed times those of angle; the best few are fitted
 //! with their exponents, widths and places free. Every number and every factor counts against a formula.
 
-use super::physical::brakes_everywhere;
+use super::physical::is_sound;
 use super::score::{Promise, promises};
 use super::search::{excess, fit_promise};
 use super::trial::{Trial, finish, fit_from, refined};
@@ -266,7 +266,7 @@ fn special_case(problem: &Problem, before: &Trial, general: &Found) -> Option<Fo
 
 fn is_worth_a_word(problem: &Problem, before: &Trial, trial: &Trial) -> bool {
     let left = excess(problem, trial.cost) / excess(problem, before.cost);
-    brakes_everywhere(problem, trial) && left < 1.0 - WORTH_A_WORD
+    is_sound(problem, trial) && left < 1.0 - WORTH_A_WORD
 }
 
 /// Places in [`OF_SPEED`].

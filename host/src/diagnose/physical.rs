@@ -1,4 +1,7 @@
-//! Friction takes energy out of the swing: a model in which it drives the pendulum somewhere on its way is refused.
+//! Models that fit but mean nothing are refused.
+//!
+//! Friction takes energy out of the swing: it must not drive the pendulum anywhere on its way. And a spring relaxes
+//! somewhere on that way: one that does not is a constant torque, which is what asymmetric friction does.
 //!
 //! Effects that are added to Coulomb and viscous friction may be negative (less friction here than there), and each is
 //! within its own range; only their sum tells whether the bearing still brakes.
@@ -6,7 +9,7 @@
 use super::trial::Trial;
 use crate::fit::problem::Problem;
 use crate::formula::effect_of;
-use shared::effect::{Action, MAX_VALUES};
+use shared::effect::{Action, Effect, MAX_VALUES};
 use shared::formula::Program;
 use shared::motion::Motion;
 use shared::parameters::{Parameters, base};
@@ -17,10 +20,22 @@ const TOLERANCE: f64 = 0.05;
 /// Angles looked at on either side, and speeds at each.
 const N_GRID: i32 = 6;
 
-/// Does friction brake everywhere on the way?
-pub fn brakes_everywhere(problem: &Problem, trial: &Trial) -> bool {
+/// Does friction brake everywhere on the way, and does a spring relax somewhere?
+pub fn is_sound(problem: &Problem, trial: &Trial) -> bool {
     let angles = problem.swings.iter().flat_map(|swing| &swing.angles_rad);
     let amplitude_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+    relaxes(trial, amplitude_rad) && brakes_everywhere(problem, trial, amplitude_rad)
+}
+
+fn relaxes(trial: &Trial, amplitude_rad: f64) -> bool {
+    let spring = Effect::<f64>::by_name(SPRING).and_then(|spring| trial.parameters.values(spring.id));
+    spring.is_none_or(|values| values[1].abs() < amplitude_rad)
+}
+
+const SPRING: &str = "torsional-spring";
+
+/// Does friction brake everywhere on the way?
+fn brakes_everywhere(problem: &Problem, trial: &Trial, amplitude_rad: f64) -> bool {
     let pendulum = trial.parameters.pendulum;
     let natural = (pendulum.gravity_torque_nm() / pendulum.pivot_inertia_kg_m2()).sqrt();
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);

@@ -3,7 +3,7 @@
 //! A search that adds one effect at a time may begin with a wrong one that imitates the sum of two; and an effect that
 //! cannot be told from another stays unnoticed as long as its partner is missing.
 
-use super::physical::brakes_everywhere;
+use super::physical::is_sound;
 use super::score::{Promise, promises};
 use super::search::fit_promise;
 use super::trial::{Trial, finish};
@@ -31,23 +31,26 @@ pub fn replacements(
         candidates.iter().copied().filter(|effect| !claimed.has(effect.name)).collect();
     let mut others: Vec<Trial> =
         claimed.effects.iter().flat_map(|effect| replaced(problem, claimed, &without(effect.id), &fresh)).collect();
-    others.retain(|other| brakes_everywhere(problem, other));
+    others.retain(|other| is_sound(problem, other));
     others.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     others
 }
 
 fn replaced(problem: &Problem, claimed: &Trial, rest: &Trial, fresh: &[&'static Effect<f64>]) -> Vec<Trial> {
-    let worth = rest.cost - claimed.cost;
+    let sketches = problem.sketches();
+    let rough = problem.on(&sketches);
+    let (rest, claimed_cost) = (rest.judged(&rough), claimed.judged(&rough).cost);
+    let worth = rest.cost - claimed_cost;
     let mut best: Vec<Promise> = Vec::new();
-    for promise in promises(problem, rest, fresh) {
+    for promise in promises(&rough, &rest, fresh) {
         let is_new = best.iter().all(|other| other.effect.id != promise.effect.id);
         if is_new && promise.gain > SHARE_OF_WORTH * worth && best.len() < MAX_FITTED {
             best.push(promise);
         }
     }
     let fitted = |promise: &Promise| {
-        let trial = fit_promise(problem, rest, promise)?;
-        Some(if trial.cost < NEAR * claimed.cost { finish(problem, &trial) } else { trial })
+        let trial = fit_promise(&rough, &rest, promise)?;
+        Some(if trial.cost < NEAR * claimed_cost { finish(problem, &trial) } else { trial.judged(problem) })
     };
     best.par_iter().filter_map(fitted).collect()
 }

@@ -31,7 +31,8 @@ pub fn promises(of: &Problem, trial: &Trial, effects: &[&'static Effect<f64>]) -
         .iter()
         .flat_map(|effect| effect.starts.iter().map(|start| (*effect, &start[..effect.parameters.len()])))
         .collect();
-    let known = linearise(&trial.problem(of), &trial.point, Window::Whole, &mut Steps::new(&trial.problem(of)));
+    let problem = trial.problem(of);
+    let known = linearise(&problem, &trial.point, Window::Whole, &mut Steps::found(&problem, &trial.point));
     let mut promises: Vec<Promise> =
         starts.into_par_iter().filter_map(|(effect, start)| promise(of, trial, &known, effect, start)).collect();
     promises.sort_by(|a, b| b.gain.total_cmp(&a.gain));

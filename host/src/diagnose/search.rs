@@ -1,12 +1,13 @@
 //! The search through models: one effect at a time, the most promising few kept at each level.
 
-use super::physical::brakes_everywhere;
+use super::physical::is_sound;
 use super::score::{Promise, promises};
-use super::trial::{Trial, better, finish, finish_with_band, fit_from, refined, regrown};
+use super::trial::{Trial, better, finish, finish_with_band, fit_from, refined, regrown, settled};
 use crate::fit::descent::{Patience, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::Problem;
-use crate::fit::stiction::{self, Settled};
+use crate::fit::stiction::{self, Settled, Stiction};
+use crate::fit::stop_level;
 use crate::swing::Window;
 use rayon::prelude::*;
 use shared::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
@@ -74,13 +75,15 @@ pub fn search(problem: &Problem, base: &Settled, candidates: &[&'static Effect<f
     if is_explained(problem, &found.base) {
         return found;
     }
+    let sketches = problem.sketches();
+    let rough = problem.on(&sketches);
     let mut beam = vec![none];
     let with_band = found.base.clone();
     if with_band.cost < WORTH_KEEPING_THE_BAND * beam[0].cost {
         beam.push(with_band);
     }
     for _ in 0..MAX_ADDED {
-        let level = next_level(problem, &beam, candidates);
+        let level = next_level(problem, &rough, &beam, candidates);
         if level.is_empty() {
             break;
         }
@@ -115,9 +118,9 @@ fn stiction_free_base(problem: &Problem, base: &Settled) -> Trial {
     if base.stiction.velocity_band == 0.0 {
         return Trial::settled(problem, Vec::new(), base.clone());
     }
-    let free = stiction::with_stiction(problem, stiction::Stiction { level_nm: 0.0, velocity_band: 0.0 });
+    let free = stiction::with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
     let descent = descend(&free, &base.descent.point, Window::Lively, Patience::ROUGH, Steps::new(&free));
-    Trial::settled(problem, Vec::new(), stiction::without_band(&free, &descent, Patience::JUDGE))
+    Trial::settled(problem, Vec::new(), stop_level::without_band(&free, &descent.point, Patience::JUDGE))
 }
 
 /// Does a model leave no more than the noise?
@@ -131,27 +134,45 @@ pub fn excess(problem: &Problem, cost: f64) -> f64 {
     cost / (problem.n_samples(Window::Whole) as f64 * problem.noise_rad().powi(2)) - 1.0
 }
 
-/// All models with one more effect than those of the beam that are worth fitting, the lowest cost first.
-fn next_level(problem: &Problem, beam: &[Trial], candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
-    let mut level: Vec<Trial> = beam.iter().flat_map(|trial| extensions(problem, trial, candidates)).collect();
-    level.retain(|trial| brakes_everywhere(problem, trial));
-    sort(&mut level);
-    drop_doubles(&mut level);
-    level = looked_at_again(problem, level);
+/// All models with one more effect than those of the beam that are worth fitting, the lowest cost first; `rough` has
+/// sketches of the swings, on which they are found.
+fn next_level(problem: &Problem, rough: &Problem, beam: &[Trial], candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
+    let mut level = found_roughly(rough, beam, candidates);
     let Some(lowest) = level.first().map(|best| best.cost) else { return level };
-    // Models far above the best one stay as they are: nothing that follows depends on their last digit.
-    let near = level.iter().take(MAX_FINISHED).take_while(|trial| trial.cost < NEAR * lowest).count().max(1);
-    let mut rest = level.split_off(near);
+    let n_near = level.iter().take(MAX_FINISHED).take_while(|trial| trial.cost < NEAR * lowest).count();
+    let mut rest = level.split_off(n_near);
     // What somebody typed deserves its last digit anyway.
     level.extend(rest.extract_if(.., |trial| trial.has(CUSTOM_FORMULA_NAME)));
     level = level.par_iter().map(|trial| finish(problem, trial)).collect();
-    if level.iter().all(|trial| excess(problem, trial.cost) > WELL_EXPLAINED) {
-        sort(&mut level);
+    sort(&mut level);
+    if excess(problem, level[0].cost) > WELL_EXPLAINED {
         level.par_iter_mut().take(RIVALS).for_each(|trial| *trial = from_other_sides(problem, trial));
+        sort(&mut level);
     }
-    level.extend(rest);
+    let best = level[0].stiction;
+    let has_another = |trial: &Trial| best.velocity_band > 0.0 || trial.stiction.velocity_band > 0.0;
+    rest.extend(level.extract_if(1.., |trial| has_another(trial)));
+    let others = rest.par_iter_mut().filter(|trial| has_another(trial));
+    others.for_each(|trial| *trial = with_the_stiction_of(rough, best, trial));
+    // Models far above the best one stay as they are: nothing that follows depends on their last digit.
+    let reach = NEAR * level[0].judged(rough).cost.min(lowest);
+    let left = |trial: &Trial| {
+        if trial.cost < reach { settled(problem, trial, Patience::ROUGH) } else { trial.judged(problem) }
+    };
+    level.par_extend(rest.par_iter().map(left));
+    level.retain(|trial| is_sound(problem, trial));
     sort(&mut level);
     level
+}
+
+/// The same on sketches alone, not finished.
+fn found_roughly(rough: &Problem, beam: &[Trial], candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
+    let extended = |trial: &Trial| extensions(rough, &trial.judged(rough), candidates);
+    let mut level: Vec<Trial> = beam.iter().flat_map(extended).collect();
+    level.retain(|trial| is_sound(rough, trial));
+    sort(&mut level);
+    drop_doubles(&mut level);
+    looked_at_again(rough, level)
 }
 
 /// A model fitted anew from the first swings, and with a velocity band, if one of them is better.
@@ -161,6 +182,13 @@ fn from_other_sides(problem: &Problem, trial: &Trial) -> Trial {
         return anew;
     }
     better(anew.clone(), finish_with_band(problem, &anew))
+}
+
+/// A model with the stiction of another one, which may be a property of the bearing and no merit of its effect; what a
+/// model was begun with may have imitated the effect.
+fn with_the_stiction_of(rough: &Problem, stiction: Stiction, trial: &Trial) -> Trial {
+    let moved = Trial { stiction, ..trial.clone() };
+    better(trial.judged(rough), refined(rough, &moved, Patience::LONG))
 }
 
 /// A few steps more for models that came within reach of the best, in their new order: the first fits end early.

@@ -5,6 +5,7 @@ use crate::fit::descent::{Descent, Patience, descend};
 use crate::fit::linear::{Steps, linearise};
 use crate::fit::problem::{Point, Problem, Unknown};
 use crate::fit::stiction::{self, Settled, Stiction, with_stiction};
+use crate::fit::stop_level;
 use crate::fit::windows;
 use crate::formula::add;
 use crate::swing::Window;
@@ -47,9 +48,7 @@ pub struct Value {
 /// All fitted numbers of a model with their uncertainties; Ms and DV, in which the error is not smooth, are not there.
 pub fn values(of: &Problem, trial: &Trial) -> Vec<Value> {
     let problem = trial.problem(of);
-    let mut steps = Steps::new(&problem);
-    // The first pass finds the sizes of the finite differences.
-    linearise(&problem, &trial.point, Window::Whole, &mut steps);
+    let mut steps = Steps::found(&problem, &trial.point);
     let covariance = covariance(&linearise(&problem, &trial.point, Window::Whole, &mut steps));
     let value = |(j, unknown): (usize, &Unknown)| Value {
         effect: unknown.name,
@@ -76,6 +75,13 @@ impl Trial {
     /// The problem of this trial.
     pub fn problem<'a>(&self, of: &Problem<'a>) -> Problem<'a> {
         Problem { template: self.parameters.clone(), unknowns: self.unknowns.clone(), ..of.clone() }
+    }
+
+    /// The same model, its cost that on the swings of another problem.
+    pub fn judged(&self, of: &Problem) -> Self {
+        let problem = with_stiction(&self.problem(of), self.stiction);
+        let cost = problem.costs(Window::Whole, std::slice::from_ref(&self.point))[0];
+        Self { cost, ..self.clone() }
     }
 
     /// Is an effect of this name among the added ones?
@@ -111,7 +117,7 @@ impl Trial {
 /// Fits a model roughly from a guess, Ms and DV fixed.
 pub fn fit_from(problem: &Problem, effects: Vec<&'static Effect<f64>>, point: &Point, stiction: Stiction) -> Trial {
     let fixed = with_stiction(problem, stiction);
-    let descent = descend(&fixed, point, Window::Whole, Patience::SCREEN, Steps::new(&fixed));
+    let descent = descend(&fixed, point, Window::Whole, Patience::SCREEN, Steps::found(&fixed, point));
     Trial::of(&fixed, effects, stiction, descent)
 }
 
@@ -120,6 +126,16 @@ pub fn refined(of: &Problem, trial: &Trial, patience: Patience) -> Trial {
     let problem = with_stiction(&trial.problem(of), trial.stiction);
     let descent = descend(&problem, &trial.point, Window::Whole, patience, Steps::new(&problem));
     Trial::of(&problem, trial.effects.clone(), trial.stiction, descent)
+}
+
+/// Fits on from where a trial is, Ms and DV too if it has a band.
+pub fn settled(of: &Problem, trial: &Trial, patience: Patience) -> Trial {
+    if trial.stiction.velocity_band == 0.0 {
+        return refined(of, trial, patience);
+    }
+    let problem = trial.problem(of);
+    let settled = stiction::freed(&problem, &trial.point, trial.stiction, patience);
+    Trial::settled(&problem, trial.effects.clone(), settled)
 }
 
 /// Begins again with the first swings, from where a fit got stuck, and finishes.
@@ -131,21 +147,20 @@ pub fn regrown(of: &Problem, trial: &Trial) -> Trial {
 
 /// Fits on until nothing moves, and searches Ms; no velocity band is sought.
 pub fn finish(of: &Problem, trial: &Trial) -> Trial {
-    finish_with(of, trial, |problem, descent| stiction::without_band(problem, descent, Patience::JUDGE))
+    finish_with(of, trial, stop_level::without_band)
 }
 
 /// The same with a velocity band, where the noise is not reached without.
 pub fn finish_with_band(of: &Problem, trial: &Trial) -> Trial {
-    finish_with(of, trial, |problem, descent| stiction::settle(problem, descent, Patience::JUDGE))
+    finish_with(of, trial, stiction::settle)
 }
 
-fn finish_with(of: &Problem, trial: &Trial, settle: impl Fn(&Problem, &Descent) -> Settled) -> Trial {
-    let problem = with_stiction(&trial.problem(of), trial.stiction);
-    // The search for Ms ends with a descent to the last digit.
-    let descent = descend(&problem, &trial.point, Window::Whole, Patience::ROUGH, Steps::new(&problem));
-    let settled = settle(&problem, &descent);
-    let effects = || trial.effects.clone();
-    better(Trial::of(&problem, effects(), trial.stiction, descent), Trial::settled(&problem, effects(), settled))
+fn finish_with(of: &Problem, trial: &Trial, settle: impl Fn(&Problem, &Point, Patience) -> Settled) -> Trial {
+    let problem = trial.problem(of);
+    let settled = settle(&problem, &trial.point, Patience::JUDGE);
+    let settled = Trial::settled(&problem, trial.effects.clone(), settled);
+    let has_band = trial.stiction.velocity_band > 0.0;
+    if has_band { better(refined(of, trial, Patience::JUDGE), settled) } else { settled }
 }
 
 /// The one with the lower cost.

@@ -120,15 +120,21 @@ impl Judge<'_, '_> {
 
     /// Without effects that became unnecessary once others were in.
     pub(super) fn pruned(&self, trial: Trial) -> Trial {
+        self.pruned_but(trial, None)
+    }
+
+    /// The same; one effect stays in any case, because its gain is not seen in the cost.
+    pub(super) fn pruned_but(&self, trial: Trial, stays: Option<&str>) -> Trial {
         if trial.effects.len() < 2 {
             return trial;
         }
-        let without: Vec<Trial> = trial.effects.iter().map(|effect| self.without(&trial, effect.id)).collect();
+        let may_go = trial.effects.iter().filter(|effect| Some(effect.name) != stays);
+        let without: Vec<Trial> = may_go.map(|effect| self.without(&trial, effect.id)).collect();
         let dispensable = without
             .into_iter()
             .filter(|smaller| self.is_as_good(smaller, &trial) || is_explained(self.problem, smaller));
         match dispensable.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
-            Some(smaller) => self.pruned(smaller),
+            Some(smaller) => self.pruned_but(smaller, stays),
             None => trial,
         }
     }

@@ -19,7 +19,7 @@ use shared::effect::Effect;
 pub const ANGLE_OFFSET: &str = "angle-offset";
 
 /// What else shifts the swings.
-const ASYMMETRIC: &str = "asymmetric-coulomb";
+pub(super) const ASYMMETRIC: &str = "asymmetric-coulomb";
 
 /// A common offset is claimed from this many standard errors …
 const SIGNIFICANT: f64 = 5.0;

@@ -18,7 +18,7 @@ pub(super) fn least_squares(problem: &Problem, first: &Point, progress: &(dyn Fn
     start_in_the_middle(&smooth, &mut from);
     let grown = windows::grow(&smooth, &from);
     progress(Progress::Stiction);
-    Outcome::settled(stiction::settle(&smooth, &grown, Patience::JUDGE))
+    Outcome::settled(stiction::settle(&smooth, &grown.point, Patience::JUDGE))
 }
 
 /// Friction that is unknown starts at a usual value, because at zero its bound would hold it there.
@@ -45,7 +45,7 @@ pub(super) fn polish(
     let free = with_stiction(&smooth, Stiction { level_nm: 0.0, velocity_band: 0.0 });
     let grown = descend(&free, &from, Window::Lively, Patience::ROUGH, Steps::new(&free));
     progress(Progress::Stiction);
-    let searched = Outcome::settled(stiction::settle(&free, &grown, Patience::FINE));
+    let searched = Outcome::settled(stiction::settle(&free, &grown.point, Patience::FINE));
     let refined = Outcome::settled(stiction::refine(&smooth, &ended.point, ended.stiction, Patience::FINE));
     let needless = searched.stiction.velocity_band == 0.0
         && searched.cost < refined.cost + stiction::GAIN_WORTH_A_BAND * problem.noise_rad().powi(2);

@@ -121,7 +121,7 @@ pub fn fit(
 
     // Designs need many runs but not every sample.
     let thin: Vec<Swing> = swings.iter().map(|swing| swing.thinned(SURFACE_RATE_HZ)).collect();
-    let designed = Problem { swings: &thin, ..problem.clone() };
+    let designed = problem.on(&thin);
 
     let (outcome, stages) = match options.method {
         Method::LeastSquares => (least_squares(&problem, &first, progress), Vec::new()),

@@ -49,9 +49,20 @@ impl Steps {
         Self(problem.unknowns.iter().map(|unknown| 1e-4 * unknown.scale).collect())
     }
 
-    fn adapt(&mut self, problem: &Problem, change_rad: &[f64]) {
-        for ((step, unknown), change) in self.0.iter_mut().zip(&problem.unknowns).zip(change_rad) {
-            let factor = if *change > NO_CHANGE_RAD { WANTED_CHANGE_RAD / change } else { 100.0 };
+    /// The right steps at a guess, found on sketches.
+    pub fn found(problem: &Problem, point: &Point) -> Self {
+        let mut steps = Self::new(problem);
+        linearise(&problem.on(&problem.sketches()), point, Window::Whole, &mut steps);
+        steps
+    }
+
+    /// `moved` as it gave `linear`.
+    fn adapt(&mut self, problem: &Problem, moved: &[(Vec<f64>, f64)], linear: &Linear) {
+        let n_samples = linear.n_samples.max(1) as f64;
+        let change = |j: usize, step: f64| step.abs() * (linear.normal[(j, j)] / n_samples).sqrt();
+        let changes_rad = moved.iter().enumerate().map(|(j, (_, step))| change(j, *step));
+        for ((step, unknown), change) in self.0.iter_mut().zip(&problem.unknowns).zip(changes_rad) {
+            let factor = if change > NO_CHANGE_RAD { WANTED_CHANGE_RAD / change } else { 100.0 };
             *step = (*step * factor.clamp(1e-3, 1e2)).min(0.1 * unknown.scale);
         }
     }
@@ -65,30 +76,31 @@ pub fn linearise(problem: &Problem, point: &Point, window: Window, steps: &mut S
         .map(|swing_idx| linearise_swing(problem, point, window, &moved, swing_idx))
         .collect();
     let linear = assemble(problem.unknowns.len(), swings);
-    let n_samples = linear.n_samples.max(1) as f64;
-    let changes: Vec<f64> = moved
-        .iter()
-        .enumerate()
-        .map(|(j, (_, step))| step.abs() * (linear.normal[(j, j)] / n_samples).sqrt())
-        .collect();
-    steps.adapt(problem, &changes);
+    steps.adapt(problem, &moved, &linear);
     linear
 }
 
 /// Linearises at a guess with more unknowns than `known`, whose columns are taken over: exact where the new unknowns
 /// do nothing yet, good enough for a first step elsewhere. The new unknowns stand last in the problem.
 pub fn linearise_added(problem: &Problem, point: &Point, window: Window, known: &Linear) -> Linear {
-    let steps = Steps::new(problem);
+    let mut steps = Steps::new(problem);
+    // The first linearisation finds the right steps, the second uses them.
+    with_added(problem, point, window, known, &mut steps);
+    with_added(problem, point, window, known, &mut steps)
+}
+
+fn with_added(problem: &Problem, point: &Point, window: Window, known: &Linear, steps: &mut Steps) -> Linear {
     let n_known = known.gradient.len() - PER_SWING * known.swings.len();
-    let moved = moved_values(problem, point, &steps).split_off(n_known);
+    let moved = moved_values(problem, point, steps);
+    let added = &moved[n_known..];
     let of_swing = |swing_idx: usize| {
         let swing = &problem.swings[swing_idx];
         let start = point.starts[swing_idx];
         let mut guesses: Vec<(&[f64], Start)> = vec![(&point.values, start)];
-        guesses.extend(moved.iter().map(|(values, _)| (values.as_slice(), start)));
+        guesses.extend(added.iter().map(|(values, _)| (values.as_slice(), start)));
         let mut predicted = problem.predict(swing_idx, swing.samples_within(window), &guesses);
         let base = predicted.remove(0);
-        for (column, (_, step)) in predicted.iter_mut().zip(&moved) {
+        for (column, (_, step)) in predicted.iter_mut().zip(added) {
             column.iter_mut().zip(&base).for_each(|(moved, base)| *moved = (*moved - base) / step);
         }
         let (unknowns, starts) = known.swings[swing_idx].columns.split_at(n_known);
@@ -96,7 +108,9 @@ pub fn linearise_added(problem: &Problem, point: &Point, window: Window, known: 
         SwingLinear { residuals, columns: [unknowns, &predicted, starts].concat() }
     };
     let swings = (0..problem.swings.len()).into_par_iter().map(of_swing).collect();
-    assemble(problem.unknowns.len(), swings)
+    let linear = assemble(problem.unknowns.len(), swings);
+    steps.adapt(problem, &moved, &linear);
+    linear
 }
 
 /// The guess with one unknown moved, for each unknown, and by how much: inwards where a bound is near.

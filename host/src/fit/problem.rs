@@ -147,7 +147,7 @@ pub struct Problem<'a> {
     pub n_simulations: &'a AtomicUsize,
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
     /// The parameters that a guess means.
     pub fn parameters(&self, values: &[f64]) -> Parameters<f64> {
         let mut parameters = self.template.clone();
@@ -225,6 +225,19 @@ impl Problem<'_> {
         (0..guesses.len()).map(|guess| per_swing.iter().map(|costs| costs[guess]).sum()).collect()
     }
 
+    /// The same with other swings.
+    pub fn on<'b>(&self, swings: &'b [Swing]) -> Problem<'b>
+    where
+        'a: 'b,
+    {
+        Problem { swings, ..self.clone() }
+    }
+
+    /// Enough of its swings to find the way.
+    pub fn sketches(&self) -> Vec<Swing> {
+        self.swings.iter().map(Swing::sketched).collect()
+    }
+
     /// Number of samples within a window, all swings together.
     pub fn n_samples(&self, window: Window) -> usize {
         self.swings.iter().map(|swing| swing.samples_within(window)).sum()
@@ -233,6 +246,11 @@ impl Problem<'_> {
     /// The longest swing, s.
     pub fn longest_s(&self) -> f64 {
         self.swings.iter().map(Swing::duration_s).fold(0.0, f64::max)
+    }
+
+    /// The cost that noise alone leaves, rad².
+    pub fn noise_cost(&self) -> f64 {
+        self.noise_rad().powi(2) * self.n_samples(Window::Whole) as f64
     }
 
     /// Root mean square noise over all swings, rad.

@@ -180,10 +180,7 @@ fn covariance_of(full: &Problem, point: &Point, known: &[usize]) -> Option<Covar
         ..full.clone()
     };
     let point = Point { values: known.iter().map(|j| point.values[*j]).collect(), starts: point.starts.clone() };
-    let mut steps = Steps::new(&part);
-    // The first linearisation finds the right steps, the second uses them.
-    linearise(&part, &point, Window::Whole, &mut steps);
-    covariance(&linearise(&part, &point, Window::Whole, &mut steps))
+    covariance(&linearise(&part, &point, Window::Whole, &mut Steps::found(&part, &point)))
 }
 
 fn correlations(n_identified: usize, known: &[usize], covariance: Option<&Covariance>) -> Vec<Vec<Option<f64>>> {

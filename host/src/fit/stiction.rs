@@ -2,12 +2,12 @@
 //!
 //! Where the pendulum stops depends on them in jumps, so they are searched on a grid. Each pair is judged after the
 //! smooth parameters have answered to it to first order (a frozen linearisation); the best few are then descended
-//! from in earnest. With DV = 0 the error depends on Ms only through the turning point at which the pendulum stays,
-//! so that only the torques between two turning points need be tried.
+//! from in earnest. Ms alone, DV = 0, is the matter of [`super::stop_level`].
 
 use super::descent::{Descent, Patience, descend};
 use super::linear::{Linear, Steps, dot, linearise, solve_damped};
 use super::problem::{PER_SWING, Point, Problem, Quantity, Start, Unknown};
+use super::stop_level;
 use crate::swing::Window;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -27,10 +27,7 @@ pub struct Stiction {
 const BANDS: [f64; 6] = [0.005, 0.012, 0.025, 0.04, 0.06, 0.09];
 
 /// Levels that are tried with them, as shares of m·g·l.
-const LEVELS: [f64; 8] = [0.002, 0.004, 0.008, 0.013, 0.02, 0.03, 0.045, 0.07];
-
-/// At most this many turning points before the stop are considered.
-const MAX_STOPS: usize = 10;
+const LEVELS: [f64; 12] = [0.002, 0.0028, 0.004, 0.0055, 0.0075, 0.0105, 0.0145, 0.02, 0.027, 0.036, 0.05, 0.07];
 
 /// A band is only sought when the error without one exceeds the noise by this share of the variance.
 const EXCESS_WORTH_A_BAND: f64 = 0.005;
@@ -39,7 +36,7 @@ const EXCESS_WORTH_A_BAND: f64 = 0.005;
 pub const GAIN_WORTH_A_BAND: f64 = 12.0;
 
 /// Rounds of search and descent.
-const MAX_ROUNDS: usize = 3;
+pub(super) const MAX_ROUNDS: usize = 3;
 
 /// What the search ends with.
 #[derive(Clone, Debug)]
@@ -52,17 +49,34 @@ pub struct Settled {
     pub descent: Descent,
 }
 
-/// Searches Ms and DV, starting from a guess at everything else. `problem` must not have them among its unknowns.
-pub fn settle(problem: &Problem, from: &Descent, patience: Patience) -> Settled {
-    let none = without_band(problem, from, patience);
-    let variance = problem.noise_rad().powi(2);
-    let n_samples = problem.n_samples(Window::Whole) as f64;
-    if none.descent.cost < (1.0 + EXCESS_WORTH_A_BAND) * variance * n_samples {
+/// Searches Ms and DV, starting from a guess at everything else: first on sketches, then on all samples. `problem` must
+/// not have them among its unknowns.
+pub fn settle(problem: &Problem, from: &Point, patience: Patience) -> Settled {
+    let sketches = problem.sketches();
+    let rough = problem.on(&sketches);
+    let levels = stop_level::levels(&rough, from);
+    let near = &levels[0];
+    let none = || stop_level::best_of(&levels, problem, patience);
+    let band = |found: &Settled| freed(problem, &found.descent.point, found.stiction, patience);
+    let least_gain = GAIN_WORTH_A_BAND * problem.noise_rad().powi(2);
+    if near.descent.cost > FAR_FROM_NOISE * rough.noise_cost() {
+        let found = with_band(&rough, near, patience);
+        return found.filter(|found| gain_of(found, near) > least_gain).map_or_else(none, |found| band(&found));
+    }
+    let none = none();
+    if none.descent.cost < (1.0 + EXCESS_WORTH_A_BAND) * problem.noise_cost() {
         return none;
     }
-    let band = with_band(problem, &none, patience);
-    if band.descent.cost < none.descent.cost - GAIN_WORTH_A_BAND * variance { band } else { none }
+    let band = with_band(&rough, near, patience).map(|found| band(&found));
+    band.filter(|band| gain_of(band, &none) > least_gain).unwrap_or(none)
 }
+
+fn gain_of(settled: &Settled, before: &Settled) -> f64 {
+    before.descent.cost - settled.descent.cost
+}
+
+/// So many times the noise variance is far enough from it to decide for or against a band on sketches.
+const FAR_FROM_NOISE: f64 = 2.0;
 
 /// The problem with other fixed Ms and DV.
 pub fn with_stiction<'a>(problem: &Problem<'a>, stiction: Stiction) -> Problem<'a> {
@@ -72,72 +86,8 @@ pub fn with_stiction<'a>(problem: &Problem<'a>, stiction: Stiction) -> Problem<'
     changed
 }
 
-/// Searches Ms alone, DV = 0.
-pub fn without_band(problem: &Problem, from: &Descent, patience: Patience) -> Settled {
-    let mut point = from.point.clone();
-    let mut steps = from.steps.clone();
-    let mut best: Option<Settled> = None;
-    for _ in 0..MAX_ROUNDS {
-        let free = with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
-        let ranges = stop_ranges(&free, &point);
-        let linear = linearise(&free, &point, Window::Whole, &mut steps);
-        let tried: Vec<Stiction> =
-            ranges.iter().map(|(low, high)| Stiction { level_nm: 0.5 * (low + high), velocity_band: 0.0 }).collect();
-        let costs = answered_costs(&free, &linear, &point, &tried);
-        let Some(chosen) = lowest(&costs) else { break };
-        let chosen_problem = with_stiction(problem, tried[chosen]);
-        let descent = descend(&chosen_problem, &point, Window::Whole, patience, steps.clone());
-        let settled = Settled { stiction: tried[chosen], level_range_nm: ranges[chosen], descent };
-        let gain = best.as_ref().map_or(f64::INFINITY, |before| before.descent.cost - settled.descent.cost);
-        let point_cost = settled.descent.cost;
-        point = settled.descent.point.clone();
-        if gain > 0.0 {
-            best = Some(settled);
-        }
-        if gain < little(problem, patience, point_cost) {
-            break;
-        }
-    }
-    best.unwrap_or_else(|| {
-        let stiction = Stiction { level_nm: 0.0, velocity_band: 0.0 };
-        let descent = descend(&with_stiction(problem, stiction), &point, Window::Whole, patience, steps);
-        Settled { stiction, level_range_nm: (0.0, 0.0), descent }
-    })
-}
-
-/// Ranges of Ms, each of which stops the pendulum at another turning point; DV = 0.
-fn stop_ranges(problem: &Problem, point: &Point) -> Vec<(f64, f64)> {
-    let parameters = problem.parameters(&point.values);
-    let coulomb = parameters.values(base::COULOMB).map_or(0.0, |values| values[0]);
-    let gravity = parameters.pendulum.gravity_torque_nm();
-    let mut torques: Vec<f64> = (0..problem.swings.len())
-        .flat_map(|swing_idx| {
-            let column = &problem.predict(
-                swing_idx,
-                problem.swings[swing_idx].len(),
-                &[(&point.values, point.starts[swing_idx])],
-            )[0];
-            last_turning_torques(column, gravity)
-        })
-        .filter(|torque| *torque > coulomb)
-        .collect();
-    torques.sort_by(f64::total_cmp);
-    torques.dedup_by(|later, earlier| *later - *earlier < 1e-3 * *earlier);
-    torques.truncate(MAX_STOPS);
-    torques.insert(0, 0.0_f64.max(coulomb));
-    torques.windows(2).map(|pair| (pair[0], pair[1])).collect()
-}
-
-/// |m·g·l·sin θ| at the last turning points of a simulated swing.
-fn last_turning_torques(angles_rad: &[f64], gravity_nm: f64) -> Vec<f64> {
-    let turns = |triple: &[f64]| (triple[1] - triple[0]) * (triple[2] - triple[1]) < 0.0;
-    let turning = angles_rad.windows(3).filter(|triple| turns(triple)).map(|triple| triple[1]);
-    let all: Vec<f64> = turning.chain(angles_rad.last().copied()).collect();
-    all.iter().rev().take(MAX_STOPS).map(|angle| (gravity_nm * angle.sin()).abs()).collect()
-}
-
 /// Costs of pairs after the smooth parameters have answered to first order.
-fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, tried: &[Stiction]) -> Vec<f64> {
+pub(super) fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, tried: &[Stiction]) -> Vec<f64> {
     let pair_problem = Problem {
         unknowns: stiction_unknowns(&problem.template),
         template: problem.parameters(&point.values),
@@ -188,15 +138,31 @@ fn lowest(costs: &[f64]) -> Option<usize> {
     finite.min_by(|a, b| a.1.total_cmp(b.1)).map(|(index, _)| index)
 }
 
-/// Searches Ms and a velocity band; `none` is the outcome without one.
-pub fn with_band(problem: &Problem, none: &Settled, patience: Patience) -> Settled {
-    let gravity = problem.template.pendulum.gravity_torque_nm();
-    let mut best = none.clone();
-    for tried in promising(problem, none, gravity) {
-        best = better(best, descended(problem, &none.descent.point, tried, patience));
+/// Searches Ms and a velocity band; `None` if nothing is better than `none`, the outcome without one.
+fn with_band(problem: &Problem, none: &Settled, patience: Patience) -> Option<Settled> {
+    let mut best = around(problem, none, patience).filter(|found| gain_of(found, none) > 0.0)?;
+    let mut before = none.descent.cost;
+    // Far from the truth, first-order answers mislead: where so much was gained, they are asked again.
+    for _ in 1..MAX_ROUNDS {
+        if best.descent.cost > WORTH_ANOTHER_ROUND * before {
+            break;
+        }
+        before = best.descent.cost;
+        best = around(problem, &best, patience).map_or(best.clone(), |next| better(best, next));
     }
-    narrowed(problem, best, patience)
+    Some(best)
 }
+
+/// The best that the most promising bands lead to, judged from one outcome.
+fn around(problem: &Problem, from: &Settled, patience: Patience) -> Option<Settled> {
+    let tried = promising(problem, from);
+    let fitted = tried.into_iter().map(|pair| descended(problem, &from.descent.point, pair, patience));
+    let best = fitted.min_by(|a, b| a.descent.cost.total_cmp(&b.descent.cost))?;
+    Some(narrowed(problem, best, patience))
+}
+
+/// The search goes on from where it ended if the cost fell below this share.
+const WORTH_ANOTHER_ROUND: f64 = 0.5;
 
 /// Goes on from a guess at everything, Ms and DV included.
 pub fn refine(problem: &Problem, point: &Point, stiction: Stiction, patience: Patience) -> Settled {
@@ -228,13 +194,13 @@ fn narrowed(problem: &Problem, best: Settled, patience: Patience) -> Settled {
 
 /// A gain that is not worth another round: one noise variance, or a small share of what the cost has beyond the noise.
 fn little(problem: &Problem, patience: Patience, cost: f64) -> f64 {
-    let variance = problem.noise_rad().powi(2);
-    let excess = cost - variance * problem.n_samples(Window::Whole) as f64;
-    variance.max(patience.least_share_of_excess * excess)
+    let excess = cost - problem.noise_cost();
+    problem.noise_rad().powi(2).max(patience.least_share_of_excess * excess)
 }
 
 /// The best level for each band, the most promising bands first.
-fn promising(problem: &Problem, none: &Settled, gravity_nm: f64) -> Vec<Stiction> {
+fn promising(problem: &Problem, none: &Settled) -> Vec<Stiction> {
+    let gravity_nm = problem.template.pendulum.gravity_torque_nm();
     let here = with_stiction(problem, none.stiction);
     let point = &none.descent.point;
     let linear = linearise(&here, point, Window::Whole, &mut none.descent.steps.clone());
@@ -258,8 +224,24 @@ fn better(a: Settled, b: Settled) -> Settled {
     if b.descent.cost < a.descent.cost { b } else { a }
 }
 
+/// Descends first with the pair fixed, then with it free.
 fn descended(problem: &Problem, point: &Point, stiction: Stiction, patience: Patience) -> Settled {
-    let (descent, stiction) = descend_with_stiction(problem, point, stiction, patience);
+    let fixed = with_stiction(problem, stiction);
+    let descent = descend(&fixed, point, Window::Whole, Patience::ROUGH, Steps::new(&fixed));
+    freed(problem, &descent.point, stiction, patience)
+}
+
+/// Descends with the pair free, then with the one found.
+pub fn freed(problem: &Problem, point: &Point, stiction: Stiction, patience: Patience) -> Settled {
+    let mut all = with_stiction(problem, stiction);
+    all.unknowns.extend(stiction_unknowns(&all.template));
+    let mut together = point.clone();
+    together.values.extend([stiction.level_nm, stiction.velocity_band]);
+    let mut point = descend(&all, &together, Window::Whole, patience, Steps::new(&all)).point;
+    let pair = point.values.split_off(problem.unknowns.len());
+    let stiction = Stiction { level_nm: pair[0], velocity_band: pair[1] };
+    let fixed = with_stiction(problem, stiction);
+    let descent = descend(&fixed, &point, Window::Whole, patience, Steps::new(&fixed));
     Settled { stiction, level_range_nm: (stiction.level_nm, stiction.level_nm), descent }
 }
 
@@ -267,7 +249,7 @@ fn descended(problem: &Problem, point: &Point, stiction: Stiction, patience: Pat
 pub fn best_pair(problem: &Problem, point: &Point, around: Option<Stiction>) -> Stiction {
     let gravity = problem.template.pendulum.gravity_torque_nm();
     let free = with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
-    let stops = stop_ranges(&free, point);
+    let stops = stop_level::ranges(&free, point);
     let without = stops.iter().map(|(low, high)| Stiction { level_nm: 0.5 * (low + high), velocity_band: 0.0 });
     let mut tried: Vec<Stiction> = without.chain(BANDS.into_iter().flat_map(|band| levels(band, gravity))).collect();
     tried.extend(around);
@@ -287,38 +269,15 @@ pub fn best_pair(problem: &Problem, point: &Point, around: Option<Stiction>) -> 
     best
 }
 
-/// A grid of pairs around one.
+/// A grid of pairs around one; finer along Ms, because the valley is narrow there.
 fn finer(centre: &Stiction) -> Vec<Stiction> {
-    let factors = [0.6, 0.8, 0.95, 1.0, 1.05, 1.25, 1.6];
+    let levels = [0.6, 0.7, 0.8, 0.88, 0.95, 1.0, 1.05, 1.12, 1.25, 1.4, 1.6];
+    let bands = [0.6, 0.8, 0.95, 1.0, 1.05, 1.25, 1.6];
     let pair = |level: f64, band: f64| Stiction {
         level_nm: level * centre.level_nm,
         velocity_band: band * centre.velocity_band,
     };
-    factors.iter().flat_map(|level| factors.iter().map(move |band| pair(*level, *band))).collect()
-}
-
-/// Descends first with the pair fixed, then with it free, as long as that helps.
-fn descend_with_stiction(
-    problem: &Problem,
-    point: &Point,
-    stiction: Stiction,
-    patience: Patience,
-) -> (Descent, Stiction) {
-    let fixed = with_stiction(problem, stiction);
-    let first = descend(&fixed, point, Window::Whole, Patience::ROUGH, Steps::new(&fixed));
-    let mut all = fixed.clone();
-    all.unknowns.extend(stiction_unknowns(&fixed.template));
-    let mut values = first.point.values.clone();
-    values.extend([stiction.level_nm, stiction.velocity_band]);
-    let together = Point { values, starts: first.point.starts.clone() };
-    let second = descend(&all, &together, Window::Whole, patience, Steps::new(&all));
-    let n_unknowns = problem.unknowns.len();
-    let moved =
-        Stiction { level_nm: second.point.values[n_unknowns], velocity_band: second.point.values[n_unknowns + 1] };
-    let mut point = second.point;
-    point.values.truncate(n_unknowns);
-    let last = descend(&with_stiction(problem, moved), &point, Window::Whole, patience, first.steps.clone());
-    if last.cost <= first.cost { (last, moved) } else { (first, stiction) }
+    levels.iter().flat_map(|level| bands.iter().map(move |band| pair(*level, *band))).collect()
 }
 
 /// The unknowns without Ms and DV, which are searched here.

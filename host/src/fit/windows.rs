@@ -13,8 +13,10 @@ pub const WINDOWS_S: [f64; 6] = [1.2, 2.5, 5.0, 10.0, 20.0, 40.0];
 /// strongly, and in jumps from the wrong ones.
 pub const CALMING: [f64; 4] = [0.5, 0.75, 0.9, 0.97];
 
-/// Descends through all windows up to the last swings before rest, which [`super::stiction`] decides.
+/// Descends through all windows up to the last swings before rest, which [`super::stiction`] decides; on sketches.
 pub fn grow(problem: &Problem, from: &Point) -> Descent {
+    let sketches = problem.sketches();
+    let problem = &problem.on(&sketches);
     let longest_s = problem.longest_s();
     let mut steps = Steps::new(problem);
     let mut point = from.clone();
