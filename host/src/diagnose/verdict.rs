@@ -130,13 +130,18 @@ impl Judge<'_, '_> {
         }
         let may_go = trial.effects.iter().filter(|effect| Some(effect.name) != stays);
         let without: Vec<Trial> = may_go.map(|effect| self.without(&trial, effect.id)).collect();
-        let dispensable = without
-            .into_iter()
-            .filter(|smaller| self.is_as_good(smaller, &trial) || is_explained(self.problem, smaller));
+        let dispensable = without.into_iter().filter(|smaller| {
+            self.is_as_good(smaller, &trial) || is_explained(self.problem, smaller) || self.is_no_more(smaller, &trial)
+        });
         match dispensable.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
             Some(smaller) => self.pruned_but(smaller, stays),
             None => trial,
         }
+    }
+
+    /// Where the noise is not reached, does an effect remove too small a part of what is left without it?
+    fn is_no_more(&self, smaller: &Trial, trial: &Trial) -> bool {
+        self.is_unexplained(trial) && self.excess(trial) > MOST_LEFT_UNEXPLAINED * self.excess(smaller)
     }
 
     /// The model without an effect, refitted from where it was, or as the search knew it if that is better.
