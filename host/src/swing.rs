@@ -60,16 +60,14 @@ impl Swing {
     pub fn new(name: &str, times_s: &[f64], angles_rad: &[f64], noise_rad: f64) -> Self {
         let times_s: Vec<f64> = times_s.iter().map(|t| t - times_s[0]).collect();
         let longest_step_s = longest_step_s(&times_s, &angles_rad[..n_lively(angles_rad)], noise_rad);
-        let steps_s = [longest_step_s, longest_step_s.min(FINE_STEP_S)];
-        let schedules = steps_s.map(|step_s| Schedule::new(&times_s, step_s));
         Self {
             name: name.to_owned(),
             n_lively: n_lively(angles_rad),
             angles_rad: angles_rad.to_vec(),
+            schedules: schedules(&times_s, longest_step_s, 1.0),
             times_s,
             noise_rad,
             longest_step_s,
-            schedules,
         }
     }
 
@@ -125,9 +123,7 @@ impl Swing {
     /// Enough of it to find the way to the best values: few samples, and steps that are too long for the last digit.
     pub fn sketched(&self) -> Self {
         let thin = self.thinned(SKETCH_RATE_HZ);
-        let steps_s = [self.longest_step_s, self.longest_step_s.min(FINE_STEP_S)];
-        let schedules = steps_s.map(|step_s| Schedule::new(&thin.times_s, SKETCH_STEP * step_s));
-        Self { schedules, ..thin }
+        Self { schedules: schedules(&thin.times_s, self.longest_step_s, SKETCH_STEP), ..thin }
     }
 
     /// Number of samples in a window.
@@ -151,6 +147,11 @@ impl Swing {
             Err(_) => (self.angles_rad[0], 0.0),
         }
     }
+}
+
+/// Usual and fine steps, each so many times as long as it need be.
+fn schedules(times_s: &[f64], longest_step_s: f64, factor: f64) -> [Schedule; 2] {
+    [longest_step_s, longest_step_s.min(FINE_STEP_S)].map(|step_s| Schedule::new(times_s, factor * step_s))
 }
 
 /// Samples up to the last one at which the pendulum is still far from its middle.

@@ -2,7 +2,7 @@
 
 use super::physical::is_sound;
 use super::score::{Promise, promises};
-use super::trial::{Trial, better, finish, finish_with_band, fit_from, refined, regrown, settled};
+use super::trial::{Trial, better, finish, finish_with_band, fit_from, fitted_on, refined, regrown};
 use crate::fit::descent::{Patience, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::Problem;
@@ -131,7 +131,7 @@ pub fn is_explained(problem: &Problem, trial: &Trial) -> bool {
 
 /// Residual variance beyond the noise, as a share of the noise variance.
 pub fn excess(problem: &Problem, cost: f64) -> f64 {
-    cost / (problem.n_samples(Window::Whole) as f64 * problem.noise_rad().powi(2)) - 1.0
+    cost / problem.noise_cost() - 1.0
 }
 
 /// All models with one more effect than those of the beam that are worth fitting, the lowest cost first; `rough` has
@@ -139,7 +139,7 @@ pub fn excess(problem: &Problem, cost: f64) -> f64 {
 fn next_level(problem: &Problem, rough: &Problem, beam: &[Trial], candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
     let mut level = found_roughly(rough, beam, candidates);
     let Some(lowest) = level.first().map(|best| best.cost) else { return level };
-    let n_near = level.iter().take(MAX_FINISHED).take_while(|trial| trial.cost < NEAR * lowest).count();
+    let n_near = level.iter().take(MAX_FINISHED).take_while(|trial| trial.cost < NEAR * lowest).count().max(1);
     let mut rest = level.split_off(n_near);
     // What somebody typed deserves its last digit anyway.
     level.extend(rest.extract_if(.., |trial| trial.has(CUSTOM_FORMULA_NAME)));
@@ -157,7 +157,7 @@ fn next_level(problem: &Problem, rough: &Problem, beam: &[Trial], candidates: &[
     // Models far above the best one stay as they are: nothing that follows depends on their last digit.
     let reach = NEAR * level[0].judged(rough).cost.min(lowest);
     let left = |trial: &Trial| {
-        if trial.cost < reach { settled(problem, trial, Patience::ROUGH) } else { trial.judged(problem) }
+        if trial.cost < reach { fitted_on(problem, trial, Patience::ROUGH) } else { trial.judged(problem) }
     };
     level.par_extend(rest.par_iter().map(left));
     level.retain(|trial| is_sound(problem, trial));

@@ -129,7 +129,7 @@ pub fn refined(of: &Problem, trial: &Trial, patience: Patience) -> Trial {
 }
 
 /// Fits on from where a trial is, Ms and DV too if it has a band.
-pub fn settled(of: &Problem, trial: &Trial, patience: Patience) -> Trial {
+pub fn fitted_on(of: &Problem, trial: &Trial, patience: Patience) -> Trial {
     if trial.stiction.velocity_band == 0.0 {
         return refined(of, trial, patience);
     }
