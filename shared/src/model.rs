@@ -6,6 +6,10 @@
 //! begins or ends is cut at that instant; a plain 1 ms step would be 7e-4 rad off at Ms = 0.01 N·m and would chatter
 //! at DV = 0.
 
+mod state;
+
+pub use state::{SensorState, State};
+
 use crate::effect::{
     Action, CUSTOM_FORMULA_ID, Effect, MAX_VALUES, MEMORY, Memory, SENSOR_MEMORY, Sensor, Torque, coulomb, viscous,
 };
@@ -25,9 +29,6 @@ pub const MAX_SENSORS: usize = 5;
 
 /// A step is cut at most this often; the rest of it is then taken without looking.
 pub const MAX_CUTS: usize = 6;
-
-const STATE_NUMBERS: usize = 6 + MEMORY * MAX_MEMORIES;
-const SENSOR_NUMBERS: usize = SENSOR_MEMORY * MAX_SENSORS;
 
 /// Secant steps to where friction takes hold in the band.
 const HOLD_STEPS: usize = 4;
@@ -56,62 +57,6 @@ pub struct Model<R: 'static> {
     custom: Option<Term<Program<R>, R>>,
     /// Nothing beyond the base effects: the inner loop skips the lists.
     plain: bool,
-}
-
-/// What the pendulum knows of itself between two steps.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State<R> {
-    /// θ in rad.
-    pub angle_rad: R,
-    /// ω in rad/s.
-    pub velocity_rad_s: R,
-    /// Seconds since the release.
-    pub time_s: R,
-    /// Sliding, in the band, or at rest.
-    pub contact: Contact<R>,
-    memories: [[R; MEMORY]; MAX_MEMORIES],
-}
-
-impl<R: Real> State<R> {
-    /// How many numbers a state is.
-    pub const N_NUMBERS: usize = STATE_NUMBERS;
-
-    /// The state as numbers: angle, velocity, time, direction of sliding, direction of the drive in the band, breakaway
-    /// torque, memories.
-    pub fn numbers(&self) -> [R; STATE_NUMBERS] {
-        let Contact { slide, push, level_nm } = self.contact;
-        let first = [self.angle_rad, self.velocity_rad_s, self.time_s, slide, push, level_nm];
-        core::array::from_fn(|i| match first.get(i) {
-            Some(number) => *number,
-            None => self.memories.as_flattened()[i - first.len()],
-        })
-    }
-
-    /// The state that [`State::numbers`] gave.
-    pub fn from_numbers(numbers: &[R; STATE_NUMBERS]) -> Self {
-        let [angle_rad, velocity_rad_s, time_s, slide, push, level_nm, ..] = *numbers;
-        let memories = core::array::from_fn(|m| core::array::from_fn(|i| numbers[6 + MEMORY * m + i]));
-        Self { angle_rad, velocity_rad_s, time_s, contact: Contact { slide, push, level_nm }, memories }
-    }
-}
-
-/// What the sensor effects remember between two readings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SensorState<R>([[R; SENSOR_MEMORY]; MAX_SENSORS]);
-
-impl<R: Real> SensorState<R> {
-    /// How many numbers it is.
-    pub const N_NUMBERS: usize = SENSOR_NUMBERS;
-
-    /// It as numbers, effect by effect.
-    pub fn numbers(&self) -> [R; SENSOR_NUMBERS] {
-        core::array::from_fn(|i| self.0.as_flattened()[i])
-    }
-
-    /// What [`SensorState::numbers`] gave.
-    pub fn from_numbers(numbers: &[R; SENSOR_NUMBERS]) -> Self {
-        Self(core::array::from_fn(|m| core::array::from_fn(|i| numbers[SENSOR_MEMORY * m + i])))
-    }
 }
 
 /// The coefficients of the base model in the present contact: which of them act, divided by the inertia.
