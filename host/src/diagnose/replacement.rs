@@ -49,8 +49,11 @@ fn replaced(problem: &Problem, claimed: &Trial, rest: &Trial, fresh: &[&'static 
         }
     }
     let fitted = |promise: &Promise| {
+        let is_near = |trial: &Trial| trial.cost < NEAR * claimed_cost;
         let trial = fit_promise(&rough, &rest, promise)?;
-        Some(if trial.cost < NEAR * claimed_cost { finish(problem, &trial) } else { trial.judged(problem) })
+        // Another stop level may be what it lacks.
+        let trial = if is_near(&trial) { trial } else { finish(&rough, &trial) };
+        Some(if is_near(&trial) { finish(problem, &trial) } else { trial.judged(problem) })
     };
     best.par_iter().filter_map(fitted).collect()
 }

@@ -3,11 +3,10 @@
 //! Friction and inertia must be allowed to answer at once, or effects that resemble them are never found.
 
 use super::trial::Trial;
-use crate::fit::descent::stepped;
-use crate::fit::linear::{Linear, Steps, linearise, linearise_added, solve_damped};
-use crate::fit::problem::{PER_SWING, Point, Problem};
+use crate::fit::descent::{bounded_step, stepped};
+use crate::fit::linear::{Linear, Steps, linearise, linearise_added};
+use crate::fit::problem::{Point, Problem};
 use crate::swing::Window;
-use nalgebra::DVector;
 use rayon::prelude::*;
 use shared::effect::Effect;
 
@@ -52,32 +51,8 @@ fn promise(
     values.extend(start);
     let point = Point { values, starts: trial.point.starts.clone() };
     let linear = linearise_added(&problem, &point, Window::Whole, known);
-    let (step, cost) = bounded_step(&problem, &point, &linear);
+    let step = bounded_step(&problem, &point, &linear, DAMPING);
+    let cost = linear.cost - linear.gain(&step);
     let point = stepped(&point, &step, problem.unknowns.len());
     cost.is_finite().then_some(Promise { effect, gain: trial.cost - cost, point })
-}
-
-/// The step and the cost it promises; numbers that would leave their bounds are held on them.
-fn bounded_step(problem: &Problem, point: &Point, linear: &Linear) -> (DVector<f64>, f64) {
-    let n_unknowns = problem.unknowns.len();
-    let size = linear.gradient.len();
-    debug_assert_eq!(size, n_unknowns + PER_SWING * problem.swings.len());
-    let mut free = vec![true; size];
-    let mut gradient = linear.gradient.clone();
-    let mut held = DVector::zeros(size);
-    loop {
-        let step = solve_damped(&linear.normal, &gradient, DAMPING, &free) + &held;
-        let leaving = (0..n_unknowns).filter(|j| free[*j]).find_map(|j| {
-            let target = point.values[j] + step[j];
-            let bounded = target.clamp(problem.unknowns[j].low, problem.unknowns[j].high);
-            (bounded != target).then_some((j, bounded - point.values[j]))
-        });
-        let Some((j, to_bound)) = leaving else {
-            let cost = linear.cost - 2.0 * linear.gradient.dot(&step) + step.dot(&(&linear.normal * &step));
-            return (step, cost);
-        };
-        free[j] = false;
-        held[j] = to_bound;
-        gradient -= linear.normal.column(j) * to_bound;
-    }
 }

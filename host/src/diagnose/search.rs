@@ -139,7 +139,7 @@ pub fn excess(problem: &Problem, cost: f64) -> f64 {
 fn next_level(problem: &Problem, rough: &Problem, beam: &[Trial], candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
     let mut level = found_roughly(rough, beam, candidates);
     let Some(lowest) = level.first().map(|best| best.cost) else { return level };
-    let n_near = level.iter().take(MAX_FINISHED).take_while(|trial| trial.cost < NEAR * lowest).count().max(1);
+    let n_near = near_the_best(&level).len().clamp(1, MAX_FINISHED);
     let mut rest = level.split_off(n_near);
     // What somebody typed deserves its last digit anyway.
     level.extend(rest.extract_if(.., |trial| trial.has(CUSTOM_FORMULA_NAME)));
@@ -200,45 +200,60 @@ fn looked_at_again(problem: &Problem, mut level: Vec<Trial>) -> Vec<Trial> {
     level
 }
 
-/// A model with one more effect, each of the promising ones in turn: first the best start of each, then, if none
-/// explains the swings, the next best and the wider forms.
+/// A model with one more effect, each of the promising ones in turn: first the best start of each, then the next best
+/// and the wider forms; where one explains the swings, only of those that come near it, but then all their starts.
 fn extensions(problem: &Problem, trial: &Trial, candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
     let fresh: Vec<&'static Effect<f64>> =
         candidates.iter().copied().filter(|effect| !trial.has(effect.name)).collect();
-    let (first, second) = worth_fitting(promises(problem, trial, &fresh));
+    let (first, mut others) = worth_fitting(promises(problem, trial, &fresh));
     let fit = |promises: Vec<Promise>| -> Vec<Trial> {
         promises.par_iter().filter_map(|promise| fit_promise(problem, trial, promise)).collect()
     };
     let mut level = fit(first);
-    if !level.iter().any(|trial| is_explained(problem, trial)) {
-        level.extend(fit(second));
+    sort(&mut level);
+    if level.first().is_some_and(|best| is_explained(problem, best)) {
+        let rivals: Vec<&str> = near_the_best(&level).iter().filter_map(|rival| rival.names().pop()).collect();
+        let is_rival = |name: &str| rivals.contains(&name);
+        others.retain(|promise| is_rival(promise.effect.name) || promise.effect.generalises.is_some_and(is_rival));
+    } else {
+        keep_first_of_each(&mut others);
     }
+    level.extend(fit(others));
     sort(&mut level);
     drop_doubles(&mut level);
     level
 }
 
-/// The best start of each effect that promises enough; and the second best ones, with the generalisations that promise
-/// hardly more than their special case: if that does not suffice, they may still do after some steps.
+/// The best start of each effect that promises enough; and the others, with the generalisations that promise hardly
+/// more than their special case: if those do not suffice, they may still do after some steps.
 fn worth_fitting(promises: Vec<Promise>) -> (Vec<Promise>, Vec<Promise>) {
     let best = promises.first().map_or(0.0, |promise| promise.gain);
     let needless = needless_generalisations(&promises);
-    let (mut first, mut second): (Vec<Promise>, Vec<Promise>) = (Vec::new(), Vec::new());
+    let (mut first, mut others): (Vec<Promise>, Vec<Promise>) = (Vec::new(), Vec::new());
     let is_promising = |promise: &Promise| promise.gain > SHARE_OF_BEST_PROMISE * best;
     let is_typed = |promise: &Promise| promise.effect.id == CUSTOM_FORMULA_ID;
     for promise in promises.into_iter().filter(|promise| is_promising(promise) || is_typed(promise)) {
-        let has = |kept: &[Promise]| kept.iter().any(|other| other.effect.id == promise.effect.id);
+        let is_known = first.iter().any(|other| other.effect.id == promise.effect.id);
         let waits = needless.contains(&promise.effect.id);
         if is_typed(&promise) {
             // Nobody chose its starts with care, so all of them are tried.
             first.push(promise);
-        } else if !waits && !has(&first) && first.len() < MAX_FITTED {
+        } else if is_known || waits {
+            others.push(promise);
+        } else if first.len() < MAX_FITTED {
             first.push(promise);
-        } else if (waits || has(&first)) && !has(&second) {
-            second.push(promise);
         }
     }
-    (first, second)
+    (first, others)
+}
+
+fn keep_first_of_each(promises: &mut Vec<Promise>) {
+    let mut seen = Vec::new();
+    promises.retain(|promise| {
+        let new = !seen.contains(&promise.effect.id);
+        seen.push(promise.effect.id);
+        new
+    });
 }
 
 /// A wider form of an effect is at first only worth its numbers if it promises visibly more.
@@ -266,6 +281,12 @@ pub(super) fn fit_promise(problem: &Problem, trial: &Trial, promise: &Promise) -
     let mut effects = trial.effects.clone();
     effects.push(promise.effect);
     Some(fit_from(&enlarged, effects, &promise.point, trial.stiction))
+}
+
+/// The models of a sorted level that nearly cost what the best one does.
+fn near_the_best(level: &[Trial]) -> &[Trial] {
+    let n_near = level.iter().take_while(|trial| trial.cost < NEAR * level[0].cost).count();
+    &level[..n_near]
 }
 
 fn sort(level: &mut [Trial]) {

@@ -41,7 +41,7 @@ pub struct Descent {
     pub point: Point,
     /// Sum of squared errors there, rad².
     pub cost: f64,
-    /// The last linearisation, at (or one small step before) the best guess.
+    /// The last linearisation, at the best guess or one step before it.
     pub linear: Linear,
     /// Finite-difference steps, to go on with.
     pub steps: Steps,
@@ -72,6 +72,7 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, patience: Patien
         if iteration > 0 {
             linear = linearise(problem, &point, window, &mut steps);
         }
+        let promised = linear.gain(&bounded_step(problem, &point, &linear, 0.0));
         let gain = loop {
             let Some((better, lower, factor)) = best_trial(problem, &point, &linear, window, damping, cost) else {
                 damping *= 1e4;
@@ -86,7 +87,9 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, patience: Patien
             break gain;
         };
         let least_of_excess = patience.least_share_of_excess * (cost - noise);
-        if gain < (patience.least_gain * unit).max(patience.least_share * cost).max(least_of_excess) {
+        let least = (patience.least_gain * unit).max(patience.least_share * cost).max(least_of_excess);
+        // A step that brought what the linear model promised leaves nothing to the next one.
+        if gain < least || (promised - gain).abs() < least {
             converged = true;
             break;
         }
@@ -103,8 +106,11 @@ fn best_trial(
     damping: f64,
     cost: f64,
 ) -> Option<(Point, f64, f64)> {
-    let trials: Vec<Point> =
-        DAMPING_FACTORS.iter().map(|factor| bounded_step(problem, point, linear, damping * factor)).collect();
+    let trial = |factor: &f64| {
+        let step = bounded_step(problem, point, linear, damping * factor);
+        stepped(point, &step, problem.unknowns.len())
+    };
+    let trials: Vec<Point> = DAMPING_FACTORS.iter().map(trial).collect();
     let costs = problem.costs(window, &trials);
     let (best, lowest) =
         costs.iter().enumerate().filter(|(_, cost)| cost.is_finite()).min_by(|a, b| a.1.total_cmp(b.1))?;
@@ -113,7 +119,7 @@ fn best_trial(
 
 /// A damped step within the bounds: an unknown that would leave them is put on its bound, and the others are solved
 /// for again.
-fn bounded_step(problem: &Problem, point: &Point, linear: &Linear, damping: f64) -> Point {
+pub fn bounded_step(problem: &Problem, point: &Point, linear: &Linear, damping: f64) -> DVector<f64> {
     let n_unknowns = problem.unknowns.len();
     let is_offset = |j: usize| j >= n_unknowns && (j - n_unknowns) % PER_SWING == PER_SWING - 1;
     let mut free: Vec<bool> = (0..linear.gradient.len()).map(|j| problem.offsets_are_free || !is_offset(j)).collect();
@@ -127,7 +133,7 @@ fn bounded_step(problem: &Problem, point: &Point, linear: &Linear, damping: f64)
             (bounded != target).then_some((j, bounded - point.values[j]))
         });
         match leaving {
-            None => return stepped(point, &step, n_unknowns),
+            None => return step,
             Some((j, to_bound)) => {
                 free[j] = false;
                 fixed_step[j] = to_bound;

@@ -39,6 +39,13 @@ pub struct Linear {
     pub n_samples: usize,
 }
 
+impl Linear {
+    /// How much a step would lower the cost, rad², were the model linear.
+    pub fn gain(&self, step: &DVector<f64>) -> f64 {
+        2.0 * self.gradient.dot(step) - step.dot(&(&self.normal * step))
+    }
+}
+
 /// The finite-difference step of each unknown; it adapts from one linearisation to the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Steps(pub Vec<f64>);
