@@ -69,8 +69,10 @@ pub fn diagnose_counted(
     let base = fit_base(&problem);
     let mut candidates = candidates(swings);
     candidates.extend(wishes.typed.or(effect_of(rig, CUSTOM_FORMULA_ID)));
-    let found = search(&problem, &base, &candidates);
-    let judge = Judge { problem: &problem, found: &found, candidates: &candidates };
+    let sketches = problem.sketches();
+    let rough = problem.on(&sketches);
+    let found = search(&problem, &rough, &base, &candidates);
+    let judge = Judge { problem: &problem, rough: &rough, found: &found, candidates: &candidates };
     let (claimed, others) = judge.refined(judge.claimed());
     let mut undecided = judge.undecided(&claimed, &others);
     let n_claimed = claimed.effects.len();

@@ -5,7 +5,7 @@
 
 use super::physical::is_sound;
 use super::score::{Promise, promises};
-use super::search::fit_promise;
+use super::search::{fit_promise, worth_all_samples};
 use super::trial::{Trial, finish};
 use crate::fit::problem::Problem;
 use rayon::prelude::*;
@@ -17,43 +17,57 @@ const SHARE_OF_WORTH: f64 = 0.5;
 /// Replacements fitted for each effect, at most.
 const MAX_FITTED: usize = 3;
 
-/// Costs within this factor of the model's are worth a fit to the last digit.
-const NEAR: f64 = 1.1;
-
-/// Models with one effect of `claimed` replaced, the lowest cost first; `without` fits it without one effect.
+/// Models with one effect of `claimed` replaced that are not among the `known` ones, the lowest cost first; `without`
+/// fits it without one effect on the sketches of `rough`.
 pub fn replacements(
     problem: &Problem,
+    rough: &Problem,
     claimed: &Trial,
     candidates: &[&'static Effect<f64>],
+    known: &[Trial],
     without: impl Fn(u16) -> Trial,
 ) -> Vec<Trial> {
     let fresh: Vec<&'static Effect<f64>> =
         candidates.iter().copied().filter(|effect| !claimed.has(effect.name)).collect();
-    let mut others: Vec<Trial> =
-        claimed.effects.iter().flat_map(|effect| replaced(problem, claimed, &without(effect.id), &fresh)).collect();
+    let on_sketches = claimed.judged(rough);
+    let mut others: Vec<Trial> = claimed
+        .effects
+        .iter()
+        .flat_map(|effect| {
+            let rest = without(effect.id);
+            let is_new = |added: &&&'static Effect<f64>| {
+                let is_it = |other: &Trial| other.has(added.name) && rest.effects.iter().all(|e| other.has(e.name));
+                !known.iter().any(is_it)
+            };
+            let fresh: Vec<&'static Effect<f64>> = fresh.iter().filter(is_new).copied().collect();
+            replaced(problem, rough, on_sketches.cost, &rest, &fresh)
+        })
+        .collect();
     others.retain(|other| is_sound(problem, other));
     others.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     others
 }
 
-fn replaced(problem: &Problem, claimed: &Trial, rest: &Trial, fresh: &[&'static Effect<f64>]) -> Vec<Trial> {
-    let sketches = problem.sketches();
-    let rough = problem.on(&sketches);
-    let (rest, claimed_cost) = (rest.judged(&rough), claimed.judged(&rough).cost);
+fn replaced(
+    problem: &Problem,
+    rough: &Problem,
+    claimed_cost: f64,
+    rest: &Trial,
+    fresh: &[&'static Effect<f64>],
+) -> Vec<Trial> {
     let worth = rest.cost - claimed_cost;
     let mut best: Vec<Promise> = Vec::new();
-    for promise in promises(&rough, &rest, fresh) {
+    for promise in promises(rough, rest, fresh) {
         let is_new = best.iter().all(|other| other.effect.id != promise.effect.id);
         if is_new && promise.gain > SHARE_OF_WORTH * worth && best.len() < MAX_FITTED {
             best.push(promise);
         }
     }
     let fitted = |promise: &Promise| {
-        let is_near = |trial: &Trial| trial.cost < NEAR * claimed_cost;
-        let trial = fit_promise(&rough, &rest, promise)?;
         // Another stop level may be what it lacks.
-        let trial = if is_near(&trial) { trial } else { finish(&rough, &trial) };
-        Some(if is_near(&trial) { finish(problem, &trial) } else { trial.judged(problem) })
+        let trial = finish(rough, &fit_promise(rough, rest, promise)?);
+        let is_near = trial.cost < worth_all_samples(rough, claimed_cost);
+        Some(if is_near { finish(problem, &trial) } else { trial.judged(problem) })
     };
     best.par_iter().filter_map(fitted).collect()
 }

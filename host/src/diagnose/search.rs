@@ -36,7 +36,7 @@ const SHARE_OF_BEST_PROMISE: f64 = 0.15;
 /// Effects fitted at each level on top of one model, at most.
 const MAX_FITTED: usize = 6;
 
-/// Costs within this factor of the best are worth a fit to the last digit.
+/// Costs within this factor of the best are worth a fit to the last digit on sketches.
 const NEAR: f64 = 1.3;
 
 /// A model that leaves more than this share of the noise variance is not the last word: the best …
@@ -68,22 +68,21 @@ impl Found {
     }
 }
 
-/// Fits the base model and, level by level, models with added effects, until one explains the swings.
-pub fn search(problem: &Problem, base: &Settled, candidates: &[&'static Effect<f64>]) -> Found {
+/// Fits the base model and, level by level, models with added effects, until one explains the swings; `rough` has
+/// sketches of the swings, on which models are found.
+pub fn search(problem: &Problem, rough: &Problem, base: &Settled, candidates: &[&'static Effect<f64>]) -> Found {
     let none = stiction_free_base(problem, base);
     let mut found = Found { base: Trial::settled(problem, Vec::new(), base.clone()), levels: Vec::new() };
     if is_explained(problem, &found.base) {
         return found;
     }
-    let sketches = problem.sketches();
-    let rough = problem.on(&sketches);
     let mut beam = vec![none];
     let with_band = found.base.clone();
     if with_band.cost < WORTH_KEEPING_THE_BAND * beam[0].cost {
         beam.push(with_band);
     }
     for _ in 0..MAX_ADDED {
-        let level = next_level(problem, &rough, &beam, candidates);
+        let level = next_level(problem, rough, &beam, candidates);
         if level.is_empty() {
             break;
         }
@@ -134,25 +133,29 @@ pub fn excess(problem: &Problem, cost: f64) -> f64 {
     cost / problem.noise_cost() - 1.0
 }
 
-/// All models with one more effect than those of the beam that are worth fitting, the lowest cost first; `rough` has
-/// sketches of the swings, on which they are found.
+/// All models with one more effect than those of the beam that are worth fitting, the lowest cost first.
 fn next_level(problem: &Problem, rough: &Problem, beam: &[Trial], candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
     let mut level = found_roughly(rough, beam, candidates);
     let Some(lowest) = level.first().map(|best| best.cost) else { return level };
     let n_near = near_the_best(&level).len().clamp(1, MAX_FINISHED);
     let mut rest = level.split_off(n_near);
+    level.par_iter_mut().for_each(|trial| *trial = finish(rough, trial));
+    sort(&mut level);
+    let lowest = lowest.min(level[0].cost);
+    let limit = worth_all_samples(rough, level[0].cost);
+    rest.extend(level.extract_if(1.., |trial| trial.cost > limit));
     // What somebody typed deserves its last digit anyway.
     level.extend(rest.extract_if(.., |trial| trial.has(CUSTOM_FORMULA_NAME)));
     level = level.par_iter().map(|trial| finish(problem, trial)).collect();
     sort(&mut level);
     if excess(problem, level[0].cost) > WELL_EXPLAINED {
-        level.par_iter_mut().take(RIVALS).for_each(|trial| *trial = from_other_sides(problem, trial));
+        level.par_iter_mut().take(RIVALS).for_each(|trial| *trial = from_other_sides(problem, rough, trial));
         sort(&mut level);
     }
     let best = level[0].stiction;
     let has_another = |trial: &Trial| best.velocity_band > 0.0 || trial.stiction.velocity_band > 0.0;
     rest.extend(level.extract_if(1.., |trial| has_another(trial)));
-    let others = rest.par_iter_mut().filter(|trial| has_another(trial));
+    let others = rest.par_iter_mut().filter(|trial| has_another(trial) && trial.cost < BEAM_REACH * lowest);
     others.for_each(|trial| *trial = with_the_stiction_of(rough, best, trial));
     // Models far above the best one stay as they are: nothing that follows depends on their last digit.
     let reach = NEAR * level[0].judged(rough).cost.min(lowest);
@@ -165,6 +168,20 @@ fn next_level(problem: &Problem, rough: &Problem, beam: &[Trial], candidates: &[
     level
 }
 
+/// A model whose cost on sketches is below this may be the best one of all samples, if the best on sketches costs
+/// `lowest`.
+pub(super) fn worth_all_samples(rough: &Problem, lowest: f64) -> f64 {
+    let chance = MOSTLY_CHANCE * rough.noise_rad().powi(2);
+    let missing = (lowest - rough.noise_cost()).max(0.0);
+    lowest + chance + SMALL_SHARE_OF_EXCESS * missing
+}
+
+/// On sketches, differences of so many noise variances may be chance, or another stop level …
+const MOSTLY_CHANCE: f64 = 50.0;
+
+/// … and so may this share of what is missing from the model.
+const SMALL_SHARE_OF_EXCESS: f64 = 0.1;
+
 /// The same on sketches alone, not finished.
 fn found_roughly(rough: &Problem, beam: &[Trial], candidates: &[&'static Effect<f64>]) -> Vec<Trial> {
     let extended = |trial: &Trial| extensions(rough, &trial.judged(rough), candidates);
@@ -176,12 +193,18 @@ fn found_roughly(rough: &Problem, beam: &[Trial], candidates: &[&'static Effect<
 }
 
 /// A model fitted anew from the first swings, and with a velocity band, if one of them is better.
-fn from_other_sides(problem: &Problem, trial: &Trial) -> Trial {
-    let anew = better(trial.clone(), regrown(problem, trial));
-    if excess(problem, anew.cost) <= WELL_EXPLAINED {
-        return anew;
+fn from_other_sides(problem: &Problem, rough: &Problem, trial: &Trial) -> Trial {
+    let here = trial.judged(rough);
+    let anew = better(here.clone(), regrown(rough, trial));
+    let explains = excess(rough, anew.cost) <= WELL_EXPLAINED;
+    let anew = if explains { anew } else { better(anew.clone(), finish_with_band(rough, &anew)) };
+    let gain = here.cost - anew.cost;
+    if gain < stiction::GAIN_WORTH_A_BAND * problem.noise_rad().powi(2) {
+        return trial.clone();
     }
-    better(anew.clone(), finish_with_band(problem, &anew))
+    let has_band = anew.stiction.velocity_band > 0.0;
+    let anew = if has_band { fitted_on(problem, &anew, Patience::JUDGE) } else { finish(problem, &anew) };
+    better(trial.clone(), anew)
 }
 
 /// A model with the stiction of another one, which may be a property of the bearing and no merit of its effect; what a

@@ -20,12 +20,20 @@ const SIMPLER_MAY_LEAVE: f64 = 3.0;
 /// Sums of squares closer than this, in noise variances, are no reason to prefer one effect over another.
 pub(super) const INDISTINGUISHABLE: f64 = 25.0;
 
+/// So often a claimed model is exchanged for a better one with one effect replaced.
+const MAX_ROUNDS: usize = 3;
+
+/// A cost so many times higher than another one needs no closer look.
+const CLEARLY_MORE: f64 = 1.3;
+
 /// Predictions that differ by less than this many noises are called alike.
 const ALIKE_NOISES: f64 = 0.05;
 
 /// Decides from what the search found.
 pub(super) struct Judge<'a, 'b> {
     pub(super) problem: &'b Problem<'a>,
+    /// The same with sketches of the swings.
+    pub(super) rough: &'b Problem<'b>,
     pub(super) found: &'b Found,
     pub(super) candidates: &'b [&'static Effect<f64>],
 }
@@ -84,7 +92,7 @@ impl Judge<'_, '_> {
         }
         let simpler = |trial: &&Trial| {
             let close = trial.cost - best.cost < INDISTINGUISHABLE * self.unit();
-            close && best.effects.iter().any(|effect| effect.generalises.is_some_and(|special| trial.has(special)))
+            close && is_simpler_form(trial, best)
         };
         level.iter().find(simpler).unwrap_or(best)
     }
@@ -99,23 +107,31 @@ impl Judge<'_, '_> {
 
     /// The claimed model, after each of several effects had to stand against its replacements; and these.
     pub(super) fn refined(&self, claimed: Trial) -> (Trial, Vec<Trial>) {
+        let mut claimed = claimed;
+        let mut tried = Vec::new();
+        for _ in 0..MAX_ROUNDS {
+            let (better, others) = self.replaced(&claimed, &tried);
+            tried.extend(others);
+            let Some(better) = better else { break };
+            tried.push(std::mem::replace(&mut claimed, better));
+        }
+        (claimed, tried)
+    }
+
+    /// A model with one effect replaced that is better than the claimed one, pruned; and the others.
+    fn replaced(&self, claimed: &Trial, known: &[Trial]) -> (Option<Trial>, Vec<Trial>) {
         if claimed.effects.len() < 2 {
-            return (claimed, Vec::new());
+            return (None, Vec::new());
         }
-        let without = |id: u16| self.without(&claimed, id);
-        let mut others = replacements(self.problem, &claimed, self.candidates, without);
-        let better = others.iter().position(|other| {
-            claimed.cost - other.cost > INDISTINGUISHABLE * self.unit()
-                && self.criterion(other) < self.criterion(&claimed)
-        });
-        match better {
-            Some(best) => {
-                let best = others.remove(best);
-                others.push(claimed);
-                (self.pruned(best), others)
-            }
-            None => (claimed, others),
-        }
+        let without = |id: u16| self.without_on_sketches(claimed, id);
+        let others = replacements(self.problem, self.rough, claimed, self.candidates, known, without);
+        let reach = INDISTINGUISHABLE * self.unit();
+        let is_better = |other: &Trial| {
+            let wins = claimed.cost - other.cost > reach || is_simpler_form(other, claimed);
+            wins && self.criterion(other) < self.criterion(claimed)
+        };
+        let better = (!others.is_empty()).then(|| self.preferred(&others)).filter(|other| is_better(other));
+        (better.map(|other| self.pruned(other.clone())), others)
     }
 
     /// Without effects that became unnecessary once others were in.
@@ -128,9 +144,13 @@ impl Judge<'_, '_> {
         if trial.effects.len() < 2 {
             return trial;
         }
+        let on_sketches = trial.judged(self.rough);
+        let without = |effect: &&'static Effect<f64>| {
+            let roughly = self.without_on_sketches(&trial, effect.id);
+            self.may_be_dispensable(&roughly, &on_sketches).then(|| finish(self.problem, &roughly))
+        };
         let may_go = trial.effects.iter().filter(|effect| Some(effect.name) != stays);
-        let without: Vec<Trial> = may_go.map(|effect| self.without(&trial, effect.id)).collect();
-        let dispensable = without.into_iter().filter(|smaller| {
+        let dispensable = may_go.filter_map(without).filter(|smaller| {
             self.is_as_good(smaller, &trial) || is_explained(self.problem, smaller) || self.is_no_more(smaller, &trial)
         });
         match dispensable.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
@@ -144,16 +164,19 @@ impl Judge<'_, '_> {
         self.is_unexplained(trial) && self.excess(trial) > MOST_LEFT_UNEXPLAINED * self.excess(smaller)
     }
 
-    /// The model without an effect, refitted from where it was, or as the search knew it if that is better.
-    fn without(&self, trial: &Trial, id: u16) -> Trial {
+    /// Judged on sketches, and generously: is it worth asking on all samples?
+    fn may_be_dispensable(&self, smaller: &Trial, trial: &Trial) -> bool {
+        let excess = |trial: &Trial| excess(self.rough, trial.cost);
+        smaller.cost < CLEARLY_MORE * trial.cost || excess(trial) > 0.5 * MOST_LEFT_UNEXPLAINED * excess(smaller)
+    }
+
+    /// The model without an effect on sketches, refitted from where it was, or as the search knew it if that is better.
+    fn without_on_sketches(&self, trial: &Trial, id: u16) -> Trial {
         let rest: Vec<&'static Effect<f64>> = trial.effects.iter().copied().filter(|effect| effect.id != id).collect();
         let is_rest = |other: &&Trial| other.effects.len() == rest.len() && rest.iter().all(|e| other.has(e.name));
-        let known = self.found.levels.iter().flatten().find(is_rest);
+        let known = self.found.levels.iter().flatten().find(is_rest).map(|known| known.judged(self.rough));
         let own = self.refitted_without(trial, id, rest.clone());
-        match known {
-            Some(known) if !self.is_as_good(&own, trial) => better(own, finish(self.problem, known)),
-            _ => own,
-        }
+        known.into_iter().fold(own, better)
     }
 
     fn is_as_good(&self, smaller: &Trial, trial: &Trial) -> bool {
@@ -168,11 +191,11 @@ impl Judge<'_, '_> {
         let problem = Problem {
             unknowns: kept.iter().map(|j| trial.unknowns[*j].clone()).collect(),
             template,
-            ..self.problem.clone()
+            ..self.rough.clone()
         };
         let point =
             Point { values: kept.iter().map(|j| trial.point.values[*j]).collect(), starts: trial.point.starts.clone() };
-        finish(self.problem, &fit_from(&problem, rest, &point, trial.stiction))
+        finish(self.rough, &fit_from(&problem, rest, &point, trial.stiction))
     }
 
     /// Effects that could stand for one of the claimed ones without any visible loss; `others` are models beside those
@@ -220,6 +243,11 @@ impl Judge<'_, '_> {
             parameters: values(self.problem, trial).into_iter().filter(|value| trial.has(value.effect)).collect(),
         }
     }
+}
+
+/// Does a model have the special case of an effect of another one?
+fn is_simpler_form(trial: &Trial, of: &Trial) -> bool {
+    of.effects.iter().any(|effect| effect.generalises.is_some_and(|special| trial.has(special) && !of.has(special)))
 }
 
 impl Trial {
