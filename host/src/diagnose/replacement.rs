@@ -6,7 +6,7 @@
 use super::physical::is_sound;
 use super::score::{Promise, promises};
 use super::search::{fit_promise, worth_all_samples};
-use super::trial::{Trial, finish};
+use super::trial::{Sketch, Trial};
 use crate::fit::problem::Problem;
 use rayon::prelude::*;
 use shared::effect::Effect;
@@ -65,9 +65,9 @@ fn replaced(
     }
     let fitted = |promise: &Promise| {
         // Another stop level may be what it lacks.
-        let trial = finish(rough, &fit_promise(rough, rest, promise)?);
-        let is_near = trial.cost < worth_all_samples(rough, claimed_cost);
-        Some(if is_near { finish(problem, &trial) } else { trial.judged(problem) })
+        let sketch = Sketch::of(rough, &fit_promise(rough, rest, promise)?);
+        let is_near = sketch.trial.cost < worth_all_samples(rough, claimed_cost);
+        Some(if is_near { sketch.on_all(problem) } else { sketch.trial.judged(problem) })
     };
     best.par_iter().filter_map(fitted).collect()
 }

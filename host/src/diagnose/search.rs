@@ -2,7 +2,7 @@
 
 use super::physical::is_sound;
 use super::score::{Promise, promises};
-use super::trial::{Trial, better, finish, finish_with_band, fit_from, fitted_on, refined, regrown};
+use super::trial::{Sketch, Trial, better, finish, finish_with_band, fit_from, fitted_on, refined, regrown};
 use crate::fit::descent::{Patience, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::Problem;
@@ -139,14 +139,16 @@ fn next_level(problem: &Problem, rough: &Problem, beam: &[Trial], candidates: &[
     let Some(lowest) = level.first().map(|best| best.cost) else { return level };
     let n_near = near_the_best(&level).len().clamp(1, MAX_FINISHED);
     let mut rest = level.split_off(n_near);
-    level.par_iter_mut().for_each(|trial| *trial = finish(rough, trial));
-    sort(&mut level);
-    let lowest = lowest.min(level[0].cost);
-    let limit = worth_all_samples(rough, level[0].cost);
-    rest.extend(level.extract_if(1.., |trial| trial.cost > limit));
+    let mut near: Vec<Sketch> = level.par_iter().map(|trial| Sketch::of(rough, trial)).collect();
+    near.sort_by(|a, b| a.trial.cost.total_cmp(&b.trial.cost));
+    let limit = worth_all_samples(rough, near[0].trial.cost);
+    let n_worth_it = near.iter().take_while(|sketch| sketch.trial.cost <= limit).count().max(1);
+    rest.extend(near.split_off(n_worth_it).into_iter().map(|sketch| sketch.trial));
+    let lowest = lowest.min(near[0].trial.cost);
     // What somebody typed deserves its last digit anyway.
-    level.extend(rest.extract_if(.., |trial| trial.has(CUSTOM_FORMULA_NAME)));
-    level = level.par_iter().map(|trial| finish(problem, trial)).collect();
+    let typed: Vec<Trial> = rest.extract_if(.., |trial| trial.has(CUSTOM_FORMULA_NAME)).collect();
+    level = near.par_iter().map(|sketch| sketch.on_all(problem)).collect();
+    level.par_extend(typed.par_iter().map(|trial| finish(problem, trial)));
     sort(&mut level);
     if excess(problem, level[0].cost) > WELL_EXPLAINED {
         level.par_iter_mut().take(RIVALS).for_each(|trial| *trial = from_other_sides(problem, rough, trial));

@@ -145,19 +145,46 @@ pub fn regrown(of: &Problem, trial: &Trial) -> Trial {
     finish(of, &Trial::of(&problem, trial.effects.clone(), trial.stiction, grown))
 }
 
-/// Fits on until nothing moves, and searches Ms; no velocity band is sought.
+/// A model fitted on sketches until little moves, with the levels of Ms that suit it there.
+#[derive(Clone, Debug)]
+pub struct Sketch {
+    /// The model; its cost is that on the sketches.
+    pub trial: Trial,
+    levels: Vec<Settled>,
+}
+
+impl Sketch {
+    /// Searches Ms on the sketches of `rough`; no velocity band is sought, but one that is there may stay.
+    pub fn of(rough: &Problem, trial: &Trial) -> Self {
+        let problem = trial.problem(rough);
+        let levels = stop_level::levels(&problem, &trial.point);
+        let best = Trial::settled(&problem, trial.effects.clone(), levels[0].clone());
+        let has_band = trial.stiction.velocity_band > 0.0;
+        let trial = if has_band { better(refined(rough, trial, Patience::ROUGH), best) } else { best };
+        Self { trial, levels }
+    }
+
+    /// The model fitted to all samples until nothing moves.
+    pub fn on_all(&self, of: &Problem) -> Trial {
+        if self.trial.stiction.velocity_band > 0.0 {
+            return refined(of, &self.trial, Patience::JUDGE);
+        }
+        let problem = self.trial.problem(of);
+        let settled = stop_level::best_of(&self.levels, &problem, Patience::JUDGE);
+        Trial::settled(&problem, self.trial.effects.clone(), settled)
+    }
+}
+
+/// Fits on until nothing moves, and searches Ms.
 pub fn finish(of: &Problem, trial: &Trial) -> Trial {
-    finish_with(of, trial, stop_level::without_band)
+    let sketches = of.sketches();
+    Sketch::of(&of.on(&sketches), trial).on_all(of)
 }
 
 /// The same with a velocity band, where the noise is not reached without.
 pub fn finish_with_band(of: &Problem, trial: &Trial) -> Trial {
-    finish_with(of, trial, stiction::settle)
-}
-
-fn finish_with(of: &Problem, trial: &Trial, settle: impl Fn(&Problem, &Point, Patience) -> Settled) -> Trial {
     let problem = trial.problem(of);
-    let settled = settle(&problem, &trial.point, Patience::JUDGE);
+    let settled = stiction::settle(&problem, &trial.point, Patience::JUDGE);
     let settled = Trial::settled(&problem, trial.effects.clone(), settled);
     let has_band = trial.stiction.velocity_band > 0.0;
     if has_band { better(refined(of, trial, Patience::JUDGE), settled) } else { settled }

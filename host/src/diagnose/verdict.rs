@@ -3,7 +3,7 @@
 use super::replacement::replacements;
 use super::search::{EXCESS_WORTH_EXPLAINING, Found, excess, is_explained};
 use super::summary::{Candidate, UNEXPLAINED_NOISES};
-use super::trial::{Trial, better, finish, fit_from, values};
+use super::trial::{Sketch, Trial, fit_from, values};
 use crate::fit::problem::{Point, Problem, Unknown};
 use crate::swing::Window;
 use shared::effect::Effect;
@@ -123,7 +123,7 @@ impl Judge<'_, '_> {
         if claimed.effects.len() < 2 {
             return (None, Vec::new());
         }
-        let without = |id: u16| self.without_on_sketches(claimed, id);
+        let without = |id: u16| self.without(claimed, id).trial;
         let others = replacements(self.problem, self.rough, claimed, self.candidates, known, without);
         let reach = INDISTINGUISHABLE * self.unit();
         let is_better = |other: &Trial| {
@@ -146,8 +146,8 @@ impl Judge<'_, '_> {
         }
         let on_sketches = trial.judged(self.rough);
         let without = |effect: &&'static Effect<f64>| {
-            let roughly = self.without_on_sketches(&trial, effect.id);
-            self.may_be_dispensable(&roughly, &on_sketches).then(|| finish(self.problem, &roughly))
+            let sketch = self.without(&trial, effect.id);
+            self.may_be_dispensable(&sketch.trial, &on_sketches).then(|| sketch.on_all(self.problem))
         };
         let may_go = trial.effects.iter().filter(|effect| Some(effect.name) != stays);
         let dispensable = may_go.filter_map(without).filter(|smaller| {
@@ -170,13 +170,17 @@ impl Judge<'_, '_> {
         smaller.cost < CLEARLY_MORE * trial.cost || excess(trial) > 0.5 * MOST_LEFT_UNEXPLAINED * excess(smaller)
     }
 
-    /// The model without an effect on sketches, refitted from where it was, or as the search knew it if that is better.
-    fn without_on_sketches(&self, trial: &Trial, id: u16) -> Trial {
+    /// The model without an effect, on sketches: refitted from where it was, or from where the search had it if that is
+    /// better.
+    fn without(&self, trial: &Trial, id: u16) -> Sketch {
         let rest: Vec<&'static Effect<f64>> = trial.effects.iter().copied().filter(|effect| effect.id != id).collect();
         let is_rest = |other: &&Trial| other.effects.len() == rest.len() && rest.iter().all(|e| other.has(e.name));
         let known = self.found.levels.iter().flatten().find(is_rest).map(|known| known.judged(self.rough));
-        let own = self.refitted_without(trial, id, rest.clone());
-        known.into_iter().fold(own, better)
+        let own = Sketch::of(self.rough, &self.refitted_without(trial, id, rest.clone()));
+        match known {
+            Some(known) if known.cost < own.trial.cost => Sketch::of(self.rough, &known),
+            _ => own,
+        }
     }
 
     fn is_as_good(&self, smaller: &Trial, trial: &Trial) -> bool {
@@ -195,7 +199,7 @@ impl Judge<'_, '_> {
         };
         let point =
             Point { values: kept.iter().map(|j| trial.point.values[*j]).collect(), starts: trial.point.starts.clone() };
-        finish(self.rough, &fit_from(&problem, rest, &point, trial.stiction))
+        fit_from(&problem, rest, &point, trial.stiction)
     }
 
     /// Effects that could stand for one of the claimed ones without any visible loss; `others` are models beside those

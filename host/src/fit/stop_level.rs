@@ -28,7 +28,7 @@ pub fn without_band(problem: &Problem, from: &Point, patience: Patience) -> Sett
 }
 
 /// The best of some levels on all samples. There must be one.
-pub(super) fn best_of(levels: &[Settled], problem: &Problem, patience: Patience) -> Settled {
+pub fn best_of(levels: &[Settled], problem: &Problem, patience: Patience) -> Settled {
     let on_all = |near: &Settled| {
         let Settled { stiction, level_range_nm, descent } = near.clone();
         let fixed = with_stiction(problem, stiction);
@@ -42,7 +42,7 @@ pub(super) fn best_of(levels: &[Settled], problem: &Problem, patience: Patience)
 
 /// The best level for sketches, and the next best if that may be better on all samples. The problem's own level is one
 /// of those that are tried.
-pub(super) fn levels(rough: &Problem, from: &Point) -> Vec<Settled> {
+pub fn levels(rough: &Problem, from: &Point) -> Vec<Settled> {
     let own_nm = rough.template.values(base::STICTION).map_or(0.0, |values| values[0]);
     let free = with_stiction(rough, Stiction { level_nm: 0.0, velocity_band: 0.0 });
     let mut steps = Steps::new(&free);
