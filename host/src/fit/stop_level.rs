@@ -21,6 +21,30 @@ const DOUBT: f64 = 40.0;
 /// A range of Ms, N·m: all levels within it stop the pendulum alike.
 type Range = (f64, f64);
 
+/// A level, N·m, and the range it stands for.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    level_nm: f64,
+    range: Range,
+}
+
+impl Level {
+    fn in_the_middle(range: Range) -> Self {
+        Self { level_nm: 0.5 * (range.0 + range.1), range }
+    }
+}
+
+/// The level that a model has, so that the search never ends with a worse one; Ms below Mc acts like one just above.
+fn own_level(own_nm: f64, ranges: &[Range]) -> Level {
+    let lowest_nm = ranges.iter().map(|range| range.0).fold(f64::MAX, f64::min);
+    if own_nm <= lowest_nm {
+        let lowest = ranges.iter().copied().find(|range| range.0 == lowest_nm);
+        return Level::in_the_middle(lowest.unwrap_or((own_nm, own_nm)));
+    }
+    let range = ranges.iter().copied().find(|range| holds(range, own_nm)).unwrap_or((own_nm, own_nm));
+    Level { level_nm: own_nm, range }
+}
+
 /// Searches Ms, DV = 0: first on sketches, then on all samples.
 pub fn without_band(problem: &Problem, from: &Point, patience: Patience) -> Settled {
     let sketches = problem.sketches();
@@ -29,15 +53,17 @@ pub fn without_band(problem: &Problem, from: &Point, patience: Patience) -> Sett
 
 /// The best of some levels on all samples. There must be one.
 pub fn best_of(levels: &[Settled], problem: &Problem, patience: Patience) -> Settled {
-    let on_all = |near: &Settled| {
-        let Settled { stiction, level_range_nm, descent } = near.clone();
-        let fixed = with_stiction(problem, stiction);
-        let descent = descend(&fixed, &descent.point, Window::Whole, patience, descent.steps);
-        Settled { stiction, level_range_nm, descent }
-    };
+    let on_all = |near: &Settled| descended(problem, near, patience);
     let first = on_all(&levels[0]);
     let better = |a: Settled, b: Settled| if b.descent.cost < a.descent.cost { b } else { a };
     levels[1..].iter().map(on_all).fold(first, better)
+}
+
+fn descended(problem: &Problem, near: &Settled, patience: Patience) -> Settled {
+    let Settled { stiction, level_range_nm, descent } = near.clone();
+    let fixed = with_stiction(problem, stiction);
+    let descent = descend(&fixed, &descent.point, Window::Whole, patience, descent.steps);
+    Settled { stiction, level_range_nm, descent }
 }
 
 /// The best level for sketches, and the next best if that may be better on all samples. The problem's own level is one
@@ -48,15 +74,21 @@ pub fn levels(rough: &Problem, from: &Point) -> Vec<Settled> {
     let mut steps = Steps::new(&free);
     let linear = linearise(&free, from, Window::Whole, &mut steps);
     let ranges = promising(&free, from, &linear);
-    let first = ranges.first().copied().unwrap_or((0.0, 0.0));
-    let own = ranges.into_iter().find(|range| holds(range, own_nm)).filter(|own| *own != first);
-    let tried = [Some(first), own].into_iter().flatten().collect();
+    let own = own_level(own_nm, &ranges);
+    let first = ranges.first().copied().filter(|first| *first != own.range).map(Level::in_the_middle);
+    let tried = [Some(own), first].into_iter().flatten().collect();
     let mut tried = in_earnest(rough, from, tried, &steps);
     for _ in 1..MAX_ROUNDS {
+        tried[0] = descended(rough, &tried[0], Patience::JUDGE);
         let Descent { point, linear, steps, cost, .. } = &tried[0].descent;
         let lowest = *cost;
         let fresh = |range: &Range| tried.iter().all(|settled| !holds(range, settled.stiction.level_nm));
-        let next = promising(&free, point, linear).into_iter().filter(fresh).take(NEIGHBOURS).collect();
+        let next = promising(&free, point, linear)
+            .into_iter()
+            .filter(fresh)
+            .take(NEIGHBOURS)
+            .map(Level::in_the_middle)
+            .collect();
         let next = in_earnest(rough, point, next, steps);
         tried.extend(next);
         tried.sort_by(|a, b| a.descent.cost.total_cmp(&b.descent.cost));
@@ -70,17 +102,17 @@ pub fn levels(rough: &Problem, from: &Point) -> Vec<Settled> {
 }
 
 /// Descends with each of some levels; the lowest cost first.
-fn in_earnest(rough: &Problem, from: &Point, ranges: Vec<Range>, steps: &Steps) -> Vec<Settled> {
-    let mut settled: Vec<Settled> = ranges.into_par_iter().map(|range| at_level(rough, from, range, steps)).collect();
+fn in_earnest(rough: &Problem, from: &Point, levels: Vec<Level>, steps: &Steps) -> Vec<Settled> {
+    let mut settled: Vec<Settled> = levels.into_par_iter().map(|level| at_level(rough, from, level, steps)).collect();
     settled.sort_by(|a, b| a.descent.cost.total_cmp(&b.descent.cost));
     settled
 }
 
-fn at_level(problem: &Problem, point: &Point, (low, high): Range, steps: &Steps) -> Settled {
-    let stiction = Stiction { level_nm: 0.5 * (low + high), velocity_band: 0.0 };
+fn at_level(problem: &Problem, point: &Point, level: Level, steps: &Steps) -> Settled {
+    let stiction = Stiction { level_nm: level.level_nm, velocity_band: 0.0 };
     let fixed = with_stiction(problem, stiction);
     let descent = descend(&fixed, point, Window::Whole, Patience::ROUGH, steps.clone());
-    Settled { stiction, level_range_nm: (low, high), descent }
+    Settled { stiction, level_range_nm: level.range, descent }
 }
 
 fn holds(range: &Range, level_nm: f64) -> bool {
@@ -120,7 +152,10 @@ pub(super) fn ranges(problem: &Problem, point: &Point) -> Vec<Range> {
 /// |m·g·l·sin θ| at the last turning points of a simulated swing.
 fn last_turning_torques(angles_rad: &[f64], gravity_nm: f64) -> Vec<f64> {
     let turns = |triple: &[f64]| (triple[1] - triple[0]) * (triple[2] - triple[1]) < 0.0;
-    let turning = angles_rad.windows(3).filter(|triple| turns(triple)).map(|triple| triple[1]);
+    // A sensor with backlash stays where it is for a while.
+    let mut moving = angles_rad.to_vec();
+    moving.dedup();
+    let turning = moving.windows(3).filter(|triple| turns(triple)).map(|triple| triple[1]);
     let all: Vec<f64> = turning.chain(angles_rad.last().copied()).collect();
     all.iter().rev().take(MAX_STOPS).map(|angle| (gravity_nm * angle.sin()).abs()).collect()
 }
