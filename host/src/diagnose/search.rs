@@ -31,10 +31,10 @@ const BEAM: usize = 2;
 const BEAM_REACH: f64 = 2.0;
 
 /// Effects whose promise is below this share of the best one are not fitted.
-const SHARE_OF_BEST_PROMISE: f64 = 0.15;
+const SHARE_OF_BEST_PROMISE: f64 = 0.1;
 
 /// Effects fitted at each level on top of one model, at most.
-const MAX_FITTED: usize = 6;
+const MAX_FITTED: usize = 12;
 
 /// Costs within this factor of the best are worth a fit to the last digit on sketches.
 const NEAR: f64 = 1.3;
@@ -231,15 +231,15 @@ fn extensions(problem: &Problem, trial: &Trial, candidates: &[&'static Effect<f6
     let fresh: Vec<&'static Effect<f64>> =
         candidates.iter().copied().filter(|effect| !trial.has(effect.name)).collect();
     let (first, mut others) = worth_fitting(promises(problem, trial, &fresh));
+    let best_gain = first.first().map_or(0.0, |promise| promise.gain);
     let fit = |promises: Vec<Promise>| -> Vec<Trial> {
-        promises.par_iter().filter_map(|promise| fit_promise(problem, trial, promise)).collect()
+        promises.par_iter().filter_map(|promise| fit_or_sketch(problem, trial, promise, best_gain)).collect()
     };
     let mut level = fit(first);
     sort(&mut level);
     if level.first().is_some_and(|best| is_explained(problem, best)) {
         let rivals: Vec<&str> = near_the_best(&level).iter().filter_map(|rival| rival.names().pop()).collect();
-        let is_rival = |name: &str| rivals.contains(&name);
-        others.retain(|promise| is_rival(promise.effect.name) || promise.effect.generalises.is_some_and(is_rival));
+        others.retain(|promise| rivals.contains(&promise.effect.name) || promise.effect.generalises.is_some());
     } else {
         keep_first_of_each(&mut others);
     }
@@ -297,6 +297,20 @@ fn needless_generalisations(promises: &[Promise]) -> Vec<u16> {
 
 /// A generalisation is fitted at once if it promises so many times the gain of its special case.
 const GENERALISATION_GAIN: f64 = 1.05;
+
+/// Fits what a promise leads to; where little of a large one comes true, another stop level may be what is lacking.
+fn fit_or_sketch(problem: &Problem, trial: &Trial, promise: &Promise, best_gain: f64) -> Option<Trial> {
+    let fitted = fit_promise(problem, trial, promise)?;
+    let is_large = promise.gain > LARGE_PROMISE * best_gain;
+    let came_true = trial.cost - fitted.cost > KEPT_PROMISE * promise.gain;
+    Some(if is_large && !came_true { Sketch::of(problem, &fitted).trial } else { fitted })
+}
+
+/// A promise is large from this share of the best one on …
+const LARGE_PROMISE: f64 = 0.7;
+
+/// … and comes true if the fit gains this share of it.
+const KEPT_PROMISE: f64 = 0.7;
 
 /// Fits what a promise leads to.
 pub(super) fn fit_promise(problem: &Problem, trial: &Trial, promise: &Promise) -> Option<Trial> {
