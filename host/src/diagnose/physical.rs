@@ -34,8 +34,15 @@ fn relaxes(trial: &Trial, amplitude_rad: f64) -> bool {
 
 const SPRING: &str = "torsional-spring";
 
-/// Does friction brake everywhere on the way?
+/// Does friction brake everywhere on the way? Dry friction, which is all there is at low speed, must not hide behind
+/// the drag of high speeds.
 fn brakes_everywhere(problem: &Problem, trial: &Trial, amplitude_rad: f64) -> bool {
+    let brakes = |shares: &[f64]| brakes_at(problem, trial, amplitude_rad, shares);
+    brakes(&[-1.0, -0.5, 0.5, 1.0]) && brakes(&[-0.02, 0.02])
+}
+
+/// The same at these shares of the speed that the pendulum may have at each place.
+fn brakes_at(problem: &Problem, trial: &Trial, amplitude_rad: f64, shares: &[f64]) -> bool {
     let pendulum = trial.parameters.pendulum;
     let natural = (pendulum.gravity_torque_nm() / pendulum.pivot_inertia_kg_m2()).sqrt();
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
@@ -43,7 +50,7 @@ fn brakes_everywhere(problem: &Problem, trial: &Trial, amplitude_rad: f64) -> bo
         for place in -N_GRID..=N_GRID {
             let angle_rad = 0.9 * amplitude_rad * f64::from(place) / f64::from(N_GRID);
             let fastest = natural * (amplitude_rad.powi(2) - angle_rad.powi(2)).sqrt();
-            for share in [-1.0, -0.5, -0.02, 0.02, 0.5, 1.0_f64] {
+            for share in shares {
                 let velocity_rad_s = share * fastest;
                 let motion = Motion { angle_rad, velocity_rad_s, direction: share.signum(), time_s, pendulum };
                 let braking = -friction_nm(&trial.parameters, &motion) * share.signum();

@@ -5,6 +5,7 @@
 //! swings just the same; only their last, small ones differ a little. So where an offset shows, the asymmetry stands
 //! against it.
 
+use super::physical::is_sound;
 use super::score::promises;
 use super::search::{excess, fit_promise};
 use super::trial::{Trial, finish};
@@ -74,7 +75,7 @@ fn matters(problem: &Problem, claimed: &Trial) -> bool {
 fn with_asymmetry(problem: &Problem, claimed: &Trial) -> Option<Trial> {
     let effect = Effect::by_name(ASYMMETRIC)?;
     let best = promises(problem, claimed, &[effect]).into_iter().next()?;
-    Some(finish(problem, &fit_promise(problem, claimed, &best)?))
+    Some(finish(problem, &fit_promise(problem, claimed, &best)?)).filter(|trial| is_sound(problem, trial))
 }
 
 /// The cost with all offsets held within a limit, rad.
