@@ -7,7 +7,10 @@
 //! stays unexplained; for that, [`formulas`] searches small laws if somebody wishes.
 
 pub mod evidence;
+pub mod excess;
+mod extension;
 pub mod formulas;
+mod level;
 pub mod physical;
 pub mod replacement;
 pub mod score;

@@ -6,9 +6,10 @@
 //! First the laws of speed and of angle alone, then the best laws of speed times those of angle; the best few are fitted
 //! with their exponents, widths and places free. Every number and every factor counts against a formula.
 
+use super::excess::excess;
+use super::extension::fit_promise;
 use super::physical::is_sound;
 use super::score::{Promise, promises};
-use super::search::{excess, fit_promise};
 use super::trial::{Trial, finish, fit_from, refined};
 use crate::fit::descent::Patience;
 use crate::fit::problem::{Point, Problem};

@@ -1,8 +1,8 @@
 //! A diagnosis as others read it, put together from what may be claimed.
 
 use super::evidence::{Evidence, evidence};
+use super::excess::excess;
 use super::formulas::{Found as FoundFormula, formulas};
-use super::search::excess;
 use super::trial::{Trial, Value, values};
 use super::verdict::Judge;
 use super::zero::{self, ANGLE_OFFSET};

@@ -1,7 +1,8 @@
 //! What may be claimed: which effects are missing, which can't be told apart, what stays unexplained.
 
-use super::replacement::replacements;
-use super::search::{EXCESS_WORTH_EXPLAINING, Found, excess, is_explained};
+use super::excess::{EXCESS_WORTH_EXPLAINING, excess, is_explained};
+use super::replacement::Replacements;
+use super::search::Found;
 use super::summary::{Candidate, UNEXPLAINED_NOISES};
 use super::trial::{Sketch, Trial, fit_from, values};
 use crate::fit::problem::{Point, Problem, Unknown};
@@ -124,7 +125,8 @@ impl Judge<'_, '_> {
             return (None, Vec::new());
         }
         let without = |id: u16| self.without(claimed, id).trial;
-        let others = replacements(self.problem, self.rough, claimed, self.candidates, known, without);
+        let Self { problem, rough, candidates, .. } = self;
+        let others = Replacements { problem, rough, candidates, known }.of(claimed, without);
         let reach = INDISTINGUISHABLE * self.unit();
         let is_better = |other: &Trial| {
             let wins = claimed.cost - other.cost > reach || is_simpler_form(other, claimed);

@@ -5,9 +5,10 @@
 //! swings just the same; only their last, small ones differ a little. So where an offset shows, the asymmetry stands
 //! against it.
 
+use super::excess::excess;
+use super::extension::fit_promise;
 use super::physical::is_sound;
 use super::score::promises;
-use super::search::{excess, fit_promise};
 use super::trial::{Trial, finish};
 use crate::fit::covariance::covariance;
 use crate::fit::descent::{Patience, descend};
