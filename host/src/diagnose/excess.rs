@@ -9,6 +9,9 @@ pub const EXCESS_WORTH_EXPLAINING: f64 = 0.03;
 /// What a model with an added effect may leave: the law of the list is never quite the law of the rig.
 const EXCESS_LEFT: f64 = 0.045;
 
+/// A model that leaves more than this share of the noise variance is not the last word.
+pub const WELL_EXPLAINED: f64 = 0.02;
+
 /// Does a model leave no more than the noise?
 pub fn is_explained(problem: &Problem, trial: &Trial) -> bool {
     let allowed = if trial.effects.is_empty() { EXCESS_WORTH_EXPLAINING } else { EXCESS_LEFT };

@@ -1,10 +1,10 @@
 //! The search through models: one effect at a time, the most promising few kept at each level.
 
-use super::excess::{excess, is_explained};
+use super::excess::{WELL_EXPLAINED, excess, is_explained};
 use super::extension::extensions;
 use super::level::{NEAR, drop_doubles, near_the_best, sort};
 use super::physical::is_sound;
-use super::trial::{Sketch, Trial, better, finish, finish_with_band, fitted_on, refined, regrown};
+use super::trial::{Sketch, Trial, better, finish, fitted_on, refined};
 use crate::fit::descent::{Patience, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::Problem;
@@ -29,11 +29,8 @@ const BEAM_REACH: f64 = 2.0;
 /// Models of one level that are looked at again, at most.
 const MAX_LOOKED_AT: usize = 12;
 
-/// A model that leaves more than this share of the noise variance is not the last word: the best …
-const WELL_EXPLAINED: f64 = 0.02;
-
-/// … so many are then looked at from other sides too.
-const RIVALS: usize = 2;
+/// Where the best model leaves more than [`WELL_EXPLAINED`], so many are looked at from other sides too.
+const RIVALS: usize = 3;
 
 /// A base with a velocity band is gone on with, beside the one without, if its cost is below this share.
 const WORTH_KEEPING_THE_BAND: f64 = 0.8;
@@ -117,10 +114,6 @@ fn next_level(problem: &Problem, rough: &Problem, beam: &[Trial], candidates: &[
     let found = found_roughly(rough, beam, candidates);
     let Some(lowest) = found.first().map(|best| best.cost) else { return found };
     let (mut level, mut rest) = best_on_all(problem, rough, found);
-    if excess(problem, level[0].cost) > WELL_EXPLAINED {
-        level.par_iter_mut().take(RIVALS).for_each(|trial| *trial = from_other_sides(problem, rough, trial));
-        sort(&mut level);
-    }
     let best = level[0].clone();
     let has_another = |trial: &Trial| best.stiction.velocity_band > 0.0 || trial.stiction.velocity_band > 0.0;
     rest.extend(level.extract_if(1.., |trial| has_another(trial)));
@@ -143,7 +136,11 @@ fn best_on_all(problem: &Problem, rough: &Problem, mut level: Vec<Trial>) -> (Ve
     let n_near = near_the_best(&level).len().clamp(1, MAX_FINISHED);
     let mut rest = level.split_off(n_near);
     let mut near: Vec<Sketch> = level.par_iter().map(|trial| Sketch::of(rough, trial)).collect();
-    near.sort_by(|a, b| a.trial.cost.total_cmp(&b.trial.cost));
+    sort_sketches(&mut near);
+    if excess(rough, near[0].trial.cost) > WELL_EXPLAINED {
+        near.par_iter_mut().take(RIVALS).for_each(|sketch| sketch.seen_from_other_sides(rough));
+        sort_sketches(&mut near);
+    }
     let limit = worth_all_samples(rough, near[0].trial.cost);
     let n_worth_it = near.iter().take_while(|sketch| sketch.trial.cost <= limit).count().max(1);
     rest.extend(near.split_off(n_worth_it).into_iter().map(|sketch| sketch.trial));
@@ -153,6 +150,10 @@ fn best_on_all(problem: &Problem, rough: &Problem, mut level: Vec<Trial>) -> (Ve
     best.par_extend(typed.par_iter().map(|trial| finish(problem, trial)));
     sort(&mut best);
     (best, rest)
+}
+
+fn sort_sketches(sketches: &mut [Sketch]) {
+    sketches.sort_by(|a, b| a.trial.cost.total_cmp(&b.trial.cost));
 }
 
 /// A model whose cost on sketches is below this may be the best one of all samples, if the best on sketches costs
@@ -177,21 +178,6 @@ fn found_roughly(rough: &Problem, beam: &[Trial], candidates: &[&'static Effect<
     sort(&mut level);
     drop_doubles(&mut level);
     looked_at_again(rough, level)
-}
-
-/// A model fitted anew from the first swings, and with a velocity band, if one of them is better.
-fn from_other_sides(problem: &Problem, rough: &Problem, trial: &Trial) -> Trial {
-    let here = trial.judged(rough);
-    let anew = better(here.clone(), regrown(rough, trial));
-    let explains = excess(rough, anew.cost) <= WELL_EXPLAINED;
-    let anew = if explains { anew } else { better(anew.clone(), finish_with_band(rough, &anew)) };
-    let gain = here.cost - anew.cost;
-    if gain < stiction::GAIN_WORTH_A_BAND * problem.noise_rad().powi(2) {
-        return trial.clone();
-    }
-    let has_band = anew.stiction.velocity_band > 0.0;
-    let anew = if has_band { fitted_on(problem, &anew, Patience::JUDGE) } else { finish(problem, &anew) };
-    better(trial.clone(), anew)
 }
 
 /// A model with the stiction of another one, which may be a property of the bearing and no merit of its effect; what a

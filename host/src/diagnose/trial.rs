@@ -1,5 +1,6 @@
 //! A model that is tried: the base effects and some added ones, fitted to the swings.
 
+use super::excess::{WELL_EXPLAINED, excess};
 use crate::fit::covariance::covariance;
 use crate::fit::descent::{Descent, Patience, descend};
 use crate::fit::linear::{Steps, linearise};
@@ -138,11 +139,11 @@ pub fn fitted_on(of: &Problem, trial: &Trial, patience: Patience) -> Trial {
     Trial::settled(&problem, trial.effects.clone(), settled)
 }
 
-/// Begins again with the first swings, from where a fit got stuck, and finishes.
-pub fn regrown(of: &Problem, trial: &Trial) -> Trial {
+/// Begins again with the first swings, from where a fit got stuck.
+fn regrown(of: &Problem, trial: &Trial) -> Trial {
     let problem = with_stiction(&trial.problem(of), trial.stiction);
     let grown = windows::grow(&problem, &trial.point);
-    finish(of, &Trial::of(&problem, trial.effects.clone(), trial.stiction, grown))
+    Trial::of(&problem, trial.effects.clone(), trial.stiction, grown)
 }
 
 /// A model fitted on sketches until little moves, with the levels of Ms that suit it there.
@@ -164,10 +165,22 @@ impl Sketch {
         Self { trial, levels }
     }
 
+    /// Begins anew with the first swings, then seeks a velocity band too, and keeps what is better.
+    pub fn seen_from_other_sides(&mut self, rough: &Problem) {
+        let anew = Self::of(rough, &regrown(rough, &self.trial));
+        if anew.trial.cost < self.trial.cost {
+            *self = anew;
+        }
+        if excess(rough, self.trial.cost) > WELL_EXPLAINED {
+            let with_band = finish_with_band(rough, &self.trial);
+            self.trial = better(self.trial.clone(), with_band);
+        }
+    }
+
     /// The model fitted to all samples until nothing moves.
     pub fn on_all(&self, of: &Problem) -> Trial {
         if self.trial.stiction.velocity_band > 0.0 {
-            return refined(of, &self.trial, Patience::JUDGE);
+            return fitted_on(of, &self.trial, Patience::JUDGE);
         }
         let problem = self.trial.problem(of);
         let settled = stop_level::best_of(&self.levels, &problem, Patience::JUDGE);
