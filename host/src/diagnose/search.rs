@@ -26,8 +26,11 @@ const BEAM: usize = 2;
 /// Models that cost this much more than the best are not gone on with.
 const BEAM_REACH: f64 = 2.0;
 
-/// Models of one level that are looked at again, at most.
-const MAX_LOOKED_AT: usize = 12;
+/// Models of one level that are looked at again, at most, …
+const MAX_LOOKED_AT: usize = 8;
+
+/// … if they cost less than so many times the best one.
+const WORTH_A_LOOK: f64 = 3.0;
 
 /// Where the best model leaves more than [`WELL_EXPLAINED`], so many are looked at from other sides too.
 const RIVALS: usize = 3;
@@ -190,7 +193,7 @@ fn with_the_stiction_of(rough: &Problem, stiction: Stiction, trial: &Trial) -> T
 /// A few steps more for models that came within reach of the best, in their new order: the first fits end early.
 fn looked_at_again(problem: &Problem, mut level: Vec<Trial>) -> Vec<Trial> {
     let lowest = level.first().map_or(0.0, |best| best.cost);
-    let n_near = level.iter().take(MAX_LOOKED_AT).take_while(|trial| trial.cost < BEAM_REACH * lowest).count();
+    let n_near = level.iter().take(MAX_LOOKED_AT).take_while(|trial| trial.cost < WORTH_A_LOOK * lowest).count();
     level[..n_near].par_iter_mut().for_each(|trial| *trial = refined(problem, trial, Patience::ROUGH));
     sort(&mut level);
     level

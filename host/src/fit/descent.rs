@@ -55,6 +55,9 @@ const DAMPING_FACTORS: [f64; LANES] = [1e-3, 1e-1, 1.0, 30.0];
 /// Damping at the start: nearly Gauss–Newton.
 const FIRST_DAMPING: f64 = 1e-3;
 
+/// Share of a promised gain by which the true one may differ where the error is a parabola.
+const SMALL_SURPRISE: f64 = 0.03;
+
 /// Beyond this no direction helps.
 const LARGEST_DAMPING: f64 = 1e6;
 
@@ -89,7 +92,8 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, patience: Patien
         let least_of_excess = patience.least_share_of_excess * (cost - noise);
         let least = (patience.least_gain * unit).max(patience.least_share * cost).max(least_of_excess);
         // A step that brought what the linear model promised leaves nothing to the next one.
-        if gain < least || (promised - gain).abs() < least {
+        let surprise = (promised - gain).abs();
+        if gain < least || surprise < least.min(SMALL_SURPRISE * promised) {
             converged = true;
             break;
         }

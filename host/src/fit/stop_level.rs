@@ -34,15 +34,14 @@ impl Level {
     }
 }
 
-/// The level that a model has, so that the search never ends with a worse one; Ms below Mc acts like one just above.
+/// The level that a model has, so that the search never ends with a worse one; without any, the lowest range.
 fn own_level(own_nm: f64, ranges: &[Range]) -> Level {
-    let lowest_nm = ranges.iter().map(|range| range.0).fold(f64::MAX, f64::min);
-    if own_nm <= lowest_nm {
-        let lowest = ranges.iter().copied().find(|range| range.0 == lowest_nm);
-        return Level::in_the_middle(lowest.unwrap_or((own_nm, own_nm)));
+    let lowest = ranges.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((own_nm, own_nm));
+    if own_nm == 0.0 {
+        return Level::in_the_middle(lowest);
     }
-    let range = ranges.iter().copied().find(|range| holds(range, own_nm)).unwrap_or((own_nm, own_nm));
-    Level { level_nm: own_nm, range }
+    let range = ranges.iter().copied().find(|range| holds(range, own_nm));
+    Level { level_nm: own_nm, range: range.unwrap_or(if own_nm < lowest.0 { lowest } else { (own_nm, own_nm) }) }
 }
 
 /// Searches Ms, DV = 0: first on sketches, then on all samples.
@@ -83,14 +82,8 @@ pub fn levels(rough: &Problem, from: &Point) -> Vec<Settled> {
         let Descent { point, linear, steps, cost, .. } = &tried[0].descent;
         let lowest = *cost;
         let fresh = |range: &Range| tried.iter().all(|settled| !holds(range, settled.stiction.level_nm));
-        let next = promising(&free, point, linear)
-            .into_iter()
-            .filter(fresh)
-            .take(NEIGHBOURS)
-            .map(Level::in_the_middle)
-            .collect();
-        let next = in_earnest(rough, point, next, steps);
-        tried.extend(next);
+        let next = promising(&free, point, linear).into_iter().filter(fresh).take(NEIGHBOURS);
+        tried.extend(in_earnest(rough, point, next.map(Level::in_the_middle).collect(), steps));
         tried.sort_by(|a, b| a.descent.cost.total_cmp(&b.descent.cost));
         if tried[0].descent.cost >= lowest {
             break;
