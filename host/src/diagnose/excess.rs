@@ -10,7 +10,12 @@ pub const EXCESS_WORTH_EXPLAINING: f64 = 0.03;
 const EXCESS_LEFT: f64 = 0.045;
 
 /// A model that leaves more than this share of the noise variance is not the last word.
-pub const WELL_EXPLAINED: f64 = 0.02;
+const WELL_EXPLAINED: f64 = 0.02;
+
+/// Does a model that was fitted on sketches leave so little of all samples that no other view of it is needed?
+pub fn is_well_explained(problem: &Problem, trial: &Trial) -> bool {
+    excess(problem, trial.judged(problem).cost) <= WELL_EXPLAINED
+}
 
 /// Does a model leave no more than the noise?
 pub fn is_explained(problem: &Problem, trial: &Trial) -> bool {

@@ -1,6 +1,6 @@
 //! The search through models: one effect at a time, the most promising few kept at each level.
 
-use super::excess::{WELL_EXPLAINED, excess, is_explained};
+use super::excess::{excess, is_explained, is_well_explained};
 use super::extension::extensions;
 use super::level::{NEAR, drop_doubles, near_the_best, sort};
 use super::physical::is_sound;
@@ -32,8 +32,8 @@ const MAX_LOOKED_AT: usize = 8;
 /// … if they cost less than so many times the best one.
 const WORTH_A_LOOK: f64 = 3.0;
 
-/// Where the best model leaves more than [`WELL_EXPLAINED`], so many are looked at from other sides too.
-const RIVALS: usize = 3;
+/// Where the best model leaves more than the noise, so many are looked at from other sides too.
+const RIVALS: usize = 2;
 
 /// A base with a velocity band is gone on with, beside the one without, if its cost is below this share.
 const WORTH_KEEPING_THE_BAND: f64 = 0.8;
@@ -140,8 +140,8 @@ fn best_on_all(problem: &Problem, rough: &Problem, mut level: Vec<Trial>) -> (Ve
     let mut rest = level.split_off(n_near);
     let mut near: Vec<Sketch> = level.par_iter().map(|trial| Sketch::of(rough, trial)).collect();
     sort_sketches(&mut near);
-    if excess(rough, near[0].trial.cost) > WELL_EXPLAINED {
-        near.par_iter_mut().take(RIVALS).for_each(|sketch| sketch.seen_from_other_sides(rough));
+    if !is_well_explained(problem, &near[0].trial) {
+        near.par_iter_mut().take(RIVALS).for_each(|sketch| sketch.seen_from_other_sides(problem, rough));
         sort_sketches(&mut near);
     }
     let limit = worth_all_samples(rough, near[0].trial.cost);

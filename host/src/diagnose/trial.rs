@@ -1,6 +1,6 @@
 //! A model that is tried: the base effects and some added ones, fitted to the swings.
 
-use super::excess::{WELL_EXPLAINED, excess};
+use super::excess::is_well_explained;
 use crate::fit::covariance::covariance;
 use crate::fit::descent::{Descent, Patience, descend};
 use crate::fit::linear::{Steps, linearise};
@@ -166,12 +166,12 @@ impl Sketch {
     }
 
     /// Begins anew with the first swings, then seeks a velocity band too, and keeps what is better.
-    pub fn seen_from_other_sides(&mut self, rough: &Problem) {
+    pub fn seen_from_other_sides(&mut self, problem: &Problem, rough: &Problem) {
         let anew = Self::of(rough, &regrown(rough, &self.trial));
         if anew.trial.cost < self.trial.cost {
             *self = anew;
         }
-        if excess(rough, self.trial.cost) > WELL_EXPLAINED {
+        if !is_well_explained(problem, &self.trial) {
             let with_band = finish_with_band(rough, &self.trial);
             self.trial = better(self.trial.clone(), with_band);
         }
