@@ -20,4 +20,6 @@ pub mod plant;
 pub mod program;
 pub mod protocol_page;
 #[cfg(unix)]
+pub mod python;
+#[cfg(unix)]
 pub mod qemu;

@@ -1,0 +1,103 @@
+# What tests/run and tests/more share: steps that are timed, of which none hides those behind it; what was left out and
+# why is said at the end. Sourced in the workspace's folder.
+
+TOOLCHAIN=$(sed -n 's/^channel = "\(.*\)"/\1/p' rust-toolchain.toml)
+TARGET=thumbv7em-none-eabihf
+BUILT=${CARGO_TARGET_DIR:-$PWD/target}
+BEGAN=$SECONDS
+# Steps run in subshells, so that what they note must lie in files.
+NOTES=$(mktemp -d)
+trap 'rm -rf "$NOTES"' EXIT
+touch "$NOTES"/{passed,failed,skipped}
+
+# step WHAT COMMAND…: runs a command, says how long it took, and goes on whether it failed or not.
+step() {
+    local what=$1 began=$SECONDS n_skipped
+    n_skipped=$(wc -l < "$NOTES/skipped")
+    shift
+    echo "== $what"
+    # In a subshell of its own, because errexit is off in whatever a condition calls.
+    set +e
+    (set -e; "$@")
+    local code=$?
+    set -e
+    local took
+    took=$(minutes $((SECONDS - began)))
+    if ((code != 0)); then
+        echo "$took  $what (exit code $code)" >> "$NOTES/failed"
+        echo "FAILED: $what, after $took (exit code $code)" >&2
+    elif (($(wc -l < "$NOTES/skipped") == n_skipped)); then
+        echo "$took  $what" | tee -a "$NOTES/passed"
+    fi
+}
+
+# Like `step`, for what everything behind it needs.
+needed_step() {
+    step "$@"
+    [ ! -s "$NOTES/failed" ] || finish
+}
+
+# skip WHAT WHY: notes what this machine could not check, and what to install for it.
+skip() {
+    echo "   skipped: $1: $2"
+    echo "$1: $2" >> "$NOTES/skipped"
+}
+
+# The last word: what passed, what was skipped and why, what failed.
+finish() {
+    local took
+    took=$(minutes $((SECONDS - BEGAN)))
+    echo
+    echo "== passed"
+    cat "$NOTES/passed"
+    if [ -s "$NOTES/skipped" ]; then
+        echo "== skipped"
+        cat "$NOTES/skipped"
+    fi
+    if [ -s "$NOTES/failed" ]; then
+        echo "== FAILED" >&2
+        cat "$NOTES/failed" >&2
+        echo "failed, in $took" >&2
+        exit 1
+    fi
+    if [ -s "$NOTES/skipped" ]; then
+        echo "everything that this machine can check passed in $took; see what was skipped"
+    else
+        echo "all checks passed in $took"
+    fi
+    exit 0
+}
+
+minutes() {
+    printf '%d min %02d s' $(($1 / 60)) $(($1 % 60))
+}
+
+give_up() {
+    echo "$1" >&2
+    exit 1
+}
+
+# needs PROGRAM PACKAGE [PROGRAM PACKAGE]…: installs Debian's packages for the programs that are missing.
+needs() {
+    local packages=()
+    while (($#)); do
+        command -v "$1" > /dev/null || packages+=("$2")
+        shift 2
+    done
+    ((${#packages[@]} == 0)) || install_packages "${packages[@]}"
+}
+
+# Debian's packages; on other systems it only says what is needed.
+install_packages() {
+    local root=() wish="as root: apt-get install $*"
+    command -v apt-get > /dev/null || give_up "install these with the system's package manager, then run this again: $*"
+    if ((EUID != 0)); then
+        root=(sudo)
+        # Without a terminal nobody can type a password.
+        [ -t 0 ] || root=(sudo -n)
+        "${root[@]}" true || give_up "$* missing; $wish"
+    fi
+    "${root[@]}" apt-get update -q || give_up "$* missing, and apt-get update failed; $wish"
+    "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "$@" ||
+        give_up "$* missing, and apt-get install failed; $wish"
+}
