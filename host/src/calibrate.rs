@@ -14,9 +14,6 @@ use shared::effect::Effect;
 use shared::parameters::{ParameterError, Parameters};
 use shared::potentiometer::Potentiometer;
 
-/// The effect whose number is the relative error of the gain.
-const SENSOR_GAIN: &str = "sensor-gain";
-
 /// A gain further than this factor from the data sheet's is a mistake.
 const GAIN_FACTOR: f64 = 2.0;
 
@@ -106,12 +103,12 @@ pub fn line(zero_code: f64, known: &[Known], full_scale: u16) -> Result<Line, Ca
 /// # Errors
 /// No fit, or one that doesn't tell.
 pub fn gain_of_swings(swings: &[Swing], model: &Parameters<f64>) -> Result<(f64, f64), CalibrationError> {
-    let gain = Effect::<f64>::by_name(SENSOR_GAIN).expect("the list has it, see the test");
+    let gain = Effect::<f64>::with(|rules| rules.is_calibrated).next().expect("the list has one, see its test");
     let mut model = model.clone();
     model.set(gain.id, &[gain.parameters[0].start])?;
     let options = Options { method: Method::LeastSquares, ranges: Vec::new() };
     let fit = identify::fit(swings, &[], &model, &options, &|_| {})?;
-    let found = fit.identified.iter().find(|number| number.name == SENSOR_GAIN);
+    let found = fit.identified.iter().find(|number| number.name == gain.name);
     let (error, std) = found.map_or((0.0, f64::INFINITY), |gain| (gain.value, gain.std.unwrap_or(f64::INFINITY)));
     if std > MOST_STD {
         return Err(CalibrationError::NotTold { percent: 100.0 * std });

@@ -143,8 +143,38 @@ pub struct Effect<R: 'static> {
     pub generalises: Option<&'static str>,
     /// Does its torque change within a few degrees? Then the fit takes shorter steps.
     pub is_fine: bool,
+    /// What else a fit or a diagnosis has to know of it.
+    pub rules: Rules,
     /// Where and how it acts.
     pub action: Action<R>,
+}
+
+/// How an effect is found and claimed, where that differs from all others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rules {
+    /// Only several releases tell it from laws of speed or angle: within one swing the amplitude falls as time goes by.
+    pub needs_several_releases: bool,
+    /// Which of its parameters is the angle, in rad, at which its torque vanishes. One that lies nowhere on the way
+    /// makes it a constant torque, and no finding.
+    pub relaxes_at: Option<u8>,
+    /// Its only parameter, in rad, is free for each swing in every fit, added to the readings: it is claimed by that
+    /// value, never tried.
+    pub is_free_offset: bool,
+    /// It shifts the swings nearly as an offset of the readings does, and stands against it where one shows.
+    pub resembles_offset: bool,
+    /// Its only parameter is the relative error of the sensor's gain, which a calibration measures.
+    pub is_calibrated: bool,
+}
+
+impl Rules {
+    /// None: most effects are tried, fitted and claimed by their gain alone.
+    pub const NONE: Self = Self {
+        needs_several_releases: false,
+        relaxes_at: None,
+        is_free_offset: false,
+        resembles_offset: false,
+        is_calibrated: false,
+    };
 }
 
 impl<R> core::fmt::Debug for Effect<R> {
@@ -200,6 +230,11 @@ impl<R: Real> Effect<R> {
     /// The effect with this name.
     pub fn by_name(name: &str) -> Option<&'static Effect<R>> {
         Self::ALL.iter().find(|effect| effect.name == name)
+    }
+
+    /// The effects with a rule, such as `|rules| rules.is_calibrated`.
+    pub fn with(rule: impl Fn(&Rules) -> bool) -> impl Iterator<Item = &'static Effect<R>> {
+        Self::ALL.iter().filter(move |effect| rule(&effect.rules))
     }
 
     /// Part of the base model (viscous, Coulomb, stiction)?
@@ -261,6 +296,18 @@ mod tests {
                 assert!(effect.starts.iter().all(|start| (p.low..=p.high).contains(&start[i])), "{}", effect.name);
             }
         }
+    }
+
+    #[test]
+    fn rules_speak_of_parameters_that_the_effect_has() {
+        for effect in Effect::<f64>::ALL {
+            let Rules { relaxes_at, is_free_offset, is_calibrated, .. } = effect.rules;
+            let relaxes_at = relaxes_at.map(|index| effect.parameters[usize::from(index)].unit);
+            assert!(relaxes_at.is_none_or(|unit| unit == "rad"), "{}", effect.name);
+            assert!(!(is_free_offset || is_calibrated) || effect.parameters.len() == 1, "{}", effect.name);
+        }
+        assert_eq!(Effect::<f64>::with(|rules| rules.is_free_offset).count(), 1, "a reading has one offset");
+        assert_eq!(Effect::<f64>::with(|rules| rules.is_calibrated).count(), 1, "a sensor has one gain");
     }
 
     #[test]

@@ -244,6 +244,11 @@ pub mod base {
     pub const COULOMB: u16 = 2;
     /// Stiction: Ms and DV.
     pub const STICTION: u16 = 3;
+
+    /// Does the id belong to one of them?
+    pub fn has(id: u16) -> bool {
+        crate::effect::Effect::<f32>::by_id(id).is_some_and(crate::effect::Effect::is_base)
+    }
 }
 
 impl Parameters<f64> {

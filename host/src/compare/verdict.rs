@@ -3,6 +3,7 @@
 use super::recording::Judged;
 use super::{Comparison, rms};
 use serde::Serialize;
+use shared::effect::Effect;
 
 /// What the comparison comes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -243,7 +244,8 @@ fn parameters(comparison: &Comparison) -> Vec<String> {
     let Some(knowledge) = &comparison.knowledge else { return Vec::new() };
     let mut words = Vec::new();
     for known in &knowledge.parameters {
-        if known.is_zero() && matches!(known.name, "coulomb" | "viscous") {
+        let is_base = Effect::<f64>::by_name(known.name).is_some_and(Effect::is_base);
+        if known.is_zero() && is_base {
             words.push(format!("These recordings want {} friction ({}) to be zero.", known.name, known.symbol));
         } else if known.drifts() {
             words.push(format!("{} drifts from recording to recording.", known.symbol));

@@ -5,7 +5,7 @@ use super::compile::compile;
 use super::domain::{has_values, instants};
 use super::parse::{Parsed, parse};
 use super::ranges::Declared;
-use shared::effect::{Action, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, MAX_VALUES, Parameter};
+use shared::effect::{Action, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, MAX_VALUES, Parameter, Rules};
 use shared::formula::{Formula, Program};
 use shared::parameters::{ParameterError, Parameters};
 use std::collections::HashMap;
@@ -99,6 +99,7 @@ fn effect(parsed: &Parsed, Understood { formula, starts }: Understood) -> Effect
         parameters: Vec::leak(parsed.parameters.iter().enumerate().map(parameter).collect()),
         generalises: None,
         is_fine: true,
+        rules: Rules::NONE,
         action: Action::Formula(Box::leak(Box::new(formula))),
         starts: Vec::leak(starts),
     }

@@ -3,7 +3,7 @@
 //!
 //! It adds to Coulomb friction, which must be the larger for friction to oppose the motion at every angle.
 
-use super::{Action, Effect, MAX_VALUES, Parameter};
+use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -45,6 +45,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         ],
         generalises: None,
         is_fine: false,
+        rules: Rules::NONE,
         action: Action::Friction(torque),
     }
 }

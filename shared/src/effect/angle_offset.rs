@@ -1,7 +1,7 @@
 //! Angle offset: the sensor's zero is not where the pendulum hangs.
 //! Source: JCGM 100:2008 (Guide to the expression of uncertainty in measurement), 3.2: systematic effects.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, SENSOR_MEMORY, Sensor};
+use super::{Action, Effect, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -25,6 +25,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         starts: &[[0.0, 0.0, 0.0, 0.0]],
         generalises: None,
         is_fine: false,
+        rules: Rules { is_free_offset: true, ..Rules::NONE },
         action: Action::Sensor(Sensor { start, read }),
     }
 }

@@ -4,7 +4,7 @@
 //! It adds to Coulomb friction, which must be the larger for friction to oppose both directions. While it slides it is a
 //! constant torque: from small swings it can hardly be told from a wrong zero of the sensor.
 
-use super::{Action, Effect, MAX_VALUES, Parameter};
+use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -28,6 +28,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         starts: &[[0.0, 0.0, 0.0, 0.0]],
         generalises: None,
         is_fine: false,
+        rules: Rules { resembles_offset: true, ..Rules::NONE },
         action: Action::Friction(torque),
     }
 }

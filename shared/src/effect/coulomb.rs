@@ -1,7 +1,7 @@
 //! Coulomb friction: constant torque against the direction of sliding.
 //! Source: paper, Eq 14.
 
-use super::{Action, Effect, MAX_VALUES, Parameter};
+use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
 use crate::real::Real;
 
 /// The effect's entry in the list.
@@ -24,6 +24,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         starts: &[[0.0; MAX_VALUES]],
         generalises: None,
         is_fine: false,
+        rules: Rules::NONE,
         action: Action::Base,
     }
 }

@@ -5,7 +5,7 @@
 //! step. The number of periods a turn is a real number, because the notches need not be evenly spaced over a turn.
 //! With few periods it looks like a spring.
 
-use super::{Action, Effect, MAX_VALUES, Parameter};
+use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -49,6 +49,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         ],
         generalises: None,
         is_fine: true,
+        rules: Rules::NONE,
         action: Action::Drive(torque),
     }
 }

@@ -1,7 +1,7 @@
 //! Load-dependent Coulomb friction: the bearing rubs in proportion to the force of the rod on it.
 //! Source: F. P. Bowden, D. Tabor, The Friction and Lubrication of Solids (Oxford, 1950).
 
-use super::{Action, Effect, MAX_VALUES, Parameter};
+use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -25,6 +25,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         starts: &[[0.0, 0.0, 0.0, 0.0]],
         generalises: None,
         is_fine: false,
+        rules: Rules::NONE,
         action: Action::Friction(torque),
     }
 }

@@ -1,7 +1,7 @@
 //! Power-law drag: resistance that grows with a power of speed between and beyond linear and quadratic.
 //! Source: R. A. Nelson, M. G. Olsson, Am. J. Phys. 54 (1986) 112: the drag of bob and rod lies between the two.
 
-use super::{Action, Effect, MAX_VALUES, Parameter};
+use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -35,6 +35,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         starts: &[[0.0, 2.5, 0.0, 0.0], [0.0, 1.5, 0.0, 0.0], [0.0, 3.2, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0]],
         generalises: Some("quadratic-drag"),
         is_fine: false,
+        rules: Rules::NONE,
         action: Action::Friction(torque),
     }
 }

@@ -1,7 +1,7 @@
 //! Quadratic drag: the air's resistance on rod and bob; torque grows with the square of speed.
 //! Source: P. T. Squire, Am. J. Phys. 54 (1986) 984.
 
-use super::{Action, Effect, MAX_VALUES, Parameter};
+use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -25,6 +25,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         starts: &[[0.0; MAX_VALUES]],
         generalises: None,
         is_fine: false,
+        rules: Rules::NONE,
         action: Action::Friction(torque),
     }
 }

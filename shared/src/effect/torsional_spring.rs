@@ -3,7 +3,7 @@
 //!
 //! From small swings it can hardly be told from a wrong gain of the sensor: both change the period alone.
 
-use super::{Action, Effect, MAX_VALUES, Parameter};
+use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -30,6 +30,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         starts: &[[0.0, 0.0, 0.0, 0.0], [0.0, 0.3, 0.0, 0.0], [0.0, -0.3, 0.0, 0.0]],
         generalises: None,
         is_fine: false,
+        rules: Rules { relaxes_at: Some(1), ..Rules::NONE },
         action: Action::Drive(torque),
     }
 }
