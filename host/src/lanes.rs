@@ -155,6 +155,9 @@ impl<const N: usize> Real for Lanes<N> {
     fn exp(self) -> Self {
         self.map(Real::exp)
     }
+    fn ln(self) -> Self {
+        self.map(Real::ln)
+    }
     fn powf(self, exponent: Self) -> Self {
         self.zip(exponent, Real::powf)
     }

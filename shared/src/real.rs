@@ -6,7 +6,7 @@
 
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
-use functions::{exp_f64, pow_f64, sin_f32, sin_f64};
+use functions::{exp_f64, ln_f64, pow_f64, sin_f32, sin_f64};
 
 mod functions;
 
@@ -83,6 +83,9 @@ pub trait Real:
     fn sin(self) -> Self;
     /// The exponential function. Relative error below 2e-7 in `f32`, 5e-16 in `f64`.
     fn exp(self) -> Self;
+    /// The natural logarithm; of a positive number. Absolute error below 2e-7·(1 + |ln|) in `f32`, 5e-16·(1 + |ln|) in
+    /// `f64`.
+    fn ln(self) -> Self;
     /// `self` to the power `exponent`; of a non-negative number.
     fn powf(self, exponent: Self) -> Self;
 
@@ -122,7 +125,7 @@ pub trait Real:
 }
 
 macro_rules! scalar {
-    ($float:ty, $sin:ident, $sqrt:path, $exp:path, $pow:path) => {
+    ($float:ty, $sin:ident, $sqrt:path, $exp:path, $ln:path, $pow:path) => {
         impl Real for $float {
             type Mask = bool;
             #[inline(always)]
@@ -158,6 +161,10 @@ macro_rules! scalar {
                 $exp(self)
             }
             #[inline(always)]
+            fn ln(self) -> Self {
+                $ln(self)
+            }
+            #[inline(always)]
             fn powf(self, exponent: Self) -> Self {
                 $pow(self, exponent)
             }
@@ -165,8 +172,8 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f64, sin_f64, libm::sqrt, exp_f64, pow_f64);
-scalar!(f32, sin_f32, libm::sqrtf, libm::expf, libm::powf);
+scalar!(f64, sin_f64, libm::sqrt, exp_f64, ln_f64, pow_f64);
+scalar!(f32, sin_f32, libm::sqrtf, libm::expf, libm::logf, libm::powf);
 
 #[cfg(test)]
 mod tests {

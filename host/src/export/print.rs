@@ -116,6 +116,7 @@ impl<'a> Printer<'a> {
             Node::Root(..) => call("sqrt", "_sqrt"),
             Node::Sine(..) => call("sin", "_sin"),
             Node::Exponential(..) => call("exp", "_exp"),
+            Node::Logarithm(..) => call("log", "_log"),
             Node::Power(..) => call("pow", "_pow"),
             Node::Select(..) if is_c => format!("({} ? {} : {})", t[0], t[1], t[2]),
             Node::Select(..) => format!("({} if {} else {})", t[1], t[0], t[2]),
@@ -150,7 +151,8 @@ fn is_truth(node: &Node) -> bool {
 fn parts(node: &Node) -> Vec<usize> {
     match node {
         Node::Number(_) | Node::Name(_) | Node::Known(_) => Vec::new(),
-        Node::Negate(a) | Node::Absolute(a) | Node::Root(a) | Node::Sine(a) | Node::Exponential(a) => vec![a.0],
+        Node::Negate(a) | Node::Absolute(a) | Node::Root(a) | Node::Sine(a) => vec![a.0],
+        Node::Exponential(a) | Node::Logarithm(a) => vec![a.0],
         Node::Add(a, b)
         | Node::Subtract(a, b)
         | Node::Multiply(a, b)

@@ -61,6 +61,10 @@ def _exp(a):
     return math.exp(a) if not a > 709.0 else math.inf
 
 
+def _log(a):
+    return math.log(a) if a > 0.0 else (-math.inf if a == 0.0 else math.nan)
+
+
 def _pow(a, b):
     if a > 0.0 or (a == 0.0 and b >= 0.0):
         return a**b

@@ -32,6 +32,7 @@ pub(super) enum Node {
     Root(Symbol),
     Sine(Symbol),
     Exponential(Symbol),
+    Logarithm(Symbol),
     Power(Symbol, Symbol),
     Select(Truth, Symbol, Symbol),
     Known(bool),
@@ -236,6 +237,9 @@ impl Real for Symbol {
     }
     fn exp(self) -> Self {
         self.of_one(Real::exp, Node::Exponential(self))
+    }
+    fn ln(self) -> Self {
+        self.of_one(Real::ln, Node::Logarithm(self))
     }
     fn powf(self, exponent: Self) -> Self {
         self.of_two(exponent, Real::powf, Node::Power(self, exponent))

@@ -126,7 +126,7 @@ const LN_SERIES: [f64; 10] = [
 
 /// The natural logarithm of a positive normal number.
 #[inline(always)]
-fn ln_f64(x: f64) -> f64 {
+pub(super) fn ln_f64(x: f64) -> f64 {
     let bits = x.to_bits();
     // An integer below 2^52 in the lowest bits of 2^52 is that number plus 2^52.
     let exponent = f64::from_bits((bits >> 52) | TWO_52.to_bits()) - (TWO_52 + 1023.0);
@@ -172,6 +172,16 @@ mod tests {
         }
         assert_eq!((exp_f64(0.0), exp_f64(-1e9), exp_f64(f64::NEG_INFINITY)), (1.0, 0.0, 0.0));
         assert!(exp_f64(1e9).is_infinite() && exp_f64(f64::NAN).is_nan());
+    }
+
+    #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
+    fn the_logarithm_is_as_precise_as_promised() {
+        for i in -700_000..=700_000 {
+            let x = libm::exp(f64::from(i) * 1e-3);
+            let error = (ln_f64(x) - libm::log(x)).abs();
+            assert!(error < 5e-16 * (1.0 + libm::log(x).abs()), "{x:e}: {error:e}");
+        }
     }
 
     #[test]
