@@ -25,5 +25,6 @@ pub mod potentiometer;
 pub mod real;
 pub mod rig;
 mod rk4;
+pub mod score;
 pub mod units;
 pub mod wire;
