@@ -1,0 +1,117 @@
+"""What a test can do to a board, by name. Commands and replies are lines of JSON; docs/board-checks.md says what for."""
+
+from clock import TICKS_PER_S, seconds, ticks
+
+
+class Control:
+    """The board in a test's hands. Each public method is a command."""
+
+    def __init__(self, chip):
+        self._chip = chip
+
+    def obey(self, command):
+        """`{"do": name, …arguments}`; gives what the reply says."""
+        arguments = dict(command)
+        name = arguments.pop("do")
+        if name.startswith("_") or name == "obey":
+            raise ValueError(f"no command {name}")
+        return getattr(self, name)(**arguments) or {}
+
+    # Time and link
+
+    def now_s(self):
+        """Virtual time."""
+        return seconds(self._chip.clock.now())
+
+    def run(self, s, send=""):
+        """The PC sends these bytes (hexadecimal), time passes; gives what the PC got."""
+        chip = self._chip
+        if send:
+            chip.send(bytes.fromhex(send))
+        chip.run(ticks(s))
+        return {"received": chip.received().hex()}
+
+    def look(self):
+        """Counters of the board."""
+        chip, now = self._chip, self._chip.clock.now()
+        watchdog = chip.watchdog
+        unfed = 0 if watchdog.fed_at is None else max(watchdog.longest_unfed, now - watchdog.fed_at)
+        return {
+            "instructions": chip.core.n_instructions,
+            "asleep_s": seconds(chip.core.ticks_asleep),
+            "erases": chip.flash.n_erases,
+            "resets": chip.n_resets,
+            "longest_unfed_s": seconds(unfed),
+            "sampling_s": chip.timers[3].period_s(),
+            "conversions": chip.adc.n_conversions,
+            "stopped": chip.has_stopped,
+            "usb_configured": bool(chip.host and chip.host.configured),
+            "serial": chip.host.serial if chip.host else None,
+        }
+
+    # Power, image, processor
+
+    def power(self, on=True):
+        """Power goes and comes back; memory holds noise, and flash what was torn."""
+        if on:
+            self._chip.power_on()
+
+    def supply(self, mv):
+        """The supply's voltage."""
+        self._chip.supply_mv = mv
+
+    def reset(self):
+        """The reset pin."""
+        self._chip.request_reset("pin")
+
+    def load(self, image):
+        """Writes another image."""
+        self._chip.load(image)
+
+    def leave(self):
+        """The bootloader starts the program."""
+        self._chip.start_from_bootloader()
+
+    def jump(self, address):
+        """The processor goes on elsewhere, as through a wild pointer."""
+        self._chip.core.jump_to(address)
+
+    def poke(self, address, data):
+        """Other bytes in memory."""
+        self._region(address).put(address, bytes.fromhex(data))
+
+    def peek(self, address, length):
+        """Bytes of the memory."""
+        return {"data": self._region(address).take(address, length).hex()}
+
+    def _region(self, address):
+        return next(region for region in self._chip.memories if region.address <= address < region.address + region.size)
+
+    # The USB cable
+
+    def usb(self, what):
+        """unplug, plug, bus_reset, suspend, resume, wake_with_reset, die, open or close."""
+        allowed = ("unplug", "plug", "bus_reset", "suspend", "resume", "wake_with_reset", "die", "open", "close")
+        if what not in allowed:
+            raise ValueError(f"USB knows no {what}")
+        getattr(self._chip.host, what)()
+
+    def request(self, setup, data="", within=1.0):
+        """A control transfer as a strange program makes it: what came, "refused" or a failure."""
+        done = self._chip.host.request(bytes.fromhex(setup), bytes.fromhex(data))
+        end = self._chip.clock.now() + ticks(within)
+        while not done and self._chip.clock.now() < end:
+            self._chip.run(TICKS_PER_S // 2000)
+        if not done:
+            return {"answer": "none"}
+        return {"answer": done[0].hex() if isinstance(done[0], bytes) else str(done[0])}
+
+    def abandon(self, setup, steps):
+        """A control transfer that the PC gives up after some steps."""
+        self._chip.host.abandon(bytes.fromhex(setup), steps)
+
+    def bus(self, reads=(), writes=()):
+        """Registers, as a debug probe sees them."""
+        for address, value in writes:
+            self._chip.bus.write(address, 4, value)
+        return {"values": [self._chip.bus.read(address, 4) for address in reads]}

@@ -1,0 +1,236 @@
+"""The general-purpose timers. RM0090 18.4, RM0390 17.4: up-counting, compare without output, one timer counting another.
+
+TIM2 and TIM5 have 32 bits, TIM3 and TIM4 have 16.
+"""
+
+from clock import NEVER, TICKS_PER_S
+from peripheral import Peripheral, Unmodelled
+
+INTERRUPTS = {2: 28, 3: 29, 4: 30, 5: 50}
+WIDTHS = {2: 32, 3: 16, 4: 16, 5: 32}
+
+# Which timer drives which input of another (RM0090 table 93).
+DRIVERS = {(2, 2): 3, (2, 3): 4, (3, 1): 2, (3, 3): 4}
+
+RUNS, NO_UPDATE, ONLY_OVERFLOW, PRELOADED = 1 << 0, 1 << 1, 1 << 2, 1 << 7
+UPDATE_TRIGGERS = 2
+COUNTS_TRIGGERS = 7
+CHANNELS = range(1, 5)
+
+
+class Timer(Peripheral):
+    """One of them."""
+
+    REGISTERS = {
+        0x00: "CR1",
+        0x04: "CR2",
+        0x08: "SMCR",
+        0x0C: "DIER",
+        0x10: "SR",
+        0x14: "EGR",
+        0x18: "CCMR1",
+        0x1C: "CCMR2",
+        0x20: "CCER",
+        0x24: "CNT",
+        0x28: "PSC",
+        0x2C: "ARR",
+        0x34: "CCR1",
+        0x38: "CCR2",
+        0x3C: "CCR3",
+        0x40: "CCR4",
+        0x50: "OR",
+    }
+
+    def __init__(self, chip, number):
+        self.NAME, self.number = f"TIM{number}", number
+        self.mask = (1 << WIDTHS[number]) - 1
+        self.RESET = {"ARR": self.mask}
+        # Told of this timer's updates: when the first was, the time between two, how many.
+        self.listeners = []
+        super().__init__(chip)
+        for name in ("CCR1", "CCR2", "CCR3", "CCR4", "DIER"):
+            offset = next(offset for offset, known in self.REGISTERS.items() if known == name)
+            self.writers[offset] = lambda value, name=name: self._set(name, value)
+
+    def reset(self):
+        super().reset()
+        self._driver = None
+        # The counter had the value `_base` at `_since`; everything up to the count `_seen` has been noticed.
+        self._base, self._since, self._seen = 0, self.clock.now(), 0
+        self._event = None
+        self._prescaler = 0
+        self._interrupt()
+
+    # Counting
+
+    def _tick(self):
+        return round(TICKS_PER_S / self.chip.rcc.timers1_hz) * (self._prescaler + 1)
+
+    def _modulus(self):
+        return self.values["ARR"] + 1
+
+    def _is_clocked(self):
+        return self.values["CR1"] & RUNS and self._driver is None
+
+    def _count(self):
+        """Without the wraps taken out."""
+        if not self._is_clocked():
+            return self._base
+        return self._base + (self.clock.now() - self._since) // self._tick()
+
+    def _time_of(self, count):
+        return self._since + (count - self._base) * self._tick()
+
+    def notice(self):
+        """Flags and triggers of everything that happened since the last look."""
+        if self._driver:
+            self._driver.notice()
+        count, seen, modulus = self._count(), self._seen, self._modulus()
+        if count <= seen:
+            return
+        self._seen = count
+        n_updates = count // modulus - seen // modulus
+        status = self.values["SR"]
+        if n_updates:
+            status |= 1
+        for channel in CHANNELS:
+            place = self.values[f"CCR{channel}"]
+            if place < modulus and (count - place) // modulus > (seen - place) // modulus:
+                status |= 1 << channel
+        self.values["SR"] = status
+        if n_updates and self._is_clocked() and self.values["CR2"] >> 4 & 7 == UPDATE_TRIGGERS:
+            first = self._time_of((seen // modulus + 1) * modulus)
+            for listener in self.listeners:
+                listener(first, modulus * self._tick(), n_updates)
+
+    def _restart(self, count=None):
+        """From this count on, with the settings as they are now."""
+        count = self._count() if count is None else count
+        self._since = self.clock.now()
+        self._base = self._seen = count % self._modulus()
+
+    def _on_triggers(self, first, period, n):
+        if self.values["CR1"] & RUNS:
+            self._base += n
+            self.notice_driven()
+
+    def notice_driven(self):
+        """Counting another timer's triggers sets flags, too."""
+        count, modulus = self._base, self._modulus()
+        if count >= modulus:
+            self.values["SR"] |= 1
+        self._base = self._seen = count % modulus
+
+    # Interrupts
+
+    def _interrupt(self):
+        self.chip.nvic.set_line(INTERRUPTS[self.number], bool(self.values["SR"] & self.values["DIER"] & 0x1F))
+
+    def _schedule(self):
+        if self._event:
+            self._event.cancel()
+            self._event = None
+        wanted = self.values["DIER"] & 0x1F & ~self.values["SR"]
+        if not wanted or not self._is_clocked():
+            return
+        count, modulus, nearest = self._seen, self._modulus(), NEVER
+        if wanted & 1:
+            nearest = (count // modulus + 1) * modulus
+        for channel in CHANNELS:
+            place = self.values[f"CCR{channel}"]
+            if wanted >> channel & 1 and place < modulus:
+                nearest = min(nearest, ((count - place) // modulus + 1) * modulus + place)
+        if nearest < NEVER:
+            self._event = self.clock.at(self._time_of(nearest), self._on_event)
+
+    def _on_event(self):
+        self._event = None
+        self._changed()
+
+    def _changed(self):
+        self.notice()
+        self._interrupt()
+        self._schedule()
+
+    # Registers
+
+    def _set(self, name, value):
+        self.notice()
+        self.values[name] = value & self.mask
+        self._changed()
+
+    def write_CR1(self, value):
+        if value & ~(RUNS | NO_UPDATE | ONLY_OVERFLOW | PRELOADED):
+            raise Unmodelled(f"{self.NAME} counts upwards only here; CR1 = {value:#x}")
+        self.notice()
+        self._restart()
+        self.values["CR1"] = value
+        self._since = self.clock.now()
+        self._changed()
+
+    def write_CR2(self, value):
+        self.notice()
+        self.values["CR2"] = value
+
+    def write_SMCR(self, value):
+        self.notice()
+        self._restart()
+        self.values["SMCR"] = value
+        if self._driver:
+            self._driver.listeners.remove(self._on_triggers)
+            self._driver = None
+        mode, source = value & 7, value >> 4 & 7
+        if mode == 0:
+            return
+        number = DRIVERS.get((self.number, source))
+        if mode != COUNTS_TRIGGERS or number is None:
+            raise Unmodelled(f"{self.NAME}: slave mode {mode} from input {source}")
+        self._driver = self.chip.timers[number]
+        self._driver.notice()
+        self._driver.listeners.append(self._on_triggers)
+
+    def read_SR(self):
+        self.notice()
+        return self.values["SR"]
+
+    def write_SR(self, value):
+        self.notice()
+        self.values["SR"] &= value
+        self._changed()
+
+    def write_EGR(self, value):
+        if value & ~1:
+            raise Unmodelled(f"{self.NAME} made an event by software: EGR = {value:#x}")
+        if value & 1:
+            self.notice()
+            self._prescaler = self.values["PSC"]
+            self._restart(0)
+            if not self.values["CR1"] & ONLY_OVERFLOW:
+                self.values["SR"] |= 1
+            self._changed()
+
+    def read_CNT(self):
+        self.notice()
+        return self._count() % self._modulus()
+
+    def write_CNT(self, value):
+        self.notice()
+        self._restart(value & self.mask)
+        self._changed()
+
+    def write_PSC(self, value):
+        # It takes effect at the next update; the firmware makes one, or never changes it while counting.
+        self.values["PSC"] = value & 0xFFFF
+        if not self.values["CR1"] & RUNS and value == 0:
+            self._prescaler = 0
+
+    def write_ARR(self, value):
+        self.notice()
+        count = self._count() % self._modulus()
+        self.values["ARR"] = value & self.mask
+        self._restart(count)
+        self._changed()
+
+    def period_s(self):
+        """From one update to the next."""
+        return self._modulus() * self._tick() / TICKS_PER_S
