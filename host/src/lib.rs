@@ -29,4 +29,5 @@ pub mod serve;
 pub mod sim;
 pub mod swing;
 pub mod trajectory;
+pub mod verdict;
 pub mod zero_phase;

@@ -5,6 +5,7 @@ use super::table::wrapped;
 use crate::diagnose::{Candidate, Diagnosis, Step, Suggestion, Value};
 use crate::formula::effect_of;
 use crate::plot::staircase::Tread;
+use crate::verdict::Left;
 use shared::effect::Effect;
 
 /// For what no effect explains.
@@ -95,7 +96,7 @@ fn trust(diagnosis: &Diagnosis, best: &Suggestion) -> String {
         [] => " in place of the effects named above".to_owned(),
         names => format!(", beside {}", names.join(" and ")),
     };
-    words += &if noises < REACHES_THE_NOISE {
+    words += &if best.left == Left::Noise {
         format!(" and reaches the noise ({noises:.2} times it).")
     } else {
         format!("; {noises:.2} times the noise stays, so it is a picture of the missing law at most, not the law.")
@@ -111,9 +112,6 @@ fn trust(diagnosis: &Diagnosis, best: &Suggestion) -> String {
     }
     words + &format!(" It was seen within {:.2} rad and says nothing beyond.", best.within_rad)
 }
-
-/// So near the noise nothing is left to explain.
-const REACHES_THE_NOISE: f64 = 1.05;
 
 /// An error within this factor of the best formula's is as good.
 const RIVAL: f64 = 1.1;

@@ -19,6 +19,7 @@ use crate::record::{in_words, unused_path};
 use crate::recording::Existing;
 use crate::rigfile::{RigFile, Source};
 use crate::swing::Swing;
+use crate::verdict::Left;
 use clap::{ArgGroup, Args, ValueEnum};
 use progress::Screen;
 use result::{Check, Outcome};
@@ -211,7 +212,7 @@ fn identify(options: &Options, swings: &[Swing], held_out: &[Swing], rig: &Param
 
 /// What is missing, if the base model leaves more than the noise and something can be named.
 fn discover(swings: &[Swing], held_out: &[Swing], fit: &Fit, typed: Option<&'static Effect<f64>>) -> Option<Diagnosis> {
-    if fit.rmse_rad < NOTHING_MISSING * fit.noise_rad {
+    if fit.left == Left::Noise {
         return None;
     }
     output::say("physics is missing: trying every effect …");
@@ -222,9 +223,6 @@ fn discover(swings: &[Swing], held_out: &[Swing], fit: &Fit, typed: Option<&'sta
     }
     named.then_some(found)
 }
-
-/// Errors below so many noises are not worth a search.
-const NOTHING_MISSING: f64 = 1.03;
 
 /// All numbers of the enlarged model with their uncertainties.
 fn refit(swings: &[Swing], held_out: &[Swing], found: &Diagnosis) -> Result<Fit, Failure> {

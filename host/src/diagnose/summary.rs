@@ -8,14 +8,12 @@ use super::verdict::Judge;
 use super::zero::{self, ANGLE_OFFSET};
 use crate::fit::identify::held_out_rmse;
 use crate::swing::{Swing, Window};
+use crate::verdict::Left;
 use serde::Serialize;
 use shared::effect::CUSTOM_FORMULA_NAME;
 use shared::parameters::Parameters;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
-
-/// A residual above this many noises is called unexplained.
-pub(super) const UNEXPLAINED_NOISES: f64 = 1.10;
 
 /// A model that was fitted.
 #[derive(Clone, Debug, Serialize)]
@@ -39,6 +37,8 @@ pub struct Suggestion {
     pub formula: String,
     /// Root mean square error with it, rad.
     pub rmse: f64,
+    /// What is left with it.
+    pub left: Left,
     /// On held-out swings, rad.
     pub held_out: Option<f64>,
     /// Share of the excess over the noise (as a variance) that it removes.
@@ -74,7 +74,9 @@ pub struct Diagnosis {
     pub held_out_after: Option<f64>,
     /// Noise of the measurement, rad.
     pub noise: f64,
-    /// True if more than 1.10 times the noise remains.
+    /// What is left: noise, nearly, or missing physics.
+    pub left: Left,
+    /// True if it is missing physics.
     pub unexplained: bool,
     /// Time taken.
     pub seconds: f64,
@@ -150,7 +152,8 @@ impl Summary<'_, '_, '_> {
         let leading = std::iter::once(&self.claimed).chain(rivals).cloned().collect();
         trials.truncate(MAX_LISTED);
         let staircase = self.staircase(rmse_before, &held_out);
-        let unexplained = rmse_after > UNEXPLAINED_NOISES * noise;
+        let left = problem.chi_square(self.claimed.cost).left();
+        let unexplained = left == Left::Missing;
         let formulas = if unexplained && with_formulas { self.formulas(&held_out) } else { Vec::new() };
         Diagnosis {
             version: 1,
@@ -160,6 +163,7 @@ impl Summary<'_, '_, '_> {
             held_out_before: held_out(&base.parameters),
             held_out_after: held_out(&self.claimed.parameters),
             noise,
+            left,
             unexplained,
             formulas,
             evidence: evidence(problem, &self.claimed.parameters),
@@ -189,6 +193,7 @@ impl Summary<'_, '_, '_> {
                 words: found.words,
                 formula: found.typed,
                 rmse: candidate.rmse,
+                left: problem.chi_square(found.trial.cost).left(),
                 held_out: held_out(&found.trial.parameters),
                 removed: 1.0 - excess(problem, found.trial.cost) / before,
                 criterion: candidate.criterion + weight * found.length as f64,

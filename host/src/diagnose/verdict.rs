@@ -1,12 +1,13 @@
 //! What may be claimed: which effects are missing, which can't be told apart, what stays unexplained.
 
-use super::excess::{EXCESS_WORTH_EXPLAINING, excess, is_explained};
+use super::excess::{excess, is_explained};
 use super::replacement::Replacements;
 use super::search::Found;
-use super::summary::{Candidate, UNEXPLAINED_NOISES};
+use super::summary::Candidate;
 use super::trial::{Sketch, Trial, fit_from, values};
 use crate::fit::problem::{Point, Problem, Unknown};
 use crate::swing::Window;
+use crate::verdict::Left;
 use shared::effect::Effect;
 
 /// An effect may leave this share of the excess that was there before it …
@@ -75,7 +76,7 @@ impl Judge<'_, '_> {
         let visible = removed * self.problem.n_samples(Window::Whole) as f64 > 2.0 * INDISTINGUISHABLE;
         let most_left = if self.is_unexplained(after) { MOST_LEFT_UNEXPLAINED } else { MOST_LEFT };
         let n_more = after.effects.len() - before.effects.len();
-        left > EXCESS_WORTH_EXPLAINING && visible && left - removed < most_left.powi(n_more as i32) * left
+        !is_explained(self.problem, before) && visible && left - removed < most_left.powi(n_more as i32) * left
     }
 
     fn excess(&self, trial: &Trial) -> f64 {
@@ -83,7 +84,7 @@ impl Judge<'_, '_> {
     }
 
     fn is_unexplained(&self, trial: &Trial) -> bool {
-        self.excess(trial) > UNEXPLAINED_NOISES.powi(2) - 1.0
+        self.problem.chi_square(trial.cost).left() == Left::Missing
     }
 
     fn preferred<'t>(&self, level: &'t [Trial]) -> &'t Trial {

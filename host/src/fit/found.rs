@@ -3,6 +3,7 @@
 use super::problem::Start;
 use super::quality::Responses;
 use super::sequential::Stage;
+use crate::verdict::Left;
 use serde::Serialize;
 use shared::parameters::Parameters;
 
@@ -49,6 +50,8 @@ pub struct Fit {
     pub starts: Vec<Start>,
     /// Root mean square error, rad.
     pub rmse_rad: f64,
+    /// What the model leaves.
+    pub left: Left,
     /// Noise of the measurement, rad.
     pub noise_rad: f64,
     /// Root mean square error on the held-out swings, rad.

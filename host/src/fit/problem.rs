@@ -3,6 +3,7 @@
 use crate::lanes::Lanes;
 use crate::swing::{Swing, Window};
 use crate::trajectory::{Schedule, simulate};
+use crate::verdict::ChiSquare;
 use rayon::prelude::*;
 use shared::effect::{Effect, Parameter};
 use shared::model::Model;
@@ -246,6 +247,12 @@ impl<'a> Problem<'a> {
     /// The longest swing, s.
     pub fn longest_s(&self) -> f64 {
         self.swings.iter().map(Swing::duration_s).fold(0.0, f64::max)
+    }
+
+    /// The reduced chi-square of a cost, rad².
+    pub fn chi_square(&self, cost: f64) -> ChiSquare {
+        let n_fitted = self.unknowns.len() + PER_SWING * self.swings.len();
+        ChiSquare::new(cost, self.noise_rad(), self.n_samples(Window::Whole) as f64, n_fitted)
     }
 
     /// The cost that noise alone leaves, rad².

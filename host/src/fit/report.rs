@@ -12,6 +12,7 @@ use super::runs::responses_at;
 use super::sequential::Stage;
 use super::stiction::with_stiction;
 use crate::swing::{Swing, Window};
+use crate::verdict::Left;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -47,7 +48,8 @@ impl Report<'_, '_> {
         let parameters = full.parameters(&point.values);
         let identified = self.identified(&full, &point, &known, covariance.as_ref());
         let correlations = correlations(identified.len(), &known, covariance.as_ref());
-        let warnings = self.warnings(&identified, covariance.as_ref(), &stages, rmse_rad);
+        let left = full.chi_square(self.outcome.cost).left();
+        let warnings = self.warnings(&identified, covariance.as_ref(), &stages, rmse_rad, left);
         let held_out_rmse_rad = (!held_out.is_empty()).then(|| held_out_rmse(held_out, &parameters, count));
         Ok(Fit {
             responses: responses_at(&full, &point, Window::Whole),
@@ -56,6 +58,7 @@ impl Report<'_, '_> {
             correlations,
             starts: point.starts,
             rmse_rad,
+            left,
             noise_rad: problem.noise_rad(),
             held_out_rmse_rad,
             responses_before,
@@ -118,10 +121,11 @@ impl Report<'_, '_> {
         covariance: Option<&Covariance>,
         stages: &[Stage],
         rmse_rad: f64,
+        left: Left,
     ) -> Vec<String> {
         let mut warnings = Vec::new();
         let noise = self.problem.noise_rad();
-        if rmse_rad > MISSING_PHYSICS_NOISES * noise {
+        if left == Left::Missing {
             warnings.push(format!(
                 "the error is {:.1} times the noise: physics is missing from the model (host diagnose names it)",
                 rmse_rad / noise
@@ -169,9 +173,6 @@ impl Report<'_, '_> {
         }
     }
 }
-
-/// Errors above this many noises mean missing physics.
-const MISSING_PHYSICS_NOISES: f64 = 1.1;
 
 fn covariance_of(full: &Problem, point: &Point, known: &[usize]) -> Option<Covariance> {
     let part = Problem {

@@ -11,6 +11,7 @@ use crate::fit::quality::Responses;
 use crate::fit::sequential::Stage;
 use crate::rigfile::USUAL_NAME;
 use crate::swing::Swing;
+use crate::verdict::Left;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -20,9 +21,8 @@ const STRONG_CORRELATION: f64 = 0.9;
 /// The strongest few are enough to read; `--json` has all.
 const MOST_CORRELATIONS: usize = 3;
 
-/// Up to so many noises the error is all noise, or nearly.
-const ALL_NOISE: f64 = 1.03;
-const NEARLY_NOISE: f64 = 1.1;
+/// An error on held-out swings up to so many times that on the fitted ones is as good.
+const AS_GOOD: f64 = 1.1;
 
 /// How well the rig's observer follows a fresh swing, before and after.
 #[derive(Clone, Debug, Serialize)]
@@ -50,6 +50,7 @@ struct Object<'a> {
     correlations: &'a [Vec<Option<f64>>],
     rmse: f64,
     noise: f64,
+    left: Left,
     held_out_rmse: Option<f64>,
     responses: &'a Responses,
     responses_before: &'a Responses,
@@ -83,6 +84,7 @@ fn object<'a>(options: &Options, recordings: &'a [PathBuf], outcome: &'a Outcome
         correlations: &fit.correlations,
         rmse: fit.rmse_rad,
         noise: fit.noise_rad,
+        left: fit.left,
         held_out_rmse: fit.held_out_rmse_rad,
         responses: &fit.responses,
         responses_before: &fit.responses_before,
@@ -167,19 +169,17 @@ fn sentences(outcome: &Outcome) -> Vec<String> {
 
 fn error_against_noise(fit: &Fit) -> String {
     let ratio = fit.rmse_rad / fit.noise_rad;
-    let meaning = if ratio <= ALL_NOISE {
-        "the model explains all but the noise".to_owned()
-    } else if ratio <= NEARLY_NOISE {
-        "the model explains nearly all but the noise".to_owned()
-    } else {
-        format!("that is {ratio:.2} times the noise, so the model does not explain everything")
+    let meaning = match fit.left {
+        Left::Noise => "the model explains all but the noise".to_owned(),
+        Left::Nearly => "the model explains nearly all but the noise".to_owned(),
+        Left::Missing => format!("that is {ratio:.2} times the noise, so the model does not explain everything"),
     };
     format!("Error {:.3} mrad rms, noise {:.3} mrad rms: {meaning}.", 1e3 * fit.rmse_rad, 1e3 * fit.noise_rad)
 }
 
 fn held_out(rmse_rad: f64, fit: &Fit) -> String {
     let ratio = rmse_rad / fit.rmse_rad;
-    let meaning = if ratio <= NEARLY_NOISE {
+    let meaning = if ratio <= AS_GOOD {
         "as good as on what was fitted".to_owned()
     } else {
         format!("{ratio:.2} times that of what was fitted")
@@ -219,7 +219,7 @@ fn strong_correlations(fit: &Fit) -> Vec<String> {
 }
 
 fn physics_is_missing(fit: &Fit) -> bool {
-    fit.rmse_rad > NEARLY_NOISE * fit.noise_rad
+    fit.left == Left::Missing
 }
 
 /// What was saved where, and what to do next.

@@ -1,0 +1,148 @@
+//! Is only noise left? The one answer for fit, comparison, diagnosis, improvement, plan, page and report; and the table
+//! of the constants that decide verdicts.
+//!
+//! The reduced chi-square is the sum of squared residuals over σ²·ν, with σ the noise of the sensor and ν the effective
+//! number of samples less the numbers that were fitted. It is 1 where only noise is left, give or take two things: chance,
+//! with the standard error √(2/ν), and σ, which is itself estimated from the recording.
+
+use serde::Serialize;
+
+/// What a model leaves of the swings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Left {
+    /// Nothing but noise.
+    Noise,
+    /// A little more than noise: enough to look for a cause, too little to call physics missing.
+    Nearly,
+    /// Clearly more than noise.
+    Missing,
+}
+
+/// The constants that decide verdicts, in one place. They say what may be claimed; how long a search may take is no
+/// matter of theirs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thresholds {
+    /// Relative error of the noise's variance, as the estimate from differences has it (`noise.rs`: 2 % of the rms at
+    /// worst, usually below 1.5 %). Half of it: simulated rigs without anything missing are searched in vain. Twice:
+    /// weak effects are left in peace.
+    pub noise_known: f64,
+    /// Standard errors of chance that are allowed besides.
+    pub chance_stds: f64,
+    /// A remainder of more than this share of the noise's variance is called missing physics: 1.1 times the rms.
+    pub missing: f64,
+}
+
+impl Thresholds {
+    /// The usual ones.
+    pub const USUAL: Self = Self { noise_known: 0.03, chance_stds: 2.0, missing: 0.21 };
+}
+
+impl Default for Thresholds {
+    fn default() -> Self {
+        Self::USUAL
+    }
+}
+
+/// A reduced chi-square and the number of samples that it stands on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChiSquare {
+    /// Variance of the residuals over that of the noise.
+    pub reduced: f64,
+    /// Effective number of samples less the fitted numbers.
+    pub n_effective: f64,
+}
+
+impl ChiSquare {
+    /// From a sum of squared residuals (rad²), the noise (rms, rad), the effective number of samples and how many numbers
+    /// were fitted to them.
+    pub fn new(cost_rad2: f64, noise_rad: f64, n_effective: f64, n_fitted: usize) -> Self {
+        let n_effective = (n_effective - n_fitted as f64).max(1.0);
+        Self { reduced: cost_rad2 / (noise_rad.powi(2) * n_effective).max(f64::MIN_POSITIVE), n_effective }
+    }
+
+    /// From an rms residual and the noise (both rad) over samples to which hardly anything was fitted.
+    pub fn of_rms(rms_rad: f64, noise_rad: f64, n_effective: f64) -> Self {
+        let n_effective = n_effective.max(1.0);
+        Self { reduced: (rms_rad / noise_rad.max(f64::MIN_POSITIVE)).powi(2), n_effective }
+    }
+
+    /// Variance beyond the noise, as a share of the noise's; negative where less is left.
+    pub fn excess(&self) -> f64 {
+        self.reduced - 1.0
+    }
+
+    /// So much excess may be chance or an error in σ.
+    pub fn tolerance(&self, thresholds: &Thresholds) -> f64 {
+        thresholds.noise_known.hypot(thresholds.chance_stds * (2.0 / self.n_effective).sqrt())
+    }
+
+    /// The answer, by the usual constants.
+    pub fn left(&self) -> Left {
+        self.left_by(&Thresholds::USUAL)
+    }
+
+    /// The answer by other constants.
+    pub fn left_by(&self, thresholds: &Thresholds) -> Left {
+        let tolerance = self.tolerance(thresholds);
+        match self.excess() {
+            excess if excess <= tolerance => Left::Noise,
+            excess if excess <= thresholds.missing.max(tolerance) => Left::Nearly,
+            _ => Left::Missing,
+        }
+    }
+}
+
+/// Autocorrelations below so many standard errors are taken for none.
+const CORRELATED_STDS: f64 = 3.0;
+
+/// Share of samples that are as good as independent for a variance, from samples of the noise itself (a still pendulum,
+/// a mean of zero): 1/(1 + 2·Σρ²) over the lags that are correlated. 1 for white noise.
+/// Source: M. S. Bartlett, J. R. Stat. Soc. Suppl. 8 (1946) 27.
+pub fn independent_share(noise: &[f64]) -> f64 {
+    let square: f64 = noise.iter().map(|x| x * x).sum();
+    let limit = CORRELATED_STDS / (noise.len().max(1) as f64).sqrt();
+    let correlation = |lag: usize| noise[lag..].iter().zip(noise).map(|(a, b)| a * b).sum::<f64>() / square;
+    let correlated = (1..noise.len() / 4).map(correlation).take_while(|rho| rho.abs() > limit);
+    (1.0 + 2.0 * correlated.map(|rho| rho * rho).sum::<f64>()).recip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_variance_within_its_own_uncertainty_is_noise_however_few_the_samples() {
+        // √(2/200) is 0.1: with 200 samples an excess of 0.2 is within two standard errors.
+        assert_eq!(ChiSquare::of_rms(1.19_f64.sqrt(), 1.0, 200.0).left(), Left::Noise);
+        assert_eq!(ChiSquare::of_rms(1.19_f64.sqrt(), 1.0, 50_000.0).left(), Left::Nearly);
+        assert_eq!(ChiSquare::of_rms(1.02_f64.sqrt(), 1.0, 50_000.0).left(), Left::Noise);
+        assert_eq!(ChiSquare::of_rms(1.12, 1.0, 50_000.0).left(), Left::Missing);
+        assert_eq!(ChiSquare::of_rms(0.7, 1.0, 50_000.0).left(), Left::Noise);
+    }
+
+    #[test]
+    fn fitted_numbers_take_their_share_of_the_samples() {
+        let chi_square = ChiSquare::new(90.0, 1.0, 100.0, 10);
+        assert!((chi_square.reduced - 1.0).abs() < 1e-12 && chi_square.n_effective == 90.0);
+    }
+
+    #[test]
+    fn noise_that_wanders_has_fewer_independent_samples() {
+        let mut state = 1_u64;
+        let mut white = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let plain: Vec<f64> = (0..20_000).map(|_| white()).collect();
+        let rho = 0.8;
+        let walk = plain.iter().scan(0.0, |last, x| {
+            *last = rho * *last + x;
+            Some(*last)
+        });
+        assert!(independent_share(&plain) > 0.99);
+        // Of a first-order process: (1 − ρ²)/(1 + ρ²).
+        let share = independent_share(&walk.collect::<Vec<f64>>());
+        assert!((share - (1.0 - rho * rho) / (1.0 + rho * rho)).abs() < 0.03, "{share}");
+    }
+}
