@@ -33,6 +33,8 @@ pub struct Score<R, const N: usize> {
     pub f: R,
     /// K, how many clusters there were.
     pub n_clusters: usize,
+    /// q, how many numbers were tested: the added columns that change the reading at all.
+    pub n_tested: usize,
 }
 
 impl<R: Real, const N: usize> Default for Normal<R, N> {
@@ -96,11 +98,12 @@ pub fn score<'a, R: Real, const N: usize>(
     n_added: usize,
 ) -> Option<Score<R, N>> {
     let n_clusters = clusters.clone().count();
-    if n_clusters < n_added + MIN_SPARE_CLUSTERS {
-        return None;
-    }
     let mut all = Normal::default();
     clusters.clone().for_each(|cluster| all.add(cluster));
+    let n_tested = (N - n_added..N).filter(|i| changes(&all.matrix, *i)).count();
+    if n_tested == 0 || n_clusters < n_tested + MIN_SPARE_CLUSTERS {
+        return None;
+    }
     let inverse = inverted(&all.matrix, n_own, N)?;
     let step = times(&inverse, &all.gradient);
 
@@ -120,9 +123,9 @@ pub fn score<'a, R: Real, const N: usize>(
     let precision = inverted(&covariance, N - n_added, N)?;
     let weighted = times(&precision, &step);
     let quadratic = (N - n_added..N).fold(R::zero(), |sum, i| sum + step[i] * weighted[i]);
-    let q = R::of(n_added as f64);
+    let q = R::of(n_tested as f64);
     let f = quadratic * (count - q) / (q * (count - R::one()));
-    Some(Score { step, covariance, f, n_clusters })
+    Some(Score { step, covariance, f, n_clusters, n_tested })
 }
 
 /// K − q must be at least this: with fewer the spread of the clusters is itself not known.
@@ -135,20 +138,21 @@ fn times<R: Real, const N: usize>(matrix: &[[R; N]; N], vector: &[R; N]) -> [R; 
     core::array::from_fn(|i| (0..N).fold(R::zero(), |sum, j| sum + matrix[i][j] * vector[j]))
 }
 
-/// The inverse of the symmetric, positive definite block from `from` to `to`; zero elsewhere. By Gauss–Jordan steps on
+/// Does a column change the reading at all?
+fn changes<R: Real, const N: usize>(matrix: &[[R; N]; N], column: usize) -> bool {
+    R::zero().lt(matrix[column][column]).any()
+}
+
+/// The inverse of the symmetric, positive definite block from `from` to `to` but for columns that change nothing; zero
+/// elsewhere. `None` if a column depends on the others. By Gauss–Jordan steps on
 /// the matrix scaled to a diagonal of one, so that units do not matter.
 fn inverted<R: Real, const N: usize>(matrix: &[[R; N]; N], from: usize, to: usize) -> Option<[[R; N]; N]> {
-    let scale: [R; N] = core::array::from_fn(|i| R::one() / matrix[i][i].sqrt());
-    let mut rest = [[R::zero(); N]; N];
+    let live = |i: &usize| changes(matrix, *i);
+    let scale: [R; N] = core::array::from_fn(|i| if live(&i) { R::one() / matrix[i][i].sqrt() } else { R::zero() });
+    let mut rest: [[R; N]; N] = core::array::from_fn(|i| core::array::from_fn(|j| matrix[i][j] * scale[i] * scale[j]));
     let mut inverse = [[R::zero(); N]; N];
-    for i in from..to {
-        if !R::zero().lt(matrix[i][i]).all() {
-            return None;
-        }
-        inverse[i][i] = R::one();
-        (from..to).for_each(|j| rest[i][j] = matrix[i][j] * scale[i] * scale[j]);
-    }
-    for pivot in from..to {
+    (from..to).filter(live).for_each(|i| inverse[i][i] = R::one());
+    for pivot in (from..to).filter(live) {
         let weight = rest[pivot][pivot];
         if !R::of(DEPENDENT).lt(weight).all() {
             return None;
