@@ -34,8 +34,12 @@ mod table;
 mod values;
 
 use crate::error::Failure;
+use crate::link;
 use clap::{ArgAction, Parser, Subcommand};
 use std::process::ExitCode;
+
+/// The variable that says how many times longer than usual to wait for a rig.
+const PATIENCE: &str = "RIG_PATIENCE";
 
 /// Identify a pendulum's friction from a free swing, and write it back to the rig.
 #[derive(Debug, Parser)]
@@ -68,7 +72,7 @@ Ports are serial devices, sim (the simulated rig), or sim:NAME (one of its scena
 
 Exit codes: 0 there is a result, whatever it says; 2 wrong use; 1 failed; 130 stopped by Ctrl-C.
 Results go to stdout, everything else to stderr. NO_COLOR switches colours off; RUST_LOG=host::link=trace chooses
-what -v tells.";
+what -v tells; RIG_PATIENCE=20 waits 20 times longer for a rig, such as one in an emulator.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -107,6 +111,7 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
         output::be_quiet();
     }
     output::keep_a_log(arguments.verbose);
+    take_patience()?;
     match arguments.command {
         Command::Init(options) => init::run(&options),
         Command::Record(options) => record::run(&options),
@@ -131,6 +136,16 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
         }
         Command::Man(options) => completions::manual(&options),
     }
+}
+
+fn take_patience() -> Result<(), Failure> {
+    let Some(given) = std::env::var_os(PATIENCE) else { return Ok(()) };
+    let factor = given.to_str().and_then(|text| text.parse().ok()).filter(|factor| link::FACTORS.contains(factor));
+    let (least, most) = (link::FACTORS.start(), link::FACTORS.end());
+    let what = || format!("{PATIENCE} is {given:?}; expected a number from {least} to {most}");
+    let next = "unset it, or set it to how many times longer than usual to wait for the rig";
+    link::be_patient(factor.ok_or_else(|| Failure::wrong_use(what()).next(next))?);
+    Ok(())
 }
 
 /// Tells on stderr what went wrong and what to do next.

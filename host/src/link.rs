@@ -6,12 +6,15 @@
 
 mod error;
 mod hello;
+mod patience;
 mod serial;
 mod session;
 mod tally;
 mod transfer;
 
 pub use error::LinkError;
+pub(crate) use patience::patient;
+pub use patience::{FACTORS, be_patient};
 pub use session::Session;
 pub use tally::Tally;
 

@@ -1,5 +1,6 @@
 //! A real browser, headless, driven through chromedriver.
 
+use crate::HANG;
 use fantoccini::{Client, ClientBuilder, Locator};
 use hyper_util::client::legacy::connect::HttpConnector;
 use serde_json::{Value, json};
@@ -7,9 +8,6 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
-
-/// Longest that a test waits for something to show.
-const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Between two looks.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -49,7 +47,7 @@ impl Browser {
     /// Waits until an expression of the page is true.
     pub async fn wait_for(&self, expression: &str) {
         let began = Instant::now();
-        while began.elapsed() < PATIENCE {
+        while began.elapsed() < HANG {
             if self.run(&format!("return !!({expression})")).await == true {
                 return;
             }

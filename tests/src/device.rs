@@ -5,18 +5,19 @@ use nix::fcntl::{OFlag, open};
 use nix::pty::{PtyMaster, grantpt, posix_openpt, ptsname_r, unlockpt};
 use nix::sys::stat::Mode;
 use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
+use shared::wire::{Command, Deframer, Frame};
 use std::io::{Read, Write};
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The device looks for bytes this often.
 const TICK: Duration = Duration::from_millis(1);
 
-/// So often it offers what it says.
-const N_TRIES: u32 = 50;
+/// Samples that the rig takes in a tick at most: beside a PC that listens, a hundred times faster than real time.
+const SAMPLES_PER_TICK: usize = 100;
 
 /// Something behind a serial port; it is unplugged when dropped.
 pub struct Device {
@@ -27,7 +28,8 @@ pub struct Device {
 }
 
 impl Device {
-    /// A device that gets what was received since the last tick and gives what it says.
+    /// A device that gets what was received since the last tick and gives what it says. It is not asked again before
+    /// all of that was taken, so that nothing is lost however slowly the program at the far end reads.
     pub fn new(mut on_tick: impl FnMut(&[u8]) -> Vec<u8> + Send + 'static) -> Self {
         let (mut master, slave, port) = pseudo_terminal().expect("pseudo terminals");
         let leave = Arc::new(AtomicBool::new(false));
@@ -35,21 +37,35 @@ impl Device {
         let thread = std::thread::spawn(move || {
             // Kept open, so that the terminal outlives the programs that open and close it.
             let _slave = slave;
+            let mut unsent = Vec::new();
             while !told.load(Ordering::Relaxed) {
-                tick(&mut master, &mut on_tick);
+                tick(&mut master, &mut unsent, &mut on_tick);
             }
         });
         Self { port, leave, thread: Some(thread) }
     }
 
-    /// The simulated rig, so many times faster than real time.
-    pub fn rig(scenario: &str, speed: f64) -> Self {
+    /// The simulated rig, as fast as it is listened to.
+    pub fn rig(scenario: &str) -> Self {
+        Self::rig_until(scenario, f64::INFINITY)
+    }
+
+    /// The same; but so many seconds of its own clock after a stream was asked for, no more time passes for it, though
+    /// it goes on answering.
+    pub fn rig_until(scenario: &str, end_s: f64) -> Self {
         let mut rig = SimulatedRig::new(Scenario::by_name(scenario).expect("a scenario"), 1);
-        let began = Instant::now();
+        let (mut deframer, mut until_s) = (Deframer::new(), f64::INFINITY);
         Self::new(move |received| {
+            let starts = |frame: &Frame| matches!(frame, Frame::Command(_, Command::Start(_)));
+            let frames = received.iter().filter_map(|byte| deframer.push(*byte)?.ok());
+            if frames.filter(starts).count() > 0 {
+                until_s = rig.elapsed_s() + end_s;
+            }
             rig.receive(received);
-            while rig.elapsed_s() < speed * began.elapsed().as_secs_f64() {
-                rig.sample();
+            for _ in 0..SAMPLES_PER_TICK {
+                if rig.elapsed_s() < until_s {
+                    rig.sample();
+                }
             }
             rig.output().drain(..).collect()
         })
@@ -81,19 +97,13 @@ fn pseudo_terminal() -> nix::Result<(PtyMaster, OwnedFd, String)> {
     Ok((master, slave, name))
 }
 
-fn tick(master: &mut PtyMaster, on_tick: &mut impl FnMut(&[u8]) -> Vec<u8>) {
+fn tick(master: &mut PtyMaster, unsent: &mut Vec<u8>, on_tick: &mut impl FnMut(&[u8]) -> Vec<u8>) {
     std::thread::sleep(TICK);
-    let mut buffer = [0; 4096];
-    let n_received = master.read(&mut buffer).unwrap_or(0);
-    let said = on_tick(&buffer[..n_received]);
-    // What nobody takes is lost, as on a real wire.
-    let mut rest = said.as_slice();
-    for _ in 0..N_TRIES {
-        let n_taken = master.write(rest).unwrap_or(0);
-        rest = &rest[n_taken..];
-        if rest.is_empty() {
-            return;
-        }
-        std::thread::sleep(TICK);
+    if unsent.is_empty() {
+        let mut buffer = [0; 4096];
+        let n_received = master.read(&mut buffer).unwrap_or(0);
+        *unsent = on_tick(&buffer[..n_received]);
     }
+    let n_taken = master.write(unsent).unwrap_or(0);
+    unsent.drain(..n_taken);
 }

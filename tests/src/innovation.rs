@@ -2,7 +2,6 @@
 
 use crate::link::Link;
 use shared::wire::{Command, Frame, Stream};
-use std::time::Duration;
 
 /// A live point every so many samples.
 const EVERY: u16 = 4;
@@ -16,8 +15,6 @@ const LIFTED_RAD: f32 = 0.9;
 /// On this side it has been let go, rad.
 const RELEASED_RAD: f32 = -0.1;
 
-const PATIENCE: Duration = Duration::from_secs(120);
-
 /// Root mean square of the innovation in the second half of the next swing that begins at a positive angle, rad.
 pub fn of_the_next_swing(link: &mut Link) -> Result<f64, String> {
     link.frames.clear();
@@ -25,7 +22,7 @@ pub fn of_the_next_swing(link: &mut Link) -> Result<f64, String> {
     let n_points = N_SAMPLES / usize::from(EVERY);
     let mut points = Vec::new();
     let (mut n_read, mut released_at) = (0, None);
-    link.collect(PATIENCE, |frames| {
+    link.collect(|frames| {
         frames[n_read..].iter().for_each(|frame| points.extend(points_of(frame)));
         n_read = frames.len();
         released_at = released_at.or_else(|| released(&points));

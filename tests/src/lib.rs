@@ -1,5 +1,10 @@
 //! Helpers of the integration tests.
 
+use std::time::Duration;
+
+/// Only what hangs takes so long, however slow or busy the computer is: the limit of every wait for something to happen.
+pub const HANG: Duration = Duration::from_secs(900);
+
 #[cfg(target_os = "linux")]
 pub mod browser;
 pub mod chance;

@@ -1,14 +1,12 @@
 //! The PC's side of the wire, for tests that talk to a board themselves.
 
+use crate::HANG;
 use shared::wire::{Answer, Command, Deframer, Frame, Hello, MAX_FRAME, Statistics, encode};
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
 
-/// How long to wait for an answer.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-/// A hello is repeated after this time: the board may be starting.
+/// A hello is repeated after this time: the board may be starting. So are other questions while it restarts.
 const AGAIN: Duration = Duration::from_millis(500);
 
 /// What [`Link::receive`] waits for.
@@ -44,7 +42,7 @@ impl Link {
     /// Opens a session as somebody else.
     pub fn hello_as(&mut self, hello: Hello) -> Result<Hello, String> {
         let started = Instant::now();
-        while started.elapsed() < PATIENCE {
+        while started.elapsed() < HANG {
             self.send_bytes(&[0])?;
             self.send(&Frame::Hello(hello.clone()))?;
             let asked = Instant::now();
@@ -75,7 +73,7 @@ impl Link {
         let what = format!("{command:?}");
         self.send(&Frame::Command(self.number, command))?;
         let asked = Instant::now();
-        while asked.elapsed() < PATIENCE {
+        while asked.elapsed() < HANG {
             match self.receive()? {
                 Some(Frame::Answer(number, answer)) if number == self.number => return Ok(answer),
                 Some(frame @ (Frame::Samples(_) | Frame::Live(_))) => self.frames.push(frame),
@@ -93,12 +91,35 @@ impl Link {
         }
     }
 
+    /// Greets the rig again once it has restarted, so many times since power-up.
+    pub fn hello_after_restart(&mut self, resets: u16) -> Result<Statistics, String> {
+        let started = Instant::now();
+        while started.elapsed() < HANG {
+            // Whoever answers may be about to restart.
+            self.hello()?;
+            self.number = self.number.wrapping_add(1);
+            self.send(&Frame::Command(self.number, Command::Statistics))?;
+            let asked = Instant::now();
+            while asked.elapsed() < AGAIN {
+                match self.receive()? {
+                    Some(Frame::Answer(number, Answer::Statistics(statistics)))
+                        if number == self.number && statistics.health.resets >= resets =>
+                    {
+                        return Ok(statistics);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        Err(format!("no {resets}. restart"))
+    }
+
     /// Collects streamed frames until `enough` says so.
-    pub fn collect(&mut self, limit: Duration, mut enough: impl FnMut(&[Frame]) -> bool) -> Result<(), String> {
+    pub fn collect(&mut self, mut enough: impl FnMut(&[Frame]) -> bool) -> Result<(), String> {
         let started = Instant::now();
         while !enough(&self.frames) {
-            if started.elapsed() > limit {
-                return Err(format!("only {} frames within {limit:?}", self.frames.len()));
+            if started.elapsed() > HANG {
+                return Err(format!("only {} frames within {HANG:?}", self.frames.len()));
             }
             if let Some(frame @ (Frame::Samples(_) | Frame::Live(_))) = self.receive()? {
                 self.frames.push(frame);

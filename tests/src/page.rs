@@ -1,15 +1,13 @@
 //! The program serving its page, and plain HTTP to talk to it as a browser, or an attacker, would.
 
-use crate::program;
+use crate::HANG;
+use crate::program::{self, PATIENT};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
-
-/// Nothing on this computer takes longer to answer.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 /// `host serve`, ended when dropped.
 pub struct Server {
@@ -60,6 +58,7 @@ impl Server {
             .args(["serve", "--no-open", "--listen", listen])
             .args(arguments.split_whitespace())
             .current_dir(folder)
+            .env(PATIENT.0, PATIENT.1)
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -117,7 +116,7 @@ impl Server {
     /// A connection.
     pub fn connect(&self) -> TcpStream {
         let stream = TcpStream::connect(self.local()).expect("the server listens");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a time");
+        stream.set_read_timeout(Some(HANG)).expect("a time");
         stream
     }
 
@@ -140,18 +139,18 @@ impl Server {
         self.child.id()
     }
 
-    /// Ctrl-C; gives the exit code and how long it took.
-    pub fn interrupt(mut self) -> (Option<i32>, Duration) {
+    /// Ctrl-C; gives the exit code once it has ended.
+    pub fn interrupt(mut self) -> Option<i32> {
         let began = Instant::now();
         let told = Command::new("kill").args(["-INT", &self.child.id().to_string()]).status();
         assert!(told.is_ok_and(|status| status.success()));
-        while began.elapsed() < PATIENCE {
+        while began.elapsed() < HANG {
             if let Some(status) = self.child.try_wait().expect("a child") {
-                return (status.code(), began.elapsed());
+                return status.code();
             }
             std::thread::sleep(Duration::from_millis(20));
         }
-        panic!("it did not end within {PATIENCE:?}");
+        panic!("it did not end within {HANG:?}");
     }
 }
 
@@ -196,7 +195,7 @@ impl Tab {
     pub fn wait_for(&mut self, wanted: impl Fn(&Value) -> bool) -> Value {
         let began = Instant::now();
         let mut last = Value::Null;
-        while began.elapsed() < 3 * PATIENCE {
+        while began.elapsed() < HANG {
             let message = self.hear();
             if message["type"] == "state" {
                 if wanted(&message) {

@@ -13,8 +13,6 @@ pub struct Scenario {
     pub parameters: Parameters<f64>,
     /// Samples per second.
     pub rate_hz: f64,
-    /// Not faster than a real rig; otherwise as fast as it is listened to.
-    pub in_real_time: bool,
     /// Hangs at rest this long before each lift.
     pub rest_s: f64,
     /// Lifted within this time …
@@ -41,7 +39,6 @@ impl Default for Scenario {
         Self {
             parameters: Parameters::paper(),
             rate_hz: 1000.0,
-            in_real_time: false,
             rest_s: 3.0,
             lift_s: 1.0,
             release_rad: 1.0,
@@ -106,11 +103,6 @@ impl Plant {
     /// How many swings have begun.
     pub fn n_swings(&self) -> u32 {
         self.n_swings
-    }
-
-    /// Samples a second of the clock on the wall, if that matters.
-    pub fn real_time_hz(&self) -> Option<f64> {
-        self.scenario.in_real_time.then_some(self.scenario.rate_hz)
     }
 
     /// The true angle, rad.

@@ -1,12 +1,13 @@
 //! Runs the built program `host` as a person would.
 
+use crate::HANG;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
-use std::time::Duration;
 
-/// No command of a test takes longer.
-const PATIENCE: Duration = Duration::from_secs(240);
+/// Variable and value with which the program waits for a rig as long as a busy computer makes it wait; without it, it
+/// gives up after seconds.
+pub const PATIENT: (&str, &str) = ("RIG_PATIENCE", "100");
 
 /// The program: that of the variable `HOST_PROGRAM`, or built once per test run with the profile of the tests.
 pub fn path() -> &'static Path {
@@ -44,12 +45,16 @@ pub fn host(folder: &Path, arguments: &str) -> Run {
 
 /// Runs the program in a folder with arguments that may contain spaces.
 pub fn host_with(folder: &Path, arguments: &[&str]) -> Run {
-    let output = assert_cmd::Command::new(path())
-        .args(arguments)
-        .current_dir(folder)
-        .timeout(PATIENCE)
-        .output()
-        .expect("the program starts");
+    run(assert_cmd::Command::new(path()).args(arguments).current_dir(folder).env(PATIENT.0, PATIENT.1))
+}
+
+/// The same as [`host`], but it gives up on a rig as soon as it does for a user.
+pub fn impatient_host(folder: &Path, arguments: &str) -> Run {
+    run(assert_cmd::Command::new(path()).args(arguments.split_whitespace()).current_dir(folder))
+}
+
+fn run(command: &mut assert_cmd::Command) -> Run {
+    let output = command.timeout(HANG).output().expect("the program starts");
     Run {
         code: output.status.code().unwrap_or(-1),
         stdout: String::from_utf8(output.stdout).expect("text"),

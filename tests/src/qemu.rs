@@ -4,7 +4,9 @@
 //! away from the other and no wall-clock time enters a result.
 
 mod counter;
+mod writes;
 
+use crate::HANG;
 use crate::plant::{Plant, Scenario};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -21,16 +23,16 @@ pub const QEMU: &str = "qemu-system-arm";
 /// The machine that the firmware's `board-qemu` is written for.
 pub const MACHINE: &str = "netduinoplus2";
 
+/// Samples a second of every scenario here.
+const RATE_HZ: f64 = 1000.0;
+
 /// Samples on their way at most, not yet acknowledged.
-const WINDOW: u64 = 128;
+pub const WINDOW: u64 = 128;
 
-/// If nothing is acknowledged for so long, the firmware restarted and lost what was on its way.
-const LOST_AFTER: Duration = Duration::from_millis(300);
+/// What the firmware sends on the pendulum's line when it starts; every other byte says how many samples it took.
+const STARTS: u8 = 0;
 
-/// Waiting for QEMU's first words, and for its socket.
-const START_LIMIT: Duration = Duration::from_secs(20);
-
-/// A running emulator. It ends with this value, or after its time limit.
+/// A running emulator. It ends with this value.
 pub struct Qemu {
     shared: Arc<Shared>,
     port: String,
@@ -46,14 +48,32 @@ static TURN: Mutex<()> = Mutex::new(());
 struct Shared {
     process: Mutex<Child>,
     stop: AtomicBool,
+    holds: AtomicBool,
+    n_starts: AtomicU64,
     n_samples: AtomicU64,
     n_swings: AtomicU64,
     next_scenario: Mutex<Option<Scenario>>,
 }
 
+/// Looks at a running emulator from elsewhere.
+#[derive(Clone)]
+pub struct Gauge(Arc<Shared>);
+
+impl Gauge {
+    /// The rig's own clock, s: samples sent over the sampling rate.
+    pub fn seconds(&self) -> f64 {
+        self.0.n_samples.load(Ordering::Relaxed) as f64 / RATE_HZ
+    }
+
+    /// How often the firmware has started. What it said on the link before its last start is there to be read.
+    pub fn n_starts(&self) -> u64 {
+        self.0.n_starts.load(Ordering::Acquire)
+    }
+}
+
 impl Qemu {
-    /// Starts `image` (from [`crate::image::firmware`]) with a pendulum in `scenario`; killed after `limit`.
-    pub fn start(image: &Path, scenario: Scenario, limit: Duration) -> Result<Self, String> {
+    /// Starts `image` (from [`crate::image::firmware`]) with a pendulum in `scenario`.
+    pub fn start(image: &Path, scenario: Scenario) -> Result<Self, String> {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let directory = own_directory()?;
         let socket = directory.join("plant");
@@ -80,12 +100,14 @@ impl Qemu {
         let shared = Arc::new(Shared {
             process: Mutex::new(process),
             stop: AtomicBool::new(false),
+            holds: AtomicBool::new(false),
+            n_starts: AtomicU64::new(0),
             n_samples: AtomicU64::new(0),
             n_swings: AtomicU64::new(0),
             next_scenario: Mutex::new(None),
         });
         let feeder = Arc::clone(&shared);
-        let plant = std::thread::spawn(move || feeder.feed(Plant::new(scenario), line, limit));
+        let plant = std::thread::spawn(move || feeder.feed(Plant::new(scenario), line));
         Ok(Self { shared, port, directory, log, plant: Some(plant), _turn: turn })
     }
 
@@ -116,22 +138,24 @@ impl Qemu {
         }
     }
 
-    /// Makes the processor go on at another address, as a wild pointer would.
-    pub fn jump_to(&self, address: u32) -> Result<(), String> {
-        let mut debugger = connect(&debugger(&self.directory))?;
-        // QEMU takes single registers (15 is the program counter) only from those who have asked for their
-        // description; D lets the program run on.
-        let set = format!("Pf={:08x}", address.swap_bytes());
-        for request in ["qXfer:features:read:target.xml:0,ff", &set, "D"] {
-            let reply = ask_debugger(&mut debugger, request).map_err(|error| format!("{request}: {error}"))?;
-            if request == set && !reply.contains("$OK") {
-                return Err(format!("the debugger answered {reply} to {request}"));
-            }
-        }
-        Ok(())
+    /// Its clock and starts.
+    pub fn gauge(&self) -> Gauge {
+        Gauge(Arc::clone(&self.shared))
     }
 
-    /// Has it ended, by itself or by its limit?
+    /// Holds the pendulum's samples back, or lets them go on; up to [`WINDOW`] are still on their way.
+    pub fn hold(&self, holds: bool) {
+        self.shared.holds.store(holds, Ordering::Relaxed);
+    }
+
+    /// Makes the processor go on at another address, as a wild pointer would.
+    pub fn jump_to(&self, address: u32) -> Result<(), String> {
+        let mut line = connect(&debugger(&self.directory))?;
+        jump(&mut line, address)?;
+        ask(&mut line, "D").map(drop)
+    }
+
+    /// Has it ended by itself?
     pub fn has_ended(&self) -> bool {
         self.shared.process.lock().is_ok_and(|mut process| !matches!(process.try_wait(), Ok(None)))
     }
@@ -151,48 +175,33 @@ impl Drop for Qemu {
 }
 
 impl Shared {
-    /// Sends samples while the firmware acknowledges them; kills it at the time limit.
-    fn feed(&self, mut plant: Plant, mut line: UnixStream, limit: Duration) {
-        let started = Instant::now();
-        let real_time_hz = plant.real_time_hz();
-        let mut in_flight = 0;
-        let mut last_heard = Instant::now();
+    /// Sends samples while the firmware acknowledges them. None is sent before it has started, and what was on its way
+    /// when it starts again counts as lost.
+    fn feed(&self, mut plant: Plant, mut line: UnixStream) {
+        let mut in_flight = WINDOW;
         while !self.stop.load(Ordering::Relaxed) {
-            if started.elapsed() > limit {
-                if let Ok(mut process) = self.process.lock() {
-                    end(&mut process);
-                }
-                return;
-            }
             if let Some(scenario) = self.next_scenario.lock().ok().and_then(|mut next| next.take()) {
                 plant = Plant::new(scenario);
             }
-            let n_due = real_time_hz.map_or(WINDOW, |rate_hz| {
-                let due = (started.elapsed().as_secs_f64() * rate_hz) as u64;
-                due.saturating_sub(self.n_samples.load(Ordering::Relaxed))
-            });
-            if n_due == 0 {
-                std::thread::sleep(Duration::from_millis(1));
-                continue;
-            }
-            let n_new = n_due.min(WINDOW - in_flight);
+            let n_new = if self.holds.load(Ordering::Relaxed) { 0 } else { WINDOW - in_flight };
             let bytes: Vec<u8> = (0..n_new).flat_map(|_| two_bytes(plant.next_code().0)).collect();
             if line.write_all(&bytes).is_err() {
                 return;
             }
             in_flight += n_new;
-            self.n_samples.fetch_add(bytes.len() as u64 / 2, Ordering::Relaxed);
+            self.n_samples.fetch_add(n_new, Ordering::Relaxed);
             self.n_swings.store(u64::from(plant.n_swings()), Ordering::Relaxed);
 
-            let mut credits = [0; 64];
-            let n_credits = line.read(&mut credits).unwrap_or(0);
-            let acknowledged: u64 = credits[..n_credits].iter().map(|credit| u64::from(*credit)).sum();
-            in_flight -= acknowledged.min(in_flight);
-            if n_credits > 0 {
-                last_heard = Instant::now();
-            } else if last_heard.elapsed() > LOST_AFTER {
-                in_flight = 0;
-                last_heard = Instant::now();
+            let mut said = [0; 64];
+            let n_said = line.read(&mut said).unwrap_or(0);
+            for credit in &said[..n_said] {
+                match *credit {
+                    STARTS => {
+                        in_flight = 0;
+                        self.n_starts.fetch_add(1, Ordering::Release);
+                    }
+                    credit => in_flight = in_flight.saturating_sub(u64::from(credit)),
+                }
             }
         }
     }
@@ -217,7 +226,7 @@ pub fn missing(error: std::io::Error) -> String {
 
 /// Runs an image that ends by itself in `directory`, where it finds its files; gives what it printed. `icount` makes
 /// time count instructions, so that two runs are the same.
-pub fn run(image: &Path, directory: &Path, icount: Option<&str>, limit: Duration) -> Result<String, String> {
+pub fn run(image: &Path, directory: &Path, icount: Option<&str>) -> Result<String, String> {
     let icount = icount.into_iter().flat_map(|setting| ["-icount", setting]);
     let mut process = command()
         .current_dir(directory)
@@ -235,10 +244,10 @@ pub fn run(image: &Path, directory: &Path, icount: Option<&str>, limit: Duration
     let status = loop {
         match process.try_wait() {
             Ok(Some(status)) => break status,
-            Ok(None) if started.elapsed() < limit => std::thread::sleep(Duration::from_millis(5)),
+            Ok(None) if started.elapsed() < HANG => std::thread::sleep(Duration::from_millis(5)),
             _ => {
                 end(&mut process);
-                return Err(format!("{} did not end within {limit:?}", image.display()));
+                return Err(format!("{} did not end within {HANG:?}", image.display()));
             }
         }
     };
@@ -288,7 +297,7 @@ fn terminal_of(process: &mut Child, log: &Arc<Mutex<Vec<u8>>>) -> Result<String,
         }
     });
     let mut all = String::new();
-    while let Ok(line) = lines.recv_timeout(START_LIMIT) {
+    while let Ok(line) = lines.recv_timeout(HANG) {
         if let Some(port) = line.split_whitespace().find(|word| word.starts_with("/dev/")) {
             return Ok(port.to_owned());
         }
@@ -311,14 +320,31 @@ fn connect(socket: &Path) -> Result<UnixStream, String> {
     loop {
         match UnixStream::connect(socket) {
             Ok(stream) => {
-                // A short wait for acknowledgements, so that stopping and the time limit are noticed.
+                // A short wait for acknowledgements, so that stopping is noticed.
                 stream.set_read_timeout(Some(Duration::from_millis(50))).map_err(|error| error.to_string())?;
                 return Ok(stream);
             }
-            Err(_) if started.elapsed() < START_LIMIT => std::thread::sleep(Duration::from_millis(10)),
+            Err(_) if started.elapsed() < HANG => std::thread::sleep(Duration::from_millis(10)),
             Err(error) => return Err(format!("could not connect to {QEMU} at {}: {error}", socket.display())),
         }
     }
+}
+
+/// Sets the program counter (register 15). QEMU takes single registers only from those who have asked for their
+/// description.
+fn jump(line: &mut UnixStream, address: u32) -> Result<(), String> {
+    ask(line, "qXfer:features:read:target.xml:0,ff")?;
+    must(line, &format!("Pf={:08x}", address.swap_bytes()))
+}
+
+/// What the debugger has to agree to.
+fn must(line: &mut UnixStream, request: &str) -> Result<(), String> {
+    let reply = ask(line, request)?;
+    if reply.contains("$OK") { Ok(()) } else { Err(format!("the debugger answered {reply} to {request}")) }
+}
+
+fn ask(line: &mut UnixStream, request: &str) -> Result<String, String> {
+    ask_debugger(line, request).map_err(|error| format!("{request}: {error}"))
 }
 
 /// One packet of GDB's remote protocol and its answer; news of the processor's halt (`T`) may come before it.
@@ -329,7 +355,7 @@ fn ask_debugger(line: &mut UnixStream, request: &str) -> std::io::Result<String>
     let asked = Instant::now();
     let answered =
         |reply: &str| reply.split('$').skip(1).any(|packet| packet.contains('#') && !packet.starts_with('T'));
-    while !answered(&reply) && asked.elapsed() < START_LIMIT {
+    while !answered(&reply) && asked.elapsed() < HANG {
         let mut bytes = [0; 512];
         match line.read(&mut bytes) {
             Ok(n_bytes) => reply += &String::from_utf8_lossy(&bytes[..n_bytes]),

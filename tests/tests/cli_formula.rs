@@ -31,7 +31,7 @@ fn a_formula_is_fitted_stored_run_on_the_rig_and_pulled_back() {
     let values = model.parameters().values(1000).unwrap().to_vec();
     assert!((values[0] / 2e-5 - 1.0).abs() < 0.15 && (values[1] - 2.0).abs() < 0.06, "{values:?}");
 
-    let device = Device::rig("plain", 30.0);
+    let device = Device::rig("plain");
     host(folder.path(), &format!("push --rig fitted.toml --port {}", device.port)).succeeded();
     host(folder.path(), &format!("pull --port {} -o pulled.toml", device.port)).succeeded();
     let pulled = host::rigfile::RigFile::load(&folder.path().join("pulled.toml")).unwrap();

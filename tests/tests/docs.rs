@@ -6,7 +6,7 @@ use host::rigfile::RigFile;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use tests::device::Device;
-use tests::program::{host, path};
+use tests::program::{PATIENT, host, path};
 use tests::protocol_page;
 
 /// Pages with code blocks, each run by a test of its own.
@@ -28,20 +28,26 @@ const PAGES: [&str; 15] = [
     "docs/python.md",
 ];
 
-/// So much faster than real time runs the rig that pages call /dev/ttyACM0 or PORT.
-const SPEED: f64 = 20.0;
-
 /// What stands for `cargo` while a page is run: its aliases, with the program that is built already.
 const CARGO: &str = r#"
 cargo() {
     case "$1 ${2-}" in
-        # The page is served until Ctrl-C, which ends it cleanly; without a browser, on any free port.
-        "host serve") shift; timeout --preserve-status -s INT 3 host "$@" --no-open --listen 127.0.0.1:0 ;;
+        "host serve") shift; served "$@" ;;
         "host "*) shift; host "$@" ;;
         "run --release") shift 5; host "$@" ;;
         "firmware "*) grep -q '^firmware = ' "$REPOSITORY/.cargo/config.toml" ;;
         *) echo "a page says: cargo $*" >&2; return 1 ;;
     esac
+}
+
+# The page is served, without a browser and on any free port, until its address is printed; then Ctrl-C ends it cleanly.
+served() {
+    coproc SERVER { exec host "$@" --no-open --listen 127.0.0.1:0; }
+    local server=$SERVER_PID address
+    read -r address <&"${SERVER[0]}"
+    [[ "$address" == http://127.0.0.1:* ]]
+    kill -INT "$server"
+    wait "$server"
 }
 "#;
 
@@ -246,7 +252,7 @@ impl Bench {
         std::fs::create_dir_all(folder.path().join("tests")).unwrap();
         symlink("/bin/true", folder.path().join("tests/run")).unwrap();
         assert!(repository().join("tests/run").exists());
-        Self { folder, rig: Device::rig("plain", SPEED) }
+        Self { folder, rig: Device::rig("plain") }
     }
 
     fn shell(&self, page: &str, text: &str) -> String {
@@ -280,7 +286,11 @@ impl Bench {
 
     fn said_by(&self, page: &str, command: &mut Command) -> String {
         let search = format!("{}:{}", self.folder.path().join("bin").display(), std::env::var("PATH").unwrap());
-        let command = command.env("PATH", search).env("REPOSITORY", repository()).current_dir(self.folder.path());
+        let command = command
+            .env("PATH", search)
+            .env("REPOSITORY", repository())
+            .env(PATIENT.0, PATIENT.1)
+            .current_dir(self.folder.path());
         let output = command.output().unwrap_or_else(|error| panic!("{page}: {command:?}: {error}"));
         let (said, told) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         assert!(output.status.success(), "{page}: {command:?}\n{said}\n{told}");

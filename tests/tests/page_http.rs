@@ -4,7 +4,6 @@
 use std::io::{Read, Write};
 use std::path::Path;
 use std::thread;
-use std::time::Duration;
 use tests::page::{Server, upgrade};
 use tests::program::host;
 
@@ -193,9 +192,7 @@ fn ctrl_c_ends_it_cleanly_while_everything_is_open() {
     let mut tab = server.tab();
     tab.wait_for(|state| state["rig"]["listening"] == true);
     let _idle = server.connect();
-    let (code, took) = server.interrupt();
-    assert_eq!(code, Some(0));
-    assert!(took < Duration::from_secs(5), "{took:?}");
+    assert_eq!(server.interrupt(), Some(0));
 }
 
 #[test]

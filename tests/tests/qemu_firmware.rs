@@ -1,23 +1,27 @@
 //! The whole firmware in QEMU: greets, streams, keeps parameters over a restart, and survives bad input.
 
 use defmt_decoder::Table;
+use object::{Object, ObjectSymbol};
 use shared::parameters::{ParameterError, Parameters};
 use shared::wire::{Answer, Command, Frame, Hello, PROTOCOL, Refusal, ResetCause, StoreState, Stream};
-use std::time::Duration;
 use tests::image::{Board, firmware};
 use tests::innovation;
 use tests::link::Link;
 use tests::plant::Scenario;
 use tests::qemu::Qemu;
 
-const LIMIT: Duration = Duration::from_secs(300);
-
 /// The deepest call (a save that has to move the store to another sector) stays below this.
 const MOST_STACK: u32 = 16 * 1024;
 
+/// Saves that are cut by a restart, after the first write, the last, and between.
+const N_CUT_SAVES: u32 = 20;
+
+/// Nothing is there to be executed.
+const NOWHERE: u32 = 0xefff_fff0;
+
 fn start() -> (Qemu, Link) {
     let image = firmware(Board::Qemu).unwrap();
-    let qemu = Qemu::start(&image, Scenario::default(), LIMIT).unwrap();
+    let qemu = Qemu::start(&image, Scenario::default()).unwrap();
     let link = Link::open(qemu.port()).unwrap();
     (qemu, link)
 }
@@ -36,9 +40,7 @@ fn it_greets_streams_every_sample_and_counts_them() {
     // A hello that arrives while the firmware starts is half a frame.
     let bad_frames = link.statistics().unwrap().bad_frames;
     assert_eq!(link.ask(Command::Start(Stream { raw: true, live_every: 10 })).unwrap(), Answer::Done);
-    let started = std::time::Instant::now();
-    link.collect(Duration::from_secs(60), |frames| frames.len() >= 600).unwrap();
-    println!("{:.0} frames a second", 600.0 / started.elapsed().as_secs_f64());
+    link.collect(|frames| frames.len() >= 600).unwrap();
     assert_eq!(link.ask(Command::Stop).unwrap(), Answer::Done);
     let (mut next_sample, mut next_sequence) = (None, 0);
     for frame in &link.frames {
@@ -69,10 +71,8 @@ fn saved_parameters_are_there_after_a_restart_and_unsaved_ones_are_not() {
     assert_ne!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(saved.clone()));
 
     assert_eq!(link.ask(Command::Reset).unwrap(), Answer::Done);
-    std::thread::sleep(Duration::from_millis(500));
-    link.hello().unwrap();
+    let after = link.hello_after_restart(1).unwrap().health;
     assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(saved));
-    let after = link.statistics().unwrap().health;
     assert_eq!((after.store, after.cause, after.resets), (StoreState::Loaded, ResetCause::Asked, 1));
 }
 
@@ -122,17 +122,13 @@ fn many_saves_move_through_all_sectors_on_a_bounded_stack() {
 fn a_hard_fault_restarts_the_rig_and_is_remembered() {
     let (qemu, mut link) = start();
     link.hello().unwrap();
-    qemu.jump_to(0xefff_fff0).unwrap();
-    std::thread::sleep(Duration::from_millis(300));
-    link.hello().unwrap();
-    let health = link.statistics().unwrap().health;
+    qemu.jump_to(NOWHERE).unwrap();
+    let health = link.hello_after_restart(1).unwrap().health;
     assert_eq!((health.cause, health.resets), (ResetCause::HardFault, 1));
     assert!(health.last_fault.starts_with("pc 0xefffff"), "{}", health.last_fault);
 
     link.ask(Command::Reset).unwrap();
-    std::thread::sleep(Duration::from_millis(300));
-    link.hello().unwrap();
-    let later = link.statistics().unwrap().health;
+    let later = link.hello_after_restart(2).unwrap().health;
     assert_eq!((later.cause, later.resets, &later.last_fault), (ResetCause::Asked, 2, &health.last_fault));
 
     let log = logged(&qemu);
@@ -149,20 +145,39 @@ fn a_restart_in_the_middle_of_a_save_leaves_the_old_or_the_new_parameters() {
     let mut old = other_parameters();
     assert_eq!(link.ask(Command::SetParameters(old.clone())).unwrap(), Answer::Done);
     assert_eq!(link.ask(Command::Save).unwrap(), Answer::Done);
-    for i in 0..20_u64 {
+    let flash = simulated_flash();
+    // The first is not cut: it tells how many writes a save has.
+    let (mut n_writes, mut n_new) = (u32::MAX, 0);
+    for i in 0..=N_CUT_SAVES {
         let mut new = old.clone();
         new.pendulum.inertia_kg_m2 += 1e-5;
         assert_eq!(link.ask(Command::SetParameters(new.clone())).unwrap(), Answer::Done);
+        let writes = qemu.watch_writes(&flash).unwrap();
         link.send(&Frame::Command(u16::MAX, Command::Save)).unwrap();
-        std::thread::sleep(Duration::from_micros(300 * i));
-        qemu.jump_to(0xefff_fff0).unwrap();
-        std::thread::sleep(Duration::from_millis(300));
-        link.hello().unwrap();
+        let cut_after = if i == 0 { u32::MAX } else { 1 + (n_writes - 1) * (i - 1) / (N_CUT_SAVES - 1) };
+        let is_saved = || matches!(link.receive(), Ok(Some(Frame::Answer(u16::MAX, Answer::Done))));
+        let n_seen = writes.jump_after(cut_after, NOWHERE, is_saved).unwrap();
+        if i == 0 {
+            n_writes = n_seen;
+        }
+        let restarted = link.hello_after_restart(i as u16 + 1).unwrap();
         let Answer::Parameters(kept) = link.ask(Command::GetParameters).unwrap() else { panic!() };
-        assert!(kept == old || kept == new, "restart {i}: {kept:?}");
-        assert_eq!(link.statistics().unwrap().health.store, StoreState::Loaded, "restart {i}");
+        assert!(kept == old || kept == new, "restart {i}, after {n_seen} writes: {kept:?}");
+        assert_eq!(restarted.health.store, StoreState::Loaded, "restart {i}, after {n_seen} writes");
+        n_new += u32::from(kept == new);
+        println!("after {n_seen} writes the {} parameters are there", if kept == new { "new" } else { "old" });
         old = kept;
     }
+    assert!(n_new > 1 && n_new < N_CUT_SAVES, "{n_new} new");
+}
+
+/// Where the image keeps what stands for flash.
+fn simulated_flash() -> std::ops::Range<u64> {
+    let image = std::fs::read(firmware(Board::Qemu).unwrap()).unwrap();
+    let file = object::File::parse(&*image).unwrap();
+    let memory = file.symbols().find(|symbol| symbol.name().is_ok_and(|name| name.contains("ram_flash6MEMORY")));
+    let memory = memory.expect("the image names its simulated flash");
+    memory.address()..memory.address() + memory.size()
 }
 
 /// Level and text of everything logged so far.
@@ -181,7 +196,7 @@ fn logged(qemu: &Qemu) -> Vec<String> {
 fn innovation_rad(parameters: &Parameters<f32>) -> f64 {
     let image = firmware(Board::Qemu).unwrap();
     let scenario = Scenario { rest_s: 0.5, lift_s: 0.5, hold_s: 0.5, swing_s: 12.0, ..Scenario::default() };
-    let qemu = Qemu::start(&image, scenario, LIMIT).unwrap();
+    let qemu = Qemu::start(&image, scenario).unwrap();
     let mut link = Link::open(qemu.port()).unwrap();
     link.hello().unwrap();
     link.ask(Command::SetParameters(parameters.clone())).unwrap();

@@ -5,15 +5,12 @@
 use shared::effect::Effect;
 use shared::parameters::Parameters;
 use shared::wire::{Answer, Command, StoreState};
-use std::time::{Duration, Instant};
 use tests::image::{Board, firmware};
 use tests::innovation;
 use tests::link::Link;
 use tests::plant::Scenario;
-use tests::program::path;
+use tests::program::host_with;
 use tests::qemu::Qemu;
-
-const LIMIT: Duration = Duration::from_secs(300);
 
 /// What the rig believed, and the root mean square of its innovation (rad), before and after `host fit`.
 struct Fitted {
@@ -38,7 +35,7 @@ fn brisk() -> Scenario {
 /// Runs the board with a pendulum, fits, restarts the board, and looks at the next swing.
 fn fitted(scenario: &Scenario, options: &[&str]) -> Fitted {
     let image = firmware(Board::Qemu).unwrap();
-    let qemu = Qemu::start(&image, scenario.clone(), LIMIT).unwrap();
+    let qemu = Qemu::start(&image, scenario.clone()).unwrap();
     let folder = tempfile::tempdir().unwrap();
 
     let before = {
@@ -48,25 +45,15 @@ fn fitted(scenario: &Scenario, options: &[&str]) -> Fitted {
         (parameters(&mut link), innovation_rad)
     };
 
-    let started = Instant::now();
-    let run = assert_cmd::Command::new(path())
-        .args(["fit", "--port", qemu.port(), "-o", "rig.toml"])
-        .args(options)
-        .current_dir(folder.path())
-        .timeout(LIMIT)
-        .output()
-        .unwrap();
-    let said = [run.stderr, run.stdout].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
-    println!("{said}{:.0?}", started.elapsed());
-    assert!(run.status.success(), "{said}");
+    let run = host_with(folder.path(), &[&["fit", "--port", qemu.port(), "-o", "rig.toml"], options].concat());
+    println!("{}{}", run.stderr, run.stdout);
+    run.succeeded();
 
     let mut link = Link::open(qemu.port()).unwrap();
     link.hello().unwrap();
     let pushed = parameters(&mut link);
     link.ask(Command::Reset).unwrap();
-    std::thread::sleep(Duration::from_millis(500));
-    link.hello().unwrap();
-    assert_eq!(link.statistics().unwrap().health.store, StoreState::Loaded);
+    assert_eq!(link.hello_after_restart(1).unwrap().health.store, StoreState::Loaded);
     assert_eq!(parameters(&mut link), pushed);
 
     let innovation_rad = innovation::of_the_next_swing(&mut link).unwrap();

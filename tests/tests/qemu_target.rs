@@ -2,18 +2,15 @@
 
 use shared::model::Model;
 use shared::parameters::Parameters;
-use std::time::Duration;
 use target_tests::traces::{self, RELEASE_RAD, SWING_STEPS};
 use target_tests::{checks, traces::Trace};
 use tests::image::target_program;
 use tests::qemu::run;
 
-const LIMIT: Duration = Duration::from_secs(120);
-
 #[test]
 fn checks_hold_on_the_microcontroller_and_results_have_the_same_bits() {
     let image = target_program("checks").unwrap();
-    let said = run(&image, &std::env::temp_dir(), None, LIMIT).unwrap();
+    let said = run(&image, &std::env::temp_dir(), None).unwrap();
     let lines: Vec<&str> = said.lines().collect();
     assert!(!checks::ALL.is_empty() && !traces::ALL.is_empty());
     for check in checks::ALL {
@@ -34,7 +31,7 @@ fn line_of(trace: &Trace) -> String {
 
 #[test]
 fn a_panic_restarts_the_program_and_says_where_it_was() {
-    let said = run(&target_program("panics").unwrap(), &std::env::temp_dir(), None, LIMIT).unwrap();
+    let said = run(&target_program("panics").unwrap(), &std::env::temp_dir(), None).unwrap();
     let source = include_str!("../target/src/bin/panics.rs");
     let line = 1 + source.lines().position(|line| line.contains("panic!(")).unwrap();
     assert!(said.contains("cause Some(Panic), resets 1, at "), "{said}");

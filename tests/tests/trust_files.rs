@@ -1,62 +1,129 @@
 //! Recordings outlive the program: killed at any moment, it leaves a file that is the beginning of the whole.
-#![cfg(unix)]
+#![cfg(target_os = "linux")]
 
-use std::path::Path;
-use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
+use host::link::{Port, Session};
+use host::record::Plan;
+use host::recording::Existing;
+use host::sim::{Scenario, SimulatedRig};
+use std::cell::Cell;
+use std::io;
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus, Stdio};
+use std::rc::Rc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
+use tests::HANG;
 use tests::chance::Chance;
 use tests::program::{self, host};
 
 /// Runs; `TRUST_RUNS` makes it more.
-const N_RUNS: u64 = 200;
+const N_RUNS: u64 = 100;
 
-const RECORD: [&str; 6] = ["record", "--quiet", "--port", "sim", "-o", "swing.csv"];
-
-fn record(folder: &Path) -> Command {
-    let mut command = Command::new(program::path());
-    command.args(RECORD).current_dir(folder).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    command
-}
+/// Samples that need not be in the file yet: the second between two flushes, and what is on its way from the rig.
+const NOT_YET_THERE: u64 = 1000 + 100;
 
 /// The rows of a recording without its header.
 fn rows(text: &str) -> Vec<&str> {
     text.split_inclusive('\n').filter(|line| line.starts_with(|first: char| first.is_ascii_digit())).collect()
 }
 
+/// Records with a limit on the size of files, bytes. What writes beyond it is killed by the system (SIGXFSZ), so that a
+/// kill comes after so many bytes however fast the computer is.
+fn record(folder: &Path, most_bytes: u64) -> ExitStatus {
+    let limit = format!("--fsize={most_bytes}");
+    let record = ["record", "--quiet", "--port", "sim", "-o", "swing.csv", "--force"];
+    let mut command = Command::new("prlimit");
+    command.args([&limit, "--core=0"]).arg(program::path()).args(record).current_dir(folder);
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().unwrap()
+}
+
 #[test]
-fn a_recording_killed_at_any_moment_is_the_beginning_of_the_whole() {
+fn a_recording_killed_after_any_byte_is_the_beginning_of_the_whole() {
     let n_runs = std::env::var("TRUST_RUNS").map_or(N_RUNS, |runs| runs.parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("swing.csv");
-    let began = Instant::now();
-    assert!(record(folder.path()).status().unwrap().success());
-    let takes = began.elapsed();
-    let whole = std::fs::read_to_string(&path).unwrap();
-    let whole = rows(&whole);
-    let (mut n_cut, mut n_read) = (0, 0);
+    assert!(record(folder.path(), u64::MAX >> 1).success());
+    let text = std::fs::read_to_string(&path).unwrap();
+    let whole = rows(&text);
+    let header = text.len() - whole.iter().map(|row| row.len()).sum::<usize>();
+    let mut n_read = 0;
     for seed in 0..n_runs {
-        let _ = std::fs::remove_file(&path);
-        let mut process = record(folder.path()).spawn().unwrap();
-        std::thread::sleep(takes.mul_f64(Chance::new(seed).within(0.0..1.2)));
-        process.kill().unwrap();
-        process.wait().unwrap();
-        let Ok(text) = std::fs::read_to_string(&path) else { continue };
-        let rows = rows(&text);
-        // The last line may be cut.
-        let n_whole = rows.iter().filter(|row| row.ends_with('\n')).count();
-        assert!(n_whole + 1 >= rows.len(), "seed {seed}");
-        assert_eq!(rows[..n_whole], whole[..n_whole], "seed {seed}");
-        n_cut += u64::from(n_whole < whole.len());
-        // What the system was given comes once a second of the swing: at 1 kHz at least a thousand rows or none.
-        if n_whole >= 2000 {
+        let n_bytes = Chance::new(seed).within(0.0..text.len() as f64) as usize;
+        let status = record(folder.path(), n_bytes as u64);
+        assert!(status.signal().is_some(), "seed {seed}: {status}");
+        let kept = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(kept.len(), n_bytes, "seed {seed}");
+        // The header has the time of day.
+        assert_eq!(kept.get(header..), text[..n_bytes].get(header..), "seed {seed}");
+        let n_whole = rows(&kept).iter().filter(|row| row.ends_with('\n')).count();
+        if n_whole >= host::recording::MIN_SAMPLES {
             n_read += 1;
-            let kept = host::recording::read(&path, &Default::default()).unwrap();
-            assert_eq!(kept.len(), n_whole, "seed {seed}");
+            let recording = host::recording::read(&path, &Default::default()).unwrap();
+            assert_eq!(recording.len(), n_whole, "seed {seed}");
         }
     }
-    println!("{n_runs} runs of {takes:?}: {n_cut} cut, {n_read} read back");
-    assert!(n_cut > n_runs / 4 && n_read > n_runs / 8, "{n_cut} {n_read}");
+    println!("{n_runs} runs cut in {} bytes, {n_read} read back", text.len());
+    assert!(n_read > n_runs * 9 / 10, "{n_read}");
+}
+
+/// The simulated rig, with a look at the file on the disk before every read: what is there then, a kill would leave.
+struct Watched {
+    rig: SimulatedRig,
+    path: PathBuf,
+    began: Option<u64>,
+    n_looks: Rc<Cell<u64>>,
+}
+
+impl Watched {
+    /// Are all samples in the file but those of the last second?
+    fn look(&mut self) {
+        let now = (self.rig.elapsed_s() * 1000.0).round() as u64;
+        let Ok(text) = std::fs::read_to_string(&self.path) else { return };
+        let n_rows = rows(&text).len() as u64;
+        // The lead-in comes at once with the release; from there on the file grows as time goes on.
+        let began = match (self.began, n_rows) {
+            (_, 0) => return,
+            (None, _) => *self.began.insert(now - n_rows),
+            (Some(began), _) => began,
+        };
+        assert!(began + n_rows + NOT_YET_THERE > now, "{n_rows} rows {} ms after the first", now - began);
+        self.n_looks.set(self.n_looks.get() + 1);
+    }
+}
+
+impl Port for Watched {
+    fn name(&self) -> &str {
+        "watched"
+    }
+
+    fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        self.look();
+        Ok(self.rig.read(buffer, timeout))
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.rig.receive(bytes);
+        Ok(())
+    }
+
+    fn elapsed(&self) -> Duration {
+        Duration::from_secs_f64(self.rig.elapsed_s())
+    }
+}
+
+#[test]
+fn at_any_moment_all_but_the_last_second_of_a_recording_is_on_the_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("swing.csv");
+    let n_looks = Rc::new(Cell::new(0));
+    let rig = SimulatedRig::new(Scenario::by_name("plain").unwrap(), 1);
+    let port = Watched { rig, path: path.clone(), began: None, n_looks: n_looks.clone() };
+    let mut session = Session::open(Box::new(port)).unwrap();
+    let existing = Existing::Keep;
+    let plan = Plan { path: &path, existing, wait_s: 20.0, limit_s: 10.0, live_every: 0, started: None };
+    let taken = host::record::record(&mut session, &plan, &mut (), &AtomicBool::new(false)).unwrap();
+    assert!(taken.n_samples > 10_000 && n_looks.get() > 500, "{} samples, {n_looks:?} looks", taken.n_samples);
 }
 
 #[test]
@@ -123,7 +190,7 @@ fn a_file_that_is_replaced_while_it_is_read_is_read_whole_before_or_after() {
         });
         let mut seen = [0, 0];
         let began = Instant::now();
-        while seen.iter().any(|n| *n < 50) && began.elapsed() < Duration::from_secs(20) {
+        while seen.iter().any(|n| *n < 50) && began.elapsed() < HANG {
             let recording = read().unwrap();
             let angles = recording.angles_rad();
             assert!(angles.len() == 2000 && angles.iter().all(|angle| *angle == angles[0]), "a mixture");
@@ -144,15 +211,21 @@ fn a_file_that_is_cut_while_it_is_read_is_its_beginning_or_an_error() {
     let whole = format!("t,theta\n{rows}");
     std::fs::write(&path, &whole).unwrap();
     let all = host::recording::read(&path, &Default::default()).unwrap();
-    let done = AtomicBool::new(false);
+    let (done, n_reads) = (AtomicBool::new(false), AtomicU64::new(0));
     std::thread::scope(|scope| {
         scope.spawn(|| {
             while !done.load(Ordering::Relaxed) {
                 std::fs::write(&path, &whole).unwrap();
+                // The second of two reads that end from now on finds the whole file; the first may have found less.
+                let before = n_reads.load(Ordering::Relaxed);
+                while n_reads.load(Ordering::Relaxed) < before + 2 && !done.load(Ordering::Relaxed) {
+                    std::thread::yield_now();
+                }
             }
         });
         let (mut n_read, mut n_refused) = (0, 0);
-        for _ in 0..2000 {
+        let began = Instant::now();
+        while n_read < 1000 && began.elapsed() < HANG {
             match host::recording::read(&path, &Default::default()) {
                 Ok(recording) => {
                     assert_eq!(recording.angles_rad(), &all.angles_rad()[..recording.len()]);
@@ -163,9 +236,10 @@ fn a_file_that_is_cut_while_it_is_read_is_its_beginning_or_an_error() {
                     n_refused += 1;
                 }
             }
+            n_reads.fetch_add(1, Ordering::Relaxed);
         }
         done.store(true, Ordering::Relaxed);
         println!("{n_read} read, {n_refused} refused");
-        assert!(n_read > 0);
+        assert_eq!(n_read, 1000);
     });
 }

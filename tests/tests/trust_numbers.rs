@@ -17,13 +17,11 @@ use shared::rig::{Outcome, Rig};
 use shared::units::{Code, Radian};
 use shared::wire::{Answer, Command, Frame, Settings, StoreState, Stream};
 use std::f64::consts::PI;
-use std::time::{Duration, Instant};
+use std::time::Instant;
+use tests::HANG;
 use tests::program::host;
 
 const FULL_SCALE: u16 = 4095;
-
-/// Nothing here takes longer, even on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(180);
 
 /// No number, numbers at the ends of what `f64` and `f32` hold, and between.
 const STRANGE: [f64; 19] = [
@@ -290,7 +288,7 @@ fn within_patience<T>(what: &str, work: impl FnOnce() -> T) -> T {
     let began = Instant::now();
     let result = work();
     println!("{what}: {:.1?}", began.elapsed());
-    assert!(began.elapsed() < PATIENCE, "{what} took {:?}", began.elapsed());
+    assert!(began.elapsed() < HANG, "{what} took {:?}", began.elapsed());
     result
 }
 

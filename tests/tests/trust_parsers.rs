@@ -16,12 +16,10 @@ use shared::units::{Code, Radian};
 use shared::wire::{self, Command, Deframer, Frame, Hello, MAX_FRAME, StoreState, Stream};
 use std::panic::AssertUnwindSafe;
 use std::time::{Duration, Instant};
+use tests::HANG;
 use tests::edits::Seeds;
 use tests::memory;
 use tower::ServiceExt;
-
-/// No input takes longer, even on a busy machine.
-const LONGEST: Duration = Duration::from_secs(5);
 
 /// Memory may grow by this much, and no more however long it goes on: buffers, and the formulas that are kept.
 const MOST_GROWTH: u64 = 128 << 20;
@@ -53,7 +51,7 @@ impl Watch {
             growth >> 10,
             memory::peak() >> 20
         );
-        assert!(*longest < LONGEST, "{longest:?}");
+        assert!(*longest < HANG, "{longest:?}");
         assert!(growth < MOST_GROWTH, "memory grew by {growth} bytes");
         // Inputs that are all refused at once would prove little.
         assert!(*n_inputs > 100 && *n_good > n_inputs / 100, "{n_good} of {n_inputs} inputs were good");

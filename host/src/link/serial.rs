@@ -3,7 +3,7 @@
 //! The port is locked both ways while open: `TIOCEXCL` keeps other users out, an advisory `flock` other programs of
 //! the same (or the super) user.
 
-use super::{LinkError, Port};
+use super::{LinkError, Port, patient};
 use serialport::{ErrorKind, SerialPort};
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
@@ -15,7 +15,8 @@ const BAUD: u32 = 921_600;
 const WRITE_TIMEOUT: Duration = Duration::from_secs(2);
 
 pub(super) fn open(name: &str) -> Result<Box<dyn Port>, LinkError> {
-    let port = serialport::new(name, BAUD).timeout(WRITE_TIMEOUT).open().map_err(|error| explain(name, &error))?;
+    let port =
+        serialport::new(name, BAUD).timeout(patient(WRITE_TIMEOUT)).open().map_err(|error| explain(name, &error))?;
     Ok(Box::new(Serial { name: name.to_owned(), port, opened: Instant::now() }))
 }
 
@@ -41,7 +42,7 @@ impl Port for Serial {
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.port.set_timeout(WRITE_TIMEOUT).map_err(io::Error::from)?;
+        self.port.set_timeout(patient(WRITE_TIMEOUT)).map_err(io::Error::from)?;
         self.port.write_all(bytes)
     }
 

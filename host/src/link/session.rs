@@ -1,7 +1,7 @@
 //! A conversation with one rig.
 
 use super::hello::{Heard, OWN_NAME, version};
-use super::{LinkError, Port, Tally};
+use super::{LinkError, Port, Tally, patient};
 use shared::wire::{self, Answer, Command, Deframer, Frame, Hello, MAX_FRAME, Refusal, Stream};
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -65,7 +65,7 @@ impl Session {
     fn greet(&mut self) -> Result<(), LinkError> {
         let own = Frame::Hello(Hello::new(OWN_NAME));
         let mut heard = Heard::default();
-        let give_up = self.port.elapsed() + HELLO_PATIENCE;
+        let give_up = self.port.elapsed() + patient(HELLO_PATIENCE);
         while self.port.elapsed() < give_up {
             self.send(&own)?;
             let again = self.port.elapsed() + HELLO_EVERY;
@@ -81,7 +81,7 @@ impl Session {
                 }
             }
         }
-        Err(heard.verdict(self.port.name(), HELLO_PATIENCE.as_secs()))
+        Err(heard.verdict(self.port.name(), patient(HELLO_PATIENCE).as_secs()))
     }
 
     /// The port's name.
@@ -123,7 +123,8 @@ impl Session {
         let frame = Frame::Command(number, command.clone());
         log::debug!("asking the rig to {}", words(command));
         let is_slow = matches!(command, Command::Save | Command::Load);
-        let give_up = self.port.elapsed() + if is_slow { FLASH_PATIENCE } else { N_ATTEMPTS * ANSWER_PATIENCE };
+        let give_up =
+            self.port.elapsed() + patient(if is_slow { FLASH_PATIENCE } else { N_ATTEMPTS * ANSWER_PATIENCE });
         let mut n_times = 0;
         while self.port.elapsed() < give_up {
             if n_times > 0 {
@@ -162,7 +163,10 @@ impl Session {
     /// As [`Session::ask`]; firmware without formulas refuses.
     pub fn exchange_formula(&mut self, bytes: &[u8]) -> Result<Vec<u8>, LinkError> {
         let frame = Frame::CustomFormula(bytes.iter().copied().collect());
-        for _ in 0..N_ATTEMPTS {
+        let give_up = self.port.elapsed() + patient(N_ATTEMPTS * ANSWER_PATIENCE);
+        let mut n_times = 0;
+        while self.port.elapsed() < give_up {
+            n_times += 1;
             self.send(&frame)?;
             let deadline = self.port.elapsed() + ANSWER_PATIENCE;
             while let Some(frame) = self.next_frame(deadline, None)? {
@@ -178,7 +182,7 @@ impl Session {
             }
         }
         let port = self.port.name().to_owned();
-        Err(LinkError::NoAnswer { port, command: FORMULA_WORDS, n_times: N_ATTEMPTS })
+        Err(LinkError::NoAnswer { port, command: FORMULA_WORDS, n_times })
     }
 
     /// Starts a stream.
@@ -233,7 +237,7 @@ impl Session {
     /// The answer to a command that may take seconds. Now and then the rig is asked for something quick: it answers in
     /// order, so if that answer comes first, the command or its own answer was lost.
     fn slow_answer(&mut self, number: u16) -> Result<Option<Answer>, LinkError> {
-        let give_up = self.port.elapsed() + FLASH_ANSWER_PATIENCE;
+        let give_up = self.port.elapsed() + patient(FLASH_ANSWER_PATIENCE);
         let probe = self.new_number();
         while self.port.elapsed() < give_up {
             match self.answer(&[number, probe], ANSWER_PATIENCE)? {

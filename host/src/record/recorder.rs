@@ -3,7 +3,7 @@
 use super::detector::{Detector, Stage};
 use super::lead_in::{LeadIn, Sample};
 use super::{End, Live, Plan, RecordError, Taken, Watch};
-use crate::link::{LinkError, Session};
+use crate::link::{LinkError, Session, patient};
 use crate::recording::{Calibration, Header, WriteError, Writer};
 use shared::units::{Code, Radian};
 use shared::wire::{Frame, Samples, Settings};
@@ -88,7 +88,7 @@ impl<'a> Recorder<'a> {
                     watch.live(&self.live(session.tally().frames_lost));
                 }
                 Ok(Some(Frame::Live(points))) => watch.points(&points),
-                Ok(_) if session.elapsed() > heard + SILENCE => {
+                Ok(_) if session.elapsed() > heard + patient(SILENCE) => {
                     let port = session.port().to_owned();
                     return self.ended_early(End::Lost(LinkError::StreamStopped { port }));
                 }

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tokio::sync::oneshot;
 
 /// Live points per second: more than a screen can show.
@@ -28,7 +28,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 /// A stream that is silent for so long has dried up.
 const SILENCE: Duration = Duration::from_secs(3);
 
-/// The rig's own counters are asked for this often.
+/// The rig's own counters are asked for this often, by its own clock.
 const ASK_EVERY: Duration = Duration::from_secs(1);
 
 /// What may be asked of the rig.
@@ -238,14 +238,15 @@ impl Owner<'_> {
 
     /// Passes live points on until somebody wishes something.
     fn listen(&mut self) -> Option<Wish> {
-        let mut heard = (self.session.as_ref()?.elapsed(), Instant::now());
+        let now = self.session.as_ref()?.elapsed();
+        let (mut heard, mut asked) = (now, now);
         loop {
             match self.wishes.try_recv() {
                 Ok(wish) => return Some(wish),
                 Err(TryRecvError::Disconnected) => return Some(Wish::Leave),
                 Err(TryRecvError::Empty) => {}
             }
-            if let Err(failure) = self.pass_on(&mut heard) {
+            if let Err(failure) = self.pass_on(&mut heard, &mut asked) {
                 self.break_off(&failure);
                 return None;
             }
@@ -253,24 +254,24 @@ impl Owner<'_> {
     }
 
     /// Takes a frame; every now and then asks for the rig's counters.
-    fn pass_on(&mut self, heard: &mut (Duration, Instant)) -> Result<(), Failure> {
+    fn pass_on(&mut self, heard: &mut Duration, asked: &mut Duration) -> Result<(), Failure> {
         let session = self.session.as_mut().ok_or_else(|| Failure::failed("no rig is connected"))?;
         match session.receive(LOOK_EVERY)? {
             Some(frame) => {
-                heard.0 = session.elapsed();
+                *heard = session.elapsed();
                 if let Frame::Live(live) = frame
                     && let Some(message) = self.points.take(&live)
                 {
                     let _ = self.app.live.send(message);
                 }
             }
-            None if session.elapsed() > heard.0 + SILENCE => {
+            None if session.elapsed() > *heard + link::patient(SILENCE) => {
                 return Err(link::LinkError::StreamStopped { port: session.port().to_owned() }.into());
             }
             None => {}
         }
-        if heard.1.elapsed() >= ASK_EVERY {
-            heard.1 = Instant::now();
+        if session.elapsed() >= *asked + ASK_EVERY {
+            *asked = session.elapsed();
             self.count()?;
         }
         Ok(())

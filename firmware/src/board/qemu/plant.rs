@@ -2,7 +2,7 @@
 //!
 //! A code is two bytes, the first with its top bit set: 1hhhhhhh 0lllllll, high and low seven bits of fourteen. A
 //! byte that is lost costs one sample and nothing else. For every sixteen codes taken one byte goes back, so that the
-//! pendulum never runs far ahead of the firmware.
+//! pendulum never runs far ahead of the firmware; a zero says that the firmware starts, before which it hears nothing.
 
 use super::usart::{Receiver, Sender};
 use embedded_io_async::{Read, Write};
@@ -14,18 +14,21 @@ const SAMPLES_PER_CREDIT: u32 = 16;
 
 const FIRST: u8 = 0x80;
 
+const STARTS: u8 = 0;
+
 /// The pendulum's end of the line.
 pub struct Plant {
     codes: Receiver,
     credits: Sender,
     high: Option<u8>,
     uncredited: u32,
+    has_started: bool,
 }
 
 impl Plant {
     /// On the two directions of a serial port.
     pub fn new(codes: Receiver, credits: Sender) -> Self {
-        Self { codes, credits, high: None, uncredited: 0 }
+        Self { codes, credits, high: None, uncredited: 0, has_started: false }
     }
 
     fn push(&mut self, byte: u8, batch: &mut Batch) {
@@ -42,6 +45,10 @@ impl Sampler for Plant {
     fn set_rate(&mut self, _: f32) {}
 
     async fn next(&mut self) -> Batch {
+        if !self.has_started {
+            self.has_started = true;
+            let Ok(()) = self.credits.write_all(&[STARTS]).await;
+        }
         let mut batch = Batch::default();
         let mut bytes = [0; BATCH];
         let Ok(n_bytes) = self.codes.read(&mut bytes).await;
