@@ -4,16 +4,17 @@
 //! waits for the link, so a slow or absent PC never holds up sampling.
 
 use crate::frame_queue::{Encoded, FrameQueue};
-use crate::ports::{Board, FULL_SCALE, Sampler, System};
-use crate::store::Store;
+use crate::ports::{Batch, Board, FULL_SCALE, Sampler, System};
+use crate::store::{Pause, Store};
 use core::cell::{Cell, RefCell};
+use core::marker::PhantomData;
 use embassy_futures::join::join3;
-use embassy_futures::select::select;
+use embassy_futures::select::{Either, select};
 use embassy_futures::yield_now;
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
-use shared::rig::{Finished, Outcome, Request, Rig};
-use shared::wire::{Answer, Command, Deframer, Frame, Health, Refusal, Stream};
+use shared::rig::{Finished, Outcome, Request, Rig, Stored};
+use shared::wire::{Answer, Chip, Command, Cycles, Deframer, Frame, Health, Refusal, StoreState, Stream};
 
 /// A restart waits at most this long for its answer to leave …
 const FAREWELL_MS: u32 = 200;
@@ -21,33 +22,57 @@ const FAREWELL_MS: u32 = 200;
 /// … and then this long for the last bytes to pass the link's own buffers.
 const LAST_BYTES_MS: u32 = 50;
 
+/// After an erase samples come again within so long, even at 50 Hz; then the watchdog has been fed, too.
+const AFTER_ERASE_MS: u32 = 50;
+
+/// Sampling goes on between two erases.
+struct Sampling<Y>(PhantomData<Y>);
+
+impl<Y: System> Pause for Sampling<Y> {
+    async fn pause() {
+        Y::pause(AFTER_ERASE_MS).await;
+    }
+}
+
 /// What the loops share. They run in one task, so no borrow is ever held while another loop runs.
 struct Shared<Y> {
     rig: RefCell<Rig>,
     system: RefCell<Y>,
     queue: FrameQueue,
     most_points_per_s: f32,
+    nearest_rate: fn(f32) -> f32,
     /// A rate that the sampler has not been told yet.
     new_rate_hz: Cell<Option<f32>>,
     /// The flash is being written, or was since the last samples: what is missing now was announced.
     saving: Cell<bool>,
     saved: Cell<bool>,
+    stages: RefCell<Stages>,
+}
+
+/// What the stages of the work took.
+#[derive(Clone, Copy, Default)]
+struct Stages {
+    sample: Cycles,
+    observer: Cycles,
+    frame: Cycles,
+    save: Cycles,
 }
 
 /// Runs the rig on a board, for ever.
 pub async fn run<S: Sampler, R: Read, W: Write, F: NorFlash, Y: System>(board: Board<S, R, W, F, Y>) -> ! {
-    let mut store = Store::new(board.flash, board.store);
-    let rig = start(board.name, board.most_points_per_s, &mut store, board.system).await;
+    let mut store = Store::pausing(board.flash, board.store);
+    let rig = start(board.name, board.most_points_per_s, S::nearest_rate, &mut store, board.system).await;
     join3(rig.sample(board.sampler), rig.send(board.sender), rig.listen(board.receiver, store)).await.0
 }
 
 async fn start<F: NorFlash, Y: System>(
     name: &str,
     most_points_per_s: f32,
-    store: &mut Store<F>,
+    nearest_rate: fn(f32) -> f32,
+    store: &mut Store<F, Sampling<Y>>,
     mut system: Y,
 ) -> Shared<Y> {
-    let mut rig = Rig::new(name, FULL_SCALE, store.load().await);
+    let mut rig = Rig::new(name, FULL_SCALE, load(store, &mut system).await.map(|stored| made(stored, nearest_rate)));
     let store_state = rig.health().store;
     *rig.health() = Health { store: store_state, ..system.since_power_up() };
     Shared {
@@ -56,9 +81,32 @@ async fn start<F: NorFlash, Y: System>(
         system: RefCell::new(system),
         queue: FrameQueue::new(),
         most_points_per_s,
+        nearest_rate,
         saving: Cell::new(false),
         saved: Cell::new(false),
+        stages: RefCell::new(Stages::default()),
     }
+}
+
+/// Reading damaged flash, and repairing what a power cut left, takes longer than the watchdog waits; there are no
+/// samples yet that would feed it.
+async fn load<F: NorFlash, Y: System>(store: &mut Store<F, Sampling<Y>>, system: &mut Y) -> Result<Stored, StoreState> {
+    let feed = async {
+        loop {
+            system.feed_watchdog();
+            yield_now().await;
+        }
+    };
+    match select(store.load(), feed).await {
+        Either::First(loaded) => loaded,
+        Either::Second(never) => never,
+    }
+}
+
+/// With the rate that this board makes of the stored one, which may be another board's.
+fn made(stored: Stored, nearest_rate: fn(f32) -> f32) -> Stored {
+    let rate_hz = nearest_rate(stored.settings.rate_hz);
+    Stored { settings: stored.settings.at_rate(rate_hz), ..stored }
 }
 
 impl<Y: System> Shared<Y> {
@@ -68,23 +116,34 @@ impl<Y: System> Shared<Y> {
                 sampler.set_rate(rate_hz);
             }
             let batch = sampler.next().await;
-            self.take_batch(&batch.codes, batch.lost);
+            self.take_batch(&batch);
             yield_now().await;
         }
     }
 
-    fn take_batch(&self, codes: &[shared::units::Code], lost: u32) {
+    fn take_batch(&self, batch: &Batch) {
         let announced = self.saved.take() | self.saving.get();
         let mut rig = self.rig.borrow_mut();
-        if lost > 0 {
-            rig.on_samples_lost(lost, !announced);
+        let mut stages = self.stages.borrow_mut();
+        if batch.lost > 0 {
+            rig.on_samples_lost(batch.lost, !announced);
         }
         let mut n_dropped = 0;
-        for code in codes {
-            rig.on_sample(*code, |frame| n_dropped += self.queue.push(&frame));
+        for code in &batch.codes {
+            let began = Y::cycles();
+            let mut framing = 0;
+            rig.on_sample(*code, |frame| {
+                let began = Y::cycles();
+                n_dropped += self.queue.push(&frame);
+                let took = Y::cycles().wrapping_sub(began);
+                stages.frame.took(took);
+                framing += took;
+            });
+            stages.sample.took(batch.cycles / batch.codes.len() as u32);
+            stages.observer.took(Y::cycles().wrapping_sub(began).saturating_sub(framing));
         }
         (0..n_dropped).for_each(|_| rig.on_frame_dropped());
-        if !codes.is_empty() {
+        if !batch.codes.is_empty() {
             self.system.borrow_mut().feed_watchdog();
         }
     }
@@ -100,7 +159,7 @@ impl<Y: System> Shared<Y> {
         }
     }
 
-    async fn listen<F: NorFlash>(&self, mut receiver: impl Read, mut store: Store<F>) -> ! {
+    async fn listen<F: NorFlash>(&self, mut receiver: impl Read, mut store: Store<F, Sampling<Y>>) -> ! {
         let mut deframer = Deframer::new();
         let mut bytes = [0; 64];
         loop {
@@ -117,13 +176,14 @@ impl<Y: System> Shared<Y> {
         }
     }
 
-    async fn obey<F: NorFlash>(&self, frame: Frame, store: &mut Store<F>) {
+    async fn obey<F: NorFlash>(&self, frame: Frame, store: &mut Store<F, Sampling<Y>>) {
         match frame {
             // Whoever says hello has no use for what was meant for the listener before.
             Frame::Hello(_) => self.queue.clear(),
             Frame::Command(_, Command::Statistics) => {
                 self.system.borrow_mut().measure(self.rig.borrow_mut().health());
             }
+            Frame::Command(_, Command::Chip) => *self.rig.borrow_mut().chip() = self.chip(),
             Frame::Command(number, Command::Bootloader) if !Y::HAS_BOOTLOADER => return self.refuse(number),
             Frame::Command(number, Command::Start(stream)) if self.is_too_much(stream) => return self.refuse(number),
             _ => {}
@@ -146,6 +206,11 @@ impl<Y: System> Shared<Y> {
         }
     }
 
+    fn chip(&self) -> Chip {
+        let Stages { sample, observer, frame, save } = *self.stages.borrow();
+        Chip { sample, observer, frame, save, ..self.system.borrow().chip() }
+    }
+
     /// More live points than the link can carry would only be dropped.
     fn is_too_much(&self, stream: Stream) -> bool {
         let rate_hz = self.rig.borrow().settings().rate_hz;
@@ -161,25 +226,30 @@ impl<Y: System> Shared<Y> {
         (0..n_dropped).for_each(|_| self.rig.borrow_mut().on_frame_dropped());
     }
 
-    async fn carry_out<F: NorFlash>(&self, request: Request, store: &mut Store<F>) -> Finished {
+    async fn carry_out<F: NorFlash>(&self, request: Request, store: &mut Store<F, Sampling<Y>>) -> Finished {
         match request {
+            Request::Save(_) if !self.system.borrow().can_save() => Finished::Failed(Refusal::Supply),
             Request::Save(stored) => {
+                let began = Y::cycles();
                 self.saving.set(true);
                 let outcome = store.save(&stored).await;
                 self.saving.set(false);
                 self.saved.set(true);
+                self.stages.borrow_mut().save.took(Y::cycles().wrapping_sub(began));
                 outcome.map_or_else(Finished::Failed, |()| Finished::Done)
             }
             Request::Load => match store.load().await {
                 Ok(stored) => {
+                    let stored = made(stored, self.nearest_rate);
                     self.new_rate_hz.set(Some(stored.settings.rate_hz));
                     Finished::Loaded(stored)
                 }
                 Err(_) => Finished::Failed(Refusal::NothingStored),
             },
             Request::SetRate(rate_hz) => {
+                let rate_hz = (self.nearest_rate)(rate_hz);
                 self.new_rate_hz.set(Some(rate_hz));
-                Finished::Done
+                Finished::Sampling(rate_hz)
             }
             Request::Reset => self.system.borrow_mut().reset(),
             Request::Bootloader => self.system.borrow_mut().bootloader(),

@@ -3,25 +3,27 @@
 #[cfg(feature = "board-feather-f405")]
 mod feather_f405;
 #[cfg(feature = "board-feather-f405")]
-pub use feather_f405::{pac, start};
+pub use feather_f405::{IDENTITY, pac, start};
 
 #[cfg(feature = "board-nucleo-f446")]
 mod nucleo_f446;
 #[cfg(feature = "board-nucleo-f446")]
-pub use nucleo_f446::{pac, start};
+pub use nucleo_f446::{IDENTITY, pac, start};
 
 #[cfg(feature = "board-qemu")]
 mod qemu;
 #[cfg(feature = "board-qemu")]
-pub use qemu::{pac, start};
+pub use qemu::{CLOCK_HZ, IDENTITY, cycles, pac, start};
 
 #[cfg(feature = "stm32")]
 mod stm32;
+#[cfg(feature = "stm32")]
+pub use stm32::{CLOCK_HZ, cycles};
 
 /// What must happen before anything else runs.
 pub fn before_all() {
     #[cfg(feature = "stm32")]
-    stm32::enter_if_asked();
+    stm32::before_all();
 }
 
 const _: () = assert!(

@@ -4,6 +4,7 @@
 //! tells apart.
 #![allow(unsafe_code, reason = "memory that survives a restart is outside the language; fault handlers too")]
 
+use crate::stack;
 use core::fmt::Write;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
@@ -102,6 +103,9 @@ fn panic(info: &PanicInfo) -> ! {
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     let mut what = String::new();
+    if stack::overflowed() {
+        let _ = what.push_str("stack overflow ");
+    }
     let _ = write!(what, "pc {:#010x} lr {:#010x}", frame.pc(), frame.lr());
     record_and_restart(cause::HARD_FAULT, &what)
 }

@@ -11,6 +11,7 @@ pub mod app;
 
 pub mod frame_queue;
 pub mod oversampling;
+mod patient_flash;
 pub mod ports;
 pub mod ring;
 pub mod store;

@@ -7,6 +7,7 @@
 mod board;
 mod crash;
 mod log;
+mod stack;
 mod usage;
 
 use board::pac::interrupt;
@@ -19,7 +20,7 @@ static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
 #[cortex_m_rt::entry]
 fn main() -> ! {
     board::before_all();
-    usage::paint_stack();
+    stack::prepare();
     board::lowest_priority(interrupt::CAN1_TX);
     EXECUTOR.start(interrupt::CAN1_TX).spawn(application().expect("there is one application"));
     usage::sleep()

@@ -4,7 +4,6 @@
 //! by √m.
 
 use crate::ports::FULL_SCALE;
-use micromath::F32;
 use shared::units::Code;
 
 /// More conversions bring nothing: by then the converter's own linearity is larger than its noise.
@@ -12,6 +11,12 @@ const MOST: u32 = 64;
 
 /// Fewer would not fill the scale.
 const LEAST: u32 = 4;
+
+/// The timer counts 16 bits.
+const MOST_TICKS: u32 = 0x1_0000;
+
+/// What the boards' crystals are good for: a rate that is no further off than this is as good as one that is exact.
+const TOLERANCE: f64 = 50e-6;
 
 /// The largest code of one conversion.
 const CONVERTER_FULL_SCALE: u16 = 4095;
@@ -28,15 +33,43 @@ pub struct Plan {
     pub ticks: u32,
 }
 
-/// The plan for `rate_hz` with a timer of `clock_hz`, at most `most_per_s` conversions a second. Among the plans that
-/// meet the rate exactly the one with the most conversions; if none does, the nearest with the most conversions.
+impl Plan {
+    /// The rate that it makes with a timer of `clock_hz`: off by no more than what an `f32` rounds, 6e-8.
+    pub fn rate_hz(&self, clock_hz: u32) -> f32 {
+        (f64::from(clock_hz) / f64::from(self.per_sample * self.ticks)) as f32
+    }
+
+    /// How far it is from `rate_hz`, as a share.
+    fn error(&self, rate_hz: f32, clock_hz: u32) -> f64 {
+        let made_hz = f64::from(clock_hz) / f64::from(self.per_sample * self.ticks);
+        (made_hz / f64::from(rate_hz) - 1.0).abs()
+    }
+}
+
+/// The plan for `rate_hz` (50 … 10 000) with a timer of `clock_hz`, at most `most_per_s` conversions a second. If the
+/// rate can be met exactly, the plan that does so with the most conversions; else of those that are as good as exact
+/// the one with the most; else the nearest.
 pub fn plan(rate_hz: f32, clock_hz: u32, most_per_s: u32) -> Plan {
-    let ticks = |per_sample: u32| F32(clock_hz as f32 / (per_sample as f32 * rate_hz));
-    let affordable = |per_sample: &u32| *per_sample as f32 * rate_hz <= most_per_s as f32;
-    let exact = |per_sample: &u32| ticks(*per_sample).fract() == F32::ZERO;
-    let candidates = || (LEAST.ilog2()..=MOST.ilog2()).rev().map(|power| 1 << power).filter(affordable);
-    let per_sample = candidates().find(exact).or_else(|| candidates().next()).unwrap_or(LEAST);
-    Plan { per_sample, ticks: ticks(per_sample).round().0 as u32 }
+    let candidates = || {
+        (LEAST.ilog2()..=MOST.ilog2())
+            .rev()
+            .map(|power| 1 << power)
+            .filter(|per_sample| *per_sample == LEAST || *per_sample as f32 * rate_hz <= most_per_s as f32)
+            .map(|per_sample| {
+                let ticks = f64::from(clock_hz) / (f64::from(per_sample) * f64::from(rate_hz)) + 0.5;
+                Plan { per_sample, ticks: (ticks as u32).max(1) }
+            })
+            .filter(|plan| plan.ticks <= MOST_TICKS)
+    };
+    let error = |plan: &Plan| plan.error(rate_hz, clock_hz);
+    let nearest = || candidates().min_by(|a, b| error(a).total_cmp(&error(b)));
+    let made = |plan: &Plan| plan.rate_hz(clock_hz) == rate_hz;
+    let as_good = |plan: &Plan| error(plan) <= TOLERANCE;
+    candidates()
+        .find(made)
+        .or_else(|| candidates().find(as_good))
+        .or_else(nearest)
+        .unwrap_or(Plan { per_sample: MOST, ticks: MOST_TICKS })
 }
 
 /// The sample that these conversions (0 … 4095 each) make.

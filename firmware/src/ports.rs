@@ -4,7 +4,7 @@ use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
 use heapless::Vec;
 use shared::units::Code;
-use shared::wire::Health;
+use shared::wire::{Chip, Health};
 
 /// The largest code: four times 4095. Every board averages until its codes have this scale, or is fed such codes, so
 /// that a calibration means the same on all of them.
@@ -18,13 +18,17 @@ pub const BATCH: usize = 32;
 pub struct Batch {
     /// How many samples were lost before the first of these.
     pub lost: u32,
+    /// What making them took, in cycles of [`System::cycles`]; 0 if not measured.
+    pub cycles: u32,
     /// The codes, 0 … [`FULL_SCALE`].
     pub codes: Vec<Code, BATCH>,
 }
 
 /// Where the samples come from. Their timing is the board's; the application only counts them.
 pub trait Sampler {
-    /// Samples at this rate (100 … 10 000 Hz) from now on.
+    /// The rate nearest to this one (50 … 10 000 Hz) that it can make.
+    fn nearest_rate(rate_hz: f32) -> f32;
+    /// Samples at this rate from now on, or at the nearest one.
     fn set_rate(&mut self, rate_hz: f32);
     /// Waits for the next samples.
     async fn next(&mut self) -> Batch;
@@ -38,6 +42,12 @@ pub trait System {
     fn since_power_up(&mut self) -> Health;
     /// Processor share and stack, measured now.
     fn measure(&mut self, health: &mut Health);
+    /// Which chip this is, and what it runs on.
+    fn chip(&self) -> Chip;
+    /// A counter of processor cycles, for differences; it may stand still while the processor sleeps.
+    fn cycles() -> u32;
+    /// Is the supply good enough to write to flash?
+    fn can_save(&self) -> bool;
     /// Called when samples have arrived, and only then: a rig that stopped sampling is restarted.
     fn feed_watchdog(&mut self);
     /// Lets milliseconds pass.

@@ -12,8 +12,8 @@ use crate::parameters::Parameters;
 use crate::potentiometer::Potentiometer;
 use crate::units::{Code, Radian};
 use crate::wire::{
-    Answer, Command, Frame, Health, Hello, Live, PROTOCOL, Point, Refusal, Samples, Settings, Statistics, StoreState,
-    Stream, status,
+    Answer, Chip, Command, Frame, Health, Hello, Live, PROTOCOL, Point, Refusal, Samples, Settings, Statistics,
+    StoreState, Stream, status,
 };
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -36,6 +36,14 @@ const GAIN_FACTOR: f32 = 2.0;
 /// Least distance from zero, rad by the nominal gain, at which a gain can be calibrated.
 const LEAST_GAIN_ANGLE_RAD: f32 = 0.2;
 
+/// Sampling rates that a rig may be asked for.
+pub const LOWEST_RATE_HZ: f32 = 50.0;
+/// See [`LOWEST_RATE_HZ`].
+pub const HIGHEST_RATE_HZ: f32 = 10_000.0;
+
+/// Of the rate, the highest cut-off of the filter.
+const HIGHEST_CUTOFF: f32 = 0.45;
+
 /// What survives a power cut.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stored {
@@ -43,6 +51,13 @@ pub struct Stored {
     pub parameters: Parameters<f32>,
     /// Settings and calibration.
     pub settings: Settings,
+}
+
+impl Settings {
+    /// The same at another rate, with a cut-off that goes with it.
+    pub fn at_rate(self, rate_hz: f32) -> Self {
+        Self { rate_hz, cutoff_hz: self.cutoff_hz.min(HIGHEST_CUTOFF * rate_hz), ..self }
+    }
 }
 
 impl Stored {
@@ -91,6 +106,8 @@ pub enum Request {
 pub enum Finished {
     /// As asked.
     Done,
+    /// It samples at this rate now, the nearest to what was asked for.
+    Sampling(f32),
     /// Flash held this.
     Loaded(Stored),
     /// Not done.
@@ -131,6 +148,7 @@ pub struct Rig {
     mean_square_code: f32,
     refused_protocol: Option<u16>,
     statistics: Statistics,
+    chip: Chip,
 }
 
 impl Rig {
@@ -160,6 +178,7 @@ impl Rig {
             mean_square_code: 0.0,
             refused_protocol: None,
             statistics,
+            chip: Chip::default(),
         };
         rig.use_settings(in_use.settings);
         rig
@@ -178,6 +197,11 @@ impl Rig {
     /// The counters that only the board can fill.
     pub fn health(&mut self) -> &mut Health {
         &mut self.statistics.health
+    }
+
+    /// What only the board can say of its chip.
+    pub fn chip(&mut self) -> &mut Chip {
+        &mut self.chip
     }
 
     /// Makes the sample counter start elsewhere, to test its limits.
@@ -369,6 +393,7 @@ impl Rig {
             Command::ZeroHere => self.calibrate(number, |rig| Ok(rig.zero_here())),
             Command::CalibrateGain(angle) => self.calibrate(number, |rig| rig.gain_at(angle)),
             Command::Statistics => answer(number, Answer::Statistics(self.statistics_now())),
+            Command::Chip => answer(number, Answer::Chip(self.chip.clone())),
             Command::Reset => Outcome::SendThenDo(Frame::Answer(number, Answer::Done), Request::Reset),
             Command::Bootloader => Outcome::SendThenDo(Frame::Answer(number, Answer::Done), Request::Bootloader),
         }
@@ -378,6 +403,10 @@ impl Rig {
     pub fn finished(&mut self, number: u16, finished: Finished) -> Frame {
         let answer = match finished {
             Finished::Done => Answer::Done,
+            Finished::Sampling(rate_hz) => {
+                self.use_settings(self.settings.at_rate(rate_hz));
+                Answer::Done
+            }
             Finished::Failed(refusal) => Answer::Refused(refusal),
             Finished::Loaded(stored) => {
                 self.formula.clone_from(&stored.parameters.formula);
@@ -483,8 +512,8 @@ fn default_settings(full_scale: u16) -> Settings {
 /// `Err` with the position of the first setting outside its range.
 fn check_settings(settings: &Settings) -> Result<(), u8> {
     let good = [
-        (100.0..=10_000.0).contains(&settings.rate_hz),
-        settings.cutoff_hz > 0.0 && settings.cutoff_hz <= 0.45 * settings.rate_hz,
+        (LOWEST_RATE_HZ..=HIGHEST_RATE_HZ).contains(&settings.rate_hz),
+        settings.cutoff_hz > 0.0 && settings.cutoff_hz <= HIGHEST_CUTOFF * settings.rate_hz,
         (0.0..=100.0).contains(&settings.bandwidth_rad_s),
         settings.potentiometer.is_valid(),
     ];

@@ -124,6 +124,8 @@ pub enum Command {
     Reset,
     /// Restart into the chip's bootloader (USB DFU), to be updated.
     Bootloader,
+    /// Give what is known of the chip. Firmware from before this command counts it as a bad frame.
+    Chip,
 }
 
 /// What the rig answers.
@@ -139,6 +141,8 @@ pub enum Answer {
     Settings(Settings),
     /// The counters.
     Statistics(Statistics),
+    /// The chip.
+    Chip(Chip),
 }
 
 /// Why a command was refused.
@@ -172,6 +176,8 @@ pub enum Refusal {
     NotHere,
     /// What came is no program of a formula that this firmware can run.
     Formula,
+    /// The supply is too low to write to flash.
+    Supply,
 }
 
 impl core::fmt::Display for Refusal {
@@ -192,6 +198,7 @@ impl core::fmt::Display for Refusal {
             Self::NothingStored => write!(f, "nothing usable is stored in flash"),
             Self::NotHere => write!(f, "this board cannot do that"),
             Self::Formula => write!(f, "its firmware cannot run this formula; is the firmware older?"),
+            Self::Supply => write!(f, "its supply is below 2.9 V, too low to write to flash"),
         }
     }
 }
@@ -208,7 +215,8 @@ pub struct Stream {
 /// What can be set besides the model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Samples per second, 100 … 10 000.
+    /// Samples per second, 50 … 10 000. A rig that cannot make a rate exactly takes the nearest one it can, and gives
+    /// that.
     pub rate_hz: f32,
     /// Cut-off of the Butterworth filter, below 0.45 of the rate.
     pub cutoff_hz: f32,
@@ -339,6 +347,58 @@ pub struct Health {
     pub store: StoreState,
     /// Where the last panic or fault was (file:line or address), empty if none.
     pub last_fault: String<48>,
+}
+
+/// What only the chip knows of itself.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Chip {
+    /// Its unique number as its bootloader and its USB give it, 12 hexadecimal digits; empty if it has none.
+    pub serial: String<12>,
+    /// What its cycles come from.
+    pub clock: Clock,
+    /// Cycles in a second; 0 if they are not counted.
+    pub clock_hz: u32,
+    /// Making a sample of its conversions.
+    pub sample: Cycles,
+    /// Potentiometer, filter and observer, for one sample.
+    pub observer: Cycles,
+    /// Encoding one frame.
+    pub frame: Cycles,
+    /// Saving to flash, with everything that goes on meanwhile.
+    pub save: Cycles,
+}
+
+/// Where a chip's cycles come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Clock {
+    /// It does not say.
+    #[default]
+    Unknown,
+    /// A crystal, good for 50 ppm.
+    Crystal,
+    /// The chip's own oscillator, good for 1 %, because the crystal does not run.
+    Internal,
+}
+
+/// How long a stage of the work took, in processor cycles, since the last reset.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cycles {
+    /// How often.
+    pub count: u32,
+    /// On average, the last ten thousand times.
+    pub mean: f32,
+    /// At most.
+    pub worst: u32,
+}
+
+impl Cycles {
+    /// Once more.
+    pub fn took(&mut self, cycles: u32) {
+        const REMEMBERED: u32 = 10_000;
+        self.count = self.count.saturating_add(1);
+        self.mean += (cycles as f32 - self.mean) / self.count.min(REMEMBERED) as f32;
+        self.worst = self.worst.max(cycles);
+    }
 }
 
 /// [`Frame`] as far as a rig receives it, with the same numbers.

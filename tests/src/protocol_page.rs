@@ -4,7 +4,7 @@ use serde::de::DeserializeOwned;
 use serde_reflection::{ContainerFormat, Format, FormatHolder, Named, Registry, Tracer, TracerConfig, VariantFormat};
 use shared::parameters::ParameterError;
 use shared::wire::{
-    Answer, Command, Frame, Hello, MAX_FRAME, PROTOCOL, Refusal, ResetCause, StoreState, Stream, encode,
+    Answer, Clock, Command, Frame, Hello, MAX_FRAME, PROTOCOL, Refusal, ResetCause, StoreState, Stream, encode,
 };
 use std::fmt::Write;
 
@@ -46,6 +46,7 @@ fn registry() -> Registry {
     trace::<Refusal>(&mut tracer);
     trace::<ResetCause>(&mut tracer);
     trace::<StoreState>(&mut tracer);
+    trace::<Clock>(&mut tracer);
     trace::<Answer>(&mut tracer);
     trace::<Command>(&mut tracer);
     trace::<Frame>(&mut tracer);

@@ -8,10 +8,11 @@ use firmware::frame_queue::{CAPACITY, Encoded, FrameQueue};
 use firmware::oversampling::{plan, sample};
 use firmware::ports::{BATCH, Batch, Board, FULL_SCALE, Sampler, System};
 use firmware::ring::{RingReader, Trouble};
+use shared::rig::Rig;
 use shared::units::Code;
 use shared::wire::{
-    Answer, Command, Deframer, Frame, Health, Live, MAX_FRAME, POINTS_PER_FRAME, Point, Refusal, SAMPLES_PER_FRAME,
-    Samples, Stream, encode,
+    Answer, Chip, Command, Deframer, Frame, Health, Live, MAX_FRAME, POINTS_PER_FRAME, Point, Refusal,
+    SAMPLES_PER_FRAME, Samples, Settings, StoreState, Stream, encode,
 };
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -119,6 +120,50 @@ fn usual_rates_are_met_exactly_within_the_converters_limit() {
     assert_eq!(plan(1000.0, 84_000_000, 40_000).per_sample, 32);
 }
 
+/// The best that a timer of 16 bits can do for a rate: its error, as a share, over every plan there is.
+fn least_error(rate_hz: f64) -> f64 {
+    let mut least = f64::INFINITY;
+    for per_sample in [4.0, 8.0, 16.0, 32.0, 64.0] {
+        // The converter takes four conversions at the highest rate.
+        if per_sample > 4.0 && per_sample * rate_hz > 40_000.0 {
+            continue;
+        }
+        let exact = 84e6 / (per_sample * rate_hz);
+        for ticks in [exact.floor(), exact.ceil()] {
+            if (1.0..=65_536.0).contains(&ticks) {
+                least = least.min((84e6 / (per_sample * ticks) / rate_hz - 1.0).abs());
+            }
+        }
+    }
+    least
+}
+
+#[test]
+fn every_rate_is_made_exactly_or_as_near_as_the_crystal_or_the_timer_allows() {
+    let mut n_exact = 0;
+    for rate in 50..=10_000_u32 {
+        let rate_hz = f64::from(rate);
+        let plan = plan(rate as f32, 84_000_000, 40_000);
+        assert!((1..=65_536).contains(&plan.ticks) && (4..=64).contains(&plan.per_sample), "{rate} Hz: {plan:?}");
+        let conversions_per_s = 84e6 / f64::from(plan.ticks);
+        assert!(conversions_per_s <= 40_010.0, "{rate} Hz: {conversions_per_s} conversions/s");
+        let made_hz = conversions_per_s / f64::from(plan.per_sample);
+        let error = (made_hz / rate_hz - 1.0).abs();
+        let least = least_error(rate_hz);
+        n_exact += u32::from(error == 0.0);
+        assert!(error <= f64::max(50e-6, least * 1.000_001), "{rate} Hz: {made_hz}");
+        assert!(least > 0.0 || error == 0.0, "{rate} Hz can be made exactly, not as {made_hz}");
+        let told_hz = f64::from(plan.rate_hz(84_000_000));
+        assert!((told_hz / made_hz - 1.0).abs() < 1e-7, "{rate} Hz: told {told_hz}, made {made_hz}");
+        // What is told and stored makes the same plan again.
+        assert_eq!(
+            firmware::oversampling::plan(told_hz as f32, 84_000_000, 40_000).rate_hz(84_000_000),
+            told_hz as f32
+        );
+    }
+    println!("{n_exact} of 9951 rates are exact");
+}
+
 #[test]
 fn a_sample_is_the_mean_of_its_conversions_on_the_firmwares_scale() {
     assert_eq!(sample([4095; 32].into_iter()), Code(FULL_SCALE));
@@ -172,17 +217,23 @@ struct Bench {
     link_takes: Cell<bool>,
     n_batches: Cell<u64>,
     n_fed: Cell<u64>,
+    supply_is_low: Cell<bool>,
 }
 
 struct MemorySampler<'b>(&'b Bench);
 
 impl Sampler for MemorySampler<'_> {
+    /// It makes every whole rate.
+    fn nearest_rate(rate_hz: f32) -> f32 {
+        rate_hz.round()
+    }
+
     fn set_rate(&mut self, _: f32) {}
 
     async fn next(&mut self) -> Batch {
         yield_now().await;
         self.0.n_batches.set(self.0.n_batches.get() + 1);
-        Batch { lost: 0, codes: [Code(8190); BATCH].into_iter().collect() }
+        Batch { lost: 0, cycles: 32 * 100, codes: [Code(8190); BATCH].into_iter().collect() }
     }
 }
 
@@ -226,6 +277,18 @@ impl System for MemoryChip<'_> {
     }
 
     fn measure(&mut self, _: &mut Health) {}
+
+    fn chip(&self) -> Chip {
+        Chip { clock_hz: 1_000_000, ..Chip::default() }
+    }
+
+    fn cycles() -> u32 {
+        0
+    }
+
+    fn can_save(&self) -> bool {
+        !self.0.supply_is_low.get()
+    }
 
     fn feed_watchdog(&mut self) {
         self.0.n_fed.set(self.0.n_fed.get() + 1);
@@ -312,6 +375,75 @@ fn a_link_that_takes_nothing_for_a_while_costs_frames_but_no_samples() {
     // One gap for the pause, and one if a frame stood between queue and link when it began.
     assert!(n_missing > 1000 && (1..=2).contains(&n_gaps), "{n_missing} in {n_gaps} gaps");
     assert_eq!(bench.n_fed.get(), bench.n_batches.get());
+}
+
+/// Answers to commands, in order.
+fn answers(bench: &Bench) -> Vec<Answer> {
+    let answer = |frame| if let Frame::Answer(_, answer) = frame { Some(answer) } else { None };
+    bench.frames().into_iter().filter_map(answer).collect()
+}
+
+#[test]
+fn the_rate_that_is_made_is_told_kept_and_loaded() {
+    let bench = Bench::default();
+    bench.link_takes.set(true);
+    bench.run(async {
+        let odd = Settings { rate_hz: 333.4, ..*Rig::new("", FULL_SCALE, Err(StoreState::Empty)).settings() };
+        let slow = Settings { rate_hz: 50.4, cutoff_hz: 22.6, ..odd };
+        for settings in [odd, slow] {
+            bench.send(Command::SetSettings(settings));
+            bench.send(Command::Save);
+            bench.send(Command::Load);
+            bench.send(Command::GetSettings);
+            bench.pass(100).await;
+        }
+        bench.send(Command::SetSettings(Settings { rate_hz: 49.9, ..slow }));
+        bench.send(Command::SetSettings(Settings { rate_hz: 10_001.0, ..slow }));
+        bench.pass(20).await;
+    });
+    let answers = answers(&bench);
+    let given: Vec<Settings> = answers
+        .iter()
+        .filter_map(|answer| if let Answer::Settings(settings) = answer { Some(*settings) } else { None })
+        .collect();
+    assert_eq!(given.iter().map(|settings| settings.rate_hz).collect::<Vec<_>>(), [333.0, 50.0]);
+    // The cut-off goes with it: at most 0.45 of the rate.
+    assert_eq!(given.iter().map(|settings| settings.cutoff_hz).collect::<Vec<_>>(), [50.0, 22.5]);
+    let refused = Answer::Refused(Refusal::Setting { index: 0 });
+    assert_eq!(answers[answers.len() - 2..], [refused.clone(), refused]);
+}
+
+#[test]
+fn with_too_low_a_supply_nothing_is_saved() {
+    let bench = Bench::default();
+    bench.link_takes.set(true);
+    bench.run(async {
+        bench.supply_is_low.set(true);
+        bench.send(Command::Save);
+        bench.pass(20).await;
+        bench.send(Command::Load);
+        bench.pass(20).await;
+        bench.supply_is_low.set(false);
+        bench.send(Command::Save);
+        bench.pass(20).await;
+    });
+    let expected = [Answer::Refused(Refusal::Supply), Answer::Refused(Refusal::NothingStored), Answer::Done];
+    assert_eq!(answers(&bench), expected);
+}
+
+#[test]
+fn the_chip_tells_what_its_stages_took() {
+    let bench = Bench::default();
+    bench.link_takes.set(true);
+    bench.run(async {
+        bench.send(Command::Save);
+        bench.pass(20).await;
+        bench.send(Command::Chip);
+        bench.pass(20).await;
+    });
+    let [Answer::Done, Answer::Chip(chip)] = &answers(&bench)[..] else { panic!("{:?}", answers(&bench)) };
+    assert_eq!((chip.sample.mean, chip.sample.worst, chip.clock_hz), (100.0, 100, 1_000_000));
+    assert!(chip.sample.count >= 20 * BATCH as u32 && chip.observer.count == chip.sample.count && chip.save.count == 1);
 }
 
 #[test]

@@ -4,10 +4,10 @@ use object::{Object, ObjectSection, SectionFlags, SectionKind, elf};
 use tests::image::{Board, firmware};
 
 /// KB of a chip with 1024 (Feather) or 512 (Nucleo); what stays below also leaves the store's sectors alone.
-const MOST_FLASH: u64 = 96 * 1024;
+const MOST_FLASH: u64 = 160 * 1024;
 
 /// Of 128 KB; the rest is stack.
-const MOST_RAM: u64 = 24 * 1024;
+const MOST_RAM: u64 = 64 * 1024;
 
 const RAM_BEGINS: u64 = 0x2000_0000;
 

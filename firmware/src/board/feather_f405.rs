@@ -6,22 +6,25 @@
 //! | crystal | 12 MHz |
 //! | potentiometer's wiper | A0 = PA4, converter channel 4 |
 //! | link | USB (PA11, PA12), `/dev/ttyACM0`; any baud rate |
+//! | light | red, PC1: blinks when the crystal does not run, without which there is no USB |
 //! | update | `Bootloader` command, then DFU over the same USB |
 
-use super::stm32::{self, Chip, Converter, Input, STORE, sectors};
+use super::stm32::{self, Chip, Converter, Input, STORE, Sectors, usb_recovery};
 use core::convert::Infallible;
 use embassy_executor::Spawner;
-use embassy_stm32::flash::{Async, Bank1Region1};
+use embassy_stm32::gpio::{Level, Output, Pin, Speed};
 pub use embassy_stm32::pac;
 use embassy_stm32::peripherals::USB_OTG_FS;
 use embassy_stm32::rcc::{Hse, HseMode, PllPreDiv, PllQDiv, mux};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::usb::{self, Driver};
-use embassy_stm32::{Config, bind_interrupts, flash};
+use embassy_stm32::{Config, Peri, bind_interrupts, flash};
 use embassy_usb::class::cdc_acm::{self, CdcAcmClass};
 use embassy_usb::{Builder, UsbDevice};
 use embedded_io_async::{ErrorType, Read, Write};
 use firmware::ports::Board;
+use heapless::String;
+use shared::wire::Clock;
 use static_cell::StaticCell;
 
 const CRYSTAL: Hertz = Hertz(12_000_000);
@@ -37,6 +40,10 @@ const MOST_POINTS_PER_S: f32 = 10_000.0;
 /// The largest packet of full-speed USB.
 const PACKET: usize = 64;
 
+/// Five a second for two seconds, within the watchdog's patience.
+const BLINKS: u32 = 10;
+const HALF_A_BLINK: u32 = stm32::CLOCK_HZ / 10;
+
 bind_interrupts!(struct Irqs {
     OTG_FS => usb::InterruptHandler<USB_OTG_FS>;
     FLASH => flash::InterruptHandler;
@@ -44,9 +51,19 @@ bind_interrupts!(struct Irqs {
 
 type Usb = Driver<'static, USB_OTG_FS>;
 
+/// In the greeting.
+const NAME: &str = "feather-f405";
+
+/// By which `host update` knows an image.
+pub const IDENTITY: &str = concat!("pendulum-rig firmware ", env!("CARGO_PKG_VERSION"), " for feather-f405;");
+
 /// Brings the board up.
-pub fn start(spawner: Spawner) -> Board<Converter, Receiver, Sender, Bank1Region1<'static, Async>, Chip> {
+pub fn start(spawner: Spawner) -> Board<Converter, Receiver, Sender, Sectors, Chip> {
     let p = embassy_stm32::init(clocks());
+    stm32::start_clock();
+    if stm32::clock_source() == Clock::Internal {
+        blink_and_try_again(p.PC1);
+    }
     let driver = {
         static OUT: StaticCell<[u8; 256]> = StaticCell::new();
         let mut config = usb::Config::default();
@@ -57,14 +74,14 @@ pub fn start(spawner: Spawner) -> Board<Converter, Receiver, Sender, Bank1Region
     let (device, sender, receiver) = serial_over_usb(driver);
     spawner.spawn(run_usb(device).expect("there is one USB device"));
     Board {
-        name: "feather-f405",
+        name: NAME,
         most_points_per_s: MOST_POINTS_PER_S,
         sampler: Converter::new(WIPER, p.PA4, p.ADC1, p.DMA2_CH0, p.TIM3, p.TIM2),
         receiver,
         sender,
-        flash: sectors(p.FLASH, Irqs),
+        flash: Sectors::new(p.FLASH, Irqs),
         store: STORE,
-        system: Chip::new(p.IWDG),
+        system: Chip,
     }
 }
 
@@ -78,25 +95,39 @@ fn clocks() -> Config {
     config
 }
 
+/// The internal oscillator is too coarse for USB.
+fn blink_and_try_again(light: Peri<'static, impl Pin>) -> ! {
+    let mut light = Output::new(light, Level::Low, Speed::Low);
+    for _ in 0..2 * BLINKS {
+        light.toggle();
+        cortex_m::asm::delay(HALF_A_BLINK);
+    }
+    cortex_m::peripheral::SCB::sys_reset()
+}
+
 fn serial_over_usb(driver: Usb) -> (UsbDevice<'static, Usb>, Sender, Receiver) {
     static CONFIGURATION: StaticCell<[u8; 128]> = StaticCell::new();
     static BOS: StaticCell<[u8; 16]> = StaticCell::new();
     static CONTROL: StaticCell<[u8; 64]> = StaticCell::new();
     static STATE: StaticCell<cdc_acm::State> = StaticCell::new();
+    static SERIAL: StaticCell<String<12>> = StaticCell::new();
+    static TAKE_BACK: StaticCell<usb_recovery::TakeBack> = StaticCell::new();
     let mut config = embassy_usb::Config::new(USB_VENDOR, USB_PRODUCT);
     config.manufacturer = Some("pendulum");
     config.product = Some("Pendulum rig");
+    config.serial_number = Some(SERIAL.init(stm32::serial()).as_str());
     config.max_packet_size_0 = PACKET as u8;
     let mut builder =
         Builder::new(driver, config, CONFIGURATION.init([0; 128]), BOS.init([0; 16]), &mut [], CONTROL.init([0; 64]));
+    builder.handler(TAKE_BACK.init(usb_recovery::TakeBack));
     let class = CdcAcmClass::new(&mut builder, STATE.init(cdc_acm::State::new()), PACKET as u16);
     let (sender, receiver) = class.split();
     (builder.build(), Sender(sender), Receiver(receiver))
 }
 
 #[embassy_executor::task]
-async fn run_usb(mut device: UsbDevice<'static, Usb>) {
-    device.run().await;
+async fn run_usb(device: UsbDevice<'static, Usb>) {
+    usb_recovery::run(device).await;
 }
 
 /// Bytes to the PC; while nobody is there they are lost.

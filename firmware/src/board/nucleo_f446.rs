@@ -8,9 +8,8 @@
 //! | link | USART2 (PA2, PA3) to the ST-Link's serial port, `/dev/ttyACM0` at 921600 baud |
 //! | update | the ST-Link; the bootloader too, over USART1 or USB of the chip |
 
-use super::stm32::{self, Chip, Converter, Input, STORE, sectors};
+use super::stm32::{self, Chip, Converter, Input, STORE, Sectors};
 use embassy_executor::Spawner;
-use embassy_stm32::flash::{Async, Bank1Region1};
 pub use embassy_stm32::pac;
 use embassy_stm32::peripherals::{DMA1_CH5, DMA1_CH6, USART2};
 use embassy_stm32::rcc::{Hse, HseMode, PllPreDiv};
@@ -42,23 +41,30 @@ bind_interrupts!(struct Irqs {
 type Receiver = RingBufferedUartRx<'static>;
 type Sender = UartTx<'static, mode::Async>;
 
+/// In the greeting.
+const NAME: &str = "nucleo-f446";
+
+/// By which `host update` knows an image.
+pub const IDENTITY: &str = concat!("pendulum-rig firmware ", env!("CARGO_PKG_VERSION"), " for nucleo-f446;");
+
 /// Brings the board up.
-pub fn start(_: Spawner) -> Board<Converter, Receiver, Sender, Bank1Region1<'static, Async>, Chip> {
+pub fn start(_: Spawner) -> Board<Converter, Receiver, Sender, Sectors, Chip> {
     static RING: StaticCell<[u8; RECEIVED]> = StaticCell::new();
     let p = embassy_stm32::init(clocks());
+    stm32::start_clock();
     let mut config = usart::Config::default();
     config.baudrate = BAUD;
     let port = Uart::new(p.USART2, p.PA3, p.PA2, p.DMA1_CH6, p.DMA1_CH5, Irqs, config);
     let (sender, receiver) = port.expect("the baud rate can be made from this clock").split();
     Board {
-        name: "nucleo-f446",
+        name: NAME,
         most_points_per_s: MOST_POINTS_PER_S,
         sampler: Converter::new(WIPER, p.PA0, p.ADC1, p.DMA2_CH0, p.TIM3, p.TIM2),
         receiver: receiver.into_ring_buffered(RING.init([0; RECEIVED])),
         sender,
-        flash: sectors(p.FLASH, Irqs),
+        flash: Sectors::new(p.FLASH, Irqs),
         store: STORE,
-        system: Chip::new(p.IWDG),
+        system: Chip,
     }
 }
 

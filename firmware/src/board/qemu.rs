@@ -13,19 +13,34 @@ mod ram_flash;
 mod systick;
 mod usart;
 
-use crate::{crash, log, usage};
+use crate::{crash, log, stack, usage};
 use defmt_semihosting as _;
 use embassy_executor::Spawner;
-use embassy_time::Timer;
+use embassy_time::{Instant, Timer};
 use firmware::ports::{Board, System};
 use plant::Plant;
 use ram_flash::RamFlash;
-use shared::wire::{Health, ResetCause};
+use shared::wire::{Chip, Health, ResetCause};
 pub use stm32_metapac as pac;
 use usart::{Receiver, Sender};
 
 /// Its serial port knows no rate.
 const MOST_POINTS_PER_S: f32 = 10_000.0;
+
+/// Of the processor.
+pub const CLOCK_HZ: u32 = systick::CLOCK_HZ;
+
+/// Cycles of the processor, from its SysTick: QEMU's cycle counter stands still.
+pub fn cycles() -> u32 {
+    const CYCLES_PER_US: u64 = CLOCK_HZ as u64 / 1_000_000;
+    (Instant::now().as_micros() * CYCLES_PER_US) as u32
+}
+
+/// In the greeting.
+const NAME: &str = "qemu";
+
+/// By which `host update` knows an image.
+pub const IDENTITY: &str = concat!("pendulum-rig firmware ", env!("CARGO_PKG_VERSION"), " for qemu;");
 
 /// Brings the machine up.
 pub fn start(_: Spawner) -> Board<Plant, Receiver, Sender, RamFlash, Machine> {
@@ -33,7 +48,7 @@ pub fn start(_: Spawner) -> Board<Plant, Receiver, Sender, RamFlash, Machine> {
     let (sender, receiver) = usart::link();
     let (credits, codes) = usart::plant();
     Board {
-        name: "qemu",
+        name: NAME,
         most_points_per_s: MOST_POINTS_PER_S,
         sampler: Plant::new(codes, credits),
         receiver,
@@ -61,6 +76,20 @@ impl System for Machine {
 
     fn measure(&mut self, health: &mut Health) {
         usage::measure(health);
+        health.stack_size = stack::size() as u32;
+        health.stack_used = stack::used() as u32;
+    }
+
+    fn chip(&self) -> Chip {
+        Chip { clock_hz: CLOCK_HZ, ..Chip::default() }
+    }
+
+    fn cycles() -> u32 {
+        cycles()
+    }
+
+    fn can_save(&self) -> bool {
+        true
     }
 
     fn feed_watchdog(&mut self) {}

@@ -1,65 +1,49 @@
 //! What both STM32F4 boards have in common: clocks, converter, flash, watchdog, restarts.
 
 mod bootloader;
+mod clock;
 mod converter;
+mod sectors;
+#[cfg(feature = "board-feather-f405")]
+pub mod usb_recovery;
+mod watchdog;
 
-pub use bootloader::enter_if_asked;
+#[cfg(feature = "board-feather-f405")]
+pub use clock::source as clock_source;
+pub use clock::{CLOCK_HZ, clocks, cycles, start as start_clock};
 pub use converter::{Converter, Input};
+pub use sectors::{STORE, Sectors};
 
-use crate::{crash, log, usage};
+use crate::{crash, log, stack, usage};
+use core::fmt::Write;
 use defmt_rtt as _;
-use embassy_stm32::flash::{Async, Bank1Region1, Flash};
-use embassy_stm32::interrupt::typelevel::{Binding, FLASH as FLASH_INTERRUPT};
-use embassy_stm32::pac::RCC;
-use embassy_stm32::peripherals::{FLASH, IWDG};
-use embassy_stm32::rcc::{AHBPrescaler, APBPrescaler, Hse, Pll, PllMul, PllPDiv, PllPreDiv, PllSource, Sysclk};
-use embassy_stm32::wdg::IndependentWatchdog;
-use embassy_stm32::{Config, Peri, flash};
+use embassy_stm32::pac::{RCC, UID};
 use embassy_time::Timer;
 use firmware::ports::System;
-use shared::wire::{Health, ResetCause};
+use heapless::String;
+use shared::wire::{Chip as Description, Health, ResetCause};
 
-/// The store: sectors 1 to 3 of 16 KB, as memory.x leaves them free.
-pub const STORE: core::ops::Range<u32> = 0x4000..0x1_0000;
-
-/// Longer than three erases (0.5 s each by the data sheet), shorter than anyone's patience.
-const WATCHDOG_US: u32 = 4_000_000;
-
-/// 168 MHz from a clock that `to_1_mhz` divides to 1 MHz: · 336 / 2; the buses at the most that they take.
-pub fn clocks(clock_in: Hse, to_1_mhz: PllPreDiv) -> Config {
-    let mut config = Config::default();
-    config.rcc.hse = Some(clock_in);
-    config.rcc.pll_src = PllSource::HSE;
-    config.rcc.pll =
-        Some(Pll { prediv: to_1_mhz, mul: PllMul::MUL336, divp: Some(PllPDiv::DIV2), divq: None, divr: None });
-    config.rcc.ahb_pre = AHBPrescaler::DIV1;
-    config.rcc.apb1_pre = APBPrescaler::DIV4;
-    config.rcc.apb2_pre = APBPrescaler::DIV2;
-    config.rcc.sys = Sysclk::PLL1_P;
-    config
+/// Call it first of all.
+pub fn before_all() {
+    bootloader::enter_if_asked();
+    bootloader::silence();
+    watchdog::start();
 }
 
-/// The first sectors only: erased 16 KB at a time, while the whole flash counts as 128 KB.
-pub fn sectors(
-    flash: Peri<'static, FLASH>,
-    irq: impl Binding<FLASH_INTERRUPT, flash::InterruptHandler> + 'static,
-) -> Bank1Region1<'static, Async> {
-    Flash::new(flash, irq).into_regions().bank1_region1
+/// The chip's unique number in twelve hexadecimal digits, made as its own bootloader makes them: over USB both show the
+/// same one.
+pub fn serial() -> String<12> {
+    let byte = |i: usize| UID.uid(i / 4).read().to_le_bytes()[i % 4];
+    let both = |i: usize, j: usize| byte(i).wrapping_add(byte(j));
+    let mut serial = String::new();
+    for part in [byte(11), both(10, 2), byte(9), both(8, 0), byte(7), byte(6)] {
+        let _ = write!(serial, "{part:02X}");
+    }
+    serial
 }
 
 /// The chip.
-pub struct Chip {
-    watchdog: IndependentWatchdog<'static, IWDG>,
-}
-
-impl Chip {
-    /// Starts the watchdog: from now on samples have to come.
-    pub fn new(watchdog: Peri<'static, IWDG>) -> Self {
-        let mut watchdog = IndependentWatchdog::new(watchdog, WATCHDOG_US);
-        watchdog.unleash();
-        Self { watchdog }
-    }
-}
+pub struct Chip;
 
 impl System for Chip {
     const HAS_BOOTLOADER: bool = true;
@@ -81,10 +65,24 @@ impl System for Chip {
 
     fn measure(&mut self, health: &mut Health) {
         usage::measure(health);
+        health.stack_size = stack::size() as u32;
+        health.stack_used = stack::used() as u32;
+    }
+
+    fn chip(&self) -> Description {
+        Description { serial: serial(), clock: clock::source(), clock_hz: CLOCK_HZ, ..Description::default() }
+    }
+
+    fn cycles() -> u32 {
+        cycles()
+    }
+
+    fn can_save(&self) -> bool {
+        sectors::supply_is_good()
     }
 
     fn feed_watchdog(&mut self) {
-        self.watchdog.pet();
+        watchdog::feed();
     }
 
     async fn pause(milliseconds: u32) {

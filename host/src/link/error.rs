@@ -188,6 +188,7 @@ fn after_refusal(refusal: &Refusal) -> &'static str {
         Refusal::BadAngle => "hold it at a larger, well-known angle and repeat the command",
         Refusal::SensorDisconnected => "check the potentiometer's three wires",
         Refusal::Flash => "repeat the command; if it stays so, the rig's flash is worn out",
+        Refusal::Supply => "give the rig its full supply, 3.3 V on the chip, and repeat the command",
         Refusal::NothingStored => "store something first with `host push`",
         Refusal::Formula => "update the rig's firmware, or write a simpler formula",
         Refusal::NotHere => "use a board that can, or do without",

@@ -99,6 +99,11 @@ impl Session {
         format!("{} {}", self.rig.name, version(&self.rig))
     }
 
+    /// The version of its firmware, such as `0.1.0`.
+    pub fn version(&self) -> String {
+        version(&self.rig)
+    }
+
     /// Do rig and program know the same effects?
     pub fn knows_the_same_effects(&self) -> bool {
         self.rig.catalogue == wire::catalogue_hash()
@@ -123,8 +128,10 @@ impl Session {
         let frame = Frame::Command(number, command.clone());
         log::debug!("asking the rig to {}", words(command));
         let is_slow = matches!(command, Command::Save | Command::Load);
+        // Firmware from before this question never answers it.
+        let n_attempts = if matches!(command, Command::Chip) { 2 } else { N_ATTEMPTS };
         let give_up =
-            self.port.elapsed() + patient(if is_slow { FLASH_PATIENCE } else { N_ATTEMPTS * ANSWER_PATIENCE });
+            self.port.elapsed() + patient(if is_slow { FLASH_PATIENCE } else { n_attempts * ANSWER_PATIENCE });
         let mut n_times = 0;
         while self.port.elapsed() < give_up {
             if n_times > 0 {
@@ -336,5 +343,6 @@ fn words(command: &Command) -> &'static str {
         Command::Statistics => "give its statistics",
         Command::Reset => "restart",
         Command::Bootloader => "start its bootloader",
+        Command::Chip => "describe its chip",
     }
 }

@@ -42,6 +42,11 @@ impl Plant {
 }
 
 impl Sampler for Plant {
+    /// The pendulum outside is the clock.
+    fn nearest_rate(rate_hz: f32) -> f32 {
+        rate_hz
+    }
+
     fn set_rate(&mut self, _: f32) {}
 
     async fn next(&mut self) -> Batch {

@@ -10,7 +10,7 @@ use embassy_time_driver::Driver;
 use embassy_time_queue_utils::Queue;
 
 /// The machine's processor clock.
-const CLOCK_HZ: u32 = 168_000_000;
+pub const CLOCK_HZ: u32 = 168_000_000;
 const PERIODS_PER_S: u32 = 1000;
 const RELOAD: u32 = CLOCK_HZ / PERIODS_PER_S - 1;
 const CYCLES_PER_US: u32 = CLOCK_HZ / 1_000_000;

@@ -6,6 +6,7 @@
 
 use core::mem::MaybeUninit;
 use core::ptr::{addr_of, addr_of_mut};
+use cortex_m::peripheral::NVIC;
 use embassy_stm32::pac::{RCC, SYSCFG};
 
 /// Where the bootloader's vectors are (AN2606, STM32F40x and F446).
@@ -24,6 +25,20 @@ pub fn restart_into() -> ! {
     // SAFETY: a plain word that nobody refers to.
     unsafe { addr_of_mut!(WISHED).cast::<u32>().write_volatile(WISH) }
     cortex_m::peripheral::SCB::sys_reset()
+}
+
+/// Of 32 interrupts each: the F446 has 97.
+const WORDS: usize = 4;
+
+/// The bootloader may have jumped here without a restart: no interrupt of its making may reach our handlers.
+pub fn silence() {
+    // SAFETY: nothing has been set up yet, so nobody misses an interrupt.
+    unsafe {
+        let nvic = &*NVIC::PTR;
+        nvic.icer[..WORDS].iter().for_each(|enabled| enabled.write(u32::MAX));
+        nvic.icpr[..WORDS].iter().for_each(|pending| pending.write(u32::MAX));
+        cortex_m::interrupt::enable();
+    }
 }
 
 /// Call it first of all.

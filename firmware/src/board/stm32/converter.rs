@@ -4,6 +4,7 @@
 //! The converter starts on triggers alone, so there is no sample off the grid at the start. After an overrun its
 //! requests to the DMA stop until both are set up anew; [`RingReader`] notices and counts what was lost.
 
+use super::clock::{TIMER_CLOCK_HZ, cycles};
 use core::sync::atomic::{AtomicU16, Ordering};
 use embassy_stm32::adc::Adc;
 use embassy_stm32::gpio::{Flex, Pin};
@@ -18,14 +19,14 @@ use firmware::oversampling::{Plan, plan, sample};
 use firmware::ports::{Batch, Sampler};
 use firmware::ring::{RingReader, Trouble};
 
-/// The timers' clock on both boards: twice 42 MHz.
-const TIMER_CLOCK_HZ: u32 = 84_000_000;
-
 /// Below what a sample time of 144 cycles at 21 MHz allows (134 000), and slow enough for the ring to last 51 ms.
 const MOST_CONVERSIONS_PER_S: u32 = 40_000;
 
 /// The input's capacitor delivers the charge, so a long sample time costs nothing.
 const SAMPLE_TIME: SampleTime = SampleTime::CYCLES144;
+
+/// Of the processor, for one conversion: 156 cycles at 21 MHz.
+const CONVERSION_CYCLES: u32 = 156 * 8;
 
 /// TIM3's trigger output among the converter's triggers (RM0090, EXTSEL).
 const TRIGGER_TIM3_TRGO: u8 = 8;
@@ -103,8 +104,18 @@ impl Converter {
             w.set_dmeif(STREAM % 4, true);
             w.set_feif(STREAM % 4, true);
         });
-        ADC1.cr2().modify(|w| w.set_dma(false));
-        ADC1.sr().modify(|w| w.set_ovr(false));
+        ADC1.cr2().modify(|w| {
+            w.set_dma(false);
+            w.set_exten(Exten::DISABLED);
+        });
+        // A conversion that is under way ends before its result could be taken for one of the new ones.
+        cortex_m::asm::delay(CONVERSION_CYCLES);
+        let _ = ADC1.dr().read();
+        ADC1.sr().modify(|w| {
+            w.set_eoc(false);
+            w.set_strt(false);
+            w.set_ovr(false);
+        });
 
         stream.par().write_value(ADC1.dr().as_ptr() as u32);
         stream.m0ar().write_value(RESULTS.as_ptr() as u32);
@@ -156,6 +167,10 @@ impl Converter {
 }
 
 impl Sampler for Converter {
+    fn nearest_rate(rate_hz: f32) -> f32 {
+        plan(rate_hz, TIMER_CLOCK_HZ, MOST_CONVERSIONS_PER_S).rate_hz(TIMER_CLOCK_HZ)
+    }
+
     fn set_rate(&mut self, rate_hz: f32) {
         self.trigger.stop();
         self.plan = plan(rate_hz, TIMER_CLOCK_HZ, MOST_CONVERSIONS_PER_S);
@@ -172,6 +187,7 @@ impl Sampler for Converter {
     async fn next(&mut self) -> Batch {
         let mut batch = Batch::default();
         loop {
+            let began = cycles();
             let (ready, lost) = self.look();
             batch.lost += lost;
             let n_samples = (ready / self.plan.per_sample).min((batch.codes.capacity()) as u32);
@@ -183,6 +199,7 @@ impl Sampler for Converter {
                 self.reader.advance();
             }
             if !batch.codes.is_empty() {
+                batch.cycles = cycles().wrapping_sub(began);
                 return batch;
             }
             Delay::after_millis(LOOK_EVERY_MS).await;

@@ -1,0 +1,24 @@
+//! The watchdog that nothing stops: it runs from an oscillator of its own, and from before the clocks are set up.
+
+use embassy_stm32::pac::IWDG;
+use embassy_stm32::pac::iwdg::vals::{Key, Pr};
+
+/// 4 s at the oscillator's nominal 32 kHz, 2.7 s at its highest 47, 7.5 s at its lowest 17 (data sheet): longer than
+/// the longest erase of a sector, 0.5 s, after which it is fed; shorter than anyone's patience.
+const RELOAD: u16 = 2000;
+
+/// From now on it has to be fed.
+pub fn start() {
+    IWDG.kr().write(|w| w.set_key(Key::START));
+    IWDG.kr().write(|w| w.set_key(Key::ENABLE));
+    IWDG.pr().write(|w| w.set_pr(Pr::DIVIDE_BY64));
+    IWDG.rlr().write(|w| w.set_rl(RELOAD - 1));
+    // The two registers are taken over by the slow clock, within five of its cycles.
+    while IWDG.sr().read().rvu() {}
+    feed();
+}
+
+/// All is well.
+pub fn feed() {
+    IWDG.kr().write(|w| w.set_key(Key::RESET));
+}
