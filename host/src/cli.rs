@@ -31,6 +31,7 @@ mod serve;
 mod simulate;
 mod statistics;
 mod table;
+mod update;
 mod values;
 
 use crate::error::Failure;
@@ -90,6 +91,7 @@ enum Command {
     Pull(pull::Options),
     Statistics(statistics::Options),
     Restart(restart::Options),
+    Update(update::Options),
     Simulate(simulate::Options),
     Serve(serve::Options),
     Export(export::Options),
@@ -127,6 +129,7 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
         Command::Pull(options) => pull::run(&options),
         Command::Statistics(options) => statistics::run(&options),
         Command::Restart(options) => restart::run(&options),
+        Command::Update(options) => update::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Serve(options) => serve::run(&options),
         Command::Export(options) => export::run(&options),

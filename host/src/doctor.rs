@@ -95,6 +95,9 @@ fn of_rig(session: &mut Session, model: Option<&RigFile>) -> Vec<Finding> {
         let signal = Signal::listen(session, &settings)?;
         let mut found = vec![board::effects(session)];
         found.extend(board::health(&session.statistics()?));
+        if let Some(chip) = session.chip()? {
+            found.extend(board::chip(&chip, settings.rate_hz));
+        }
         found.extend(signal.findings(&settings));
         found.push(model::calibration(&settings.potentiometer));
         found.extend(model::parameters(&session.parameters()?, &settings.potentiometer, model));

@@ -29,5 +29,6 @@ pub mod serve;
 pub mod sim;
 pub mod swing;
 pub mod trajectory;
+pub mod update;
 pub mod verdict;
 pub mod zero_phase;

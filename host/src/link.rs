@@ -15,6 +15,7 @@ mod transfer;
 pub use error::LinkError;
 pub(crate) use patience::patient;
 pub use patience::{FACTORS, be_patient};
+pub(crate) use serial::serial_number;
 pub use session::Session;
 pub use tally::Tally;
 
@@ -40,7 +41,8 @@ pub trait Port {
     fn elapsed(&self) -> Duration;
 }
 
-/// Opens the port that a user named: `sim`, `sim:NAME`, or a serial device such as `/dev/ttyACM0`.
+/// Opens the port that a user named: `sim`, `sim:NAME`, a serial device such as `/dev/ttyACM0`, or the serial number of
+/// a USB device.
 ///
 /// # Errors
 /// No such port or scenario, no permission, or somebody else is using it.

@@ -70,6 +70,32 @@ fn of_hex(path: &Path) -> BTreeMap<u64, u8> {
     image
 }
 
+/// Sectors 1 to 3, which hold what a user has saved.
+const STORE: std::ops::Range<u64> = 0x0800_4000..0x0801_0000;
+
+/// The same of DfuSe (ST's UM0391): prefix, one target of elements, suffix with a check sum. Gaps are filled as erased.
+fn of_dfuse(path: &Path) -> BTreeMap<u64, u8> {
+    let bytes = std::fs::read(path).unwrap();
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+    let end = bytes.len() - 16;
+    assert_eq!((&bytes[..6], word(6) as usize, bytes[10]), (&b"DfuSe\x01"[..], end, 1));
+    assert_eq!((&bytes[11..17], word(277) as usize, word(281)), (&b"Target"[..], end - 285, 2));
+    assert_eq!(&bytes[end + 2..end + 12], b"\x11\xdf\x83\x04\x1a\x01UFD\x10");
+    let crc = bytes[..end + 12].iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 })
+    });
+    assert_eq!(word(end + 12), crc);
+    let mut image = BTreeMap::new();
+    let mut at = 285;
+    while at < end {
+        let (address, length) = (u64::from(word(at)), word(at + 4) as usize);
+        assert!(address + length as u64 <= STORE.start || address >= STORE.end, "{address:#x}: {length} bytes");
+        image.extend((address..).zip(bytes[at + 8..at + 8 + length].iter().copied()));
+        at += 8 + length;
+    }
+    image
+}
+
 #[test]
 fn the_archives_are_complete_and_work() {
     let folder = tempfile::tempdir().unwrap();
@@ -88,5 +114,8 @@ fn the_archives_are_complete_and_work() {
         let elf = of_elf(&firmware.join(format!("{board}.elf")));
         assert!(elf.len() > 10_000 && *elf.keys().next().unwrap() == 0x0800_0000, "{board}: {} bytes", elf.len());
         assert!(elf == of_hex(&firmware.join(format!("{board}.hex"))), "{board}: .hex and .elf differ");
+        let mut dfuse = of_dfuse(&firmware.join(format!("{board}.dfu")));
+        dfuse.retain(|address, byte| elf.contains_key(address) || *byte != 0xff);
+        assert!(elf == dfuse, "{board}: .dfu and .elf differ");
     }
 }

@@ -24,7 +24,7 @@ const LINEARITY_PERCENT: f64 = 2.0;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    /// Serial device, sim, or sim:NAME
+    /// Serial device or its serial number, sim, or sim:NAME
     #[arg(long, value_name = "PORT", required_unless_present = "recording")]
     port: Option<String>,
     /// The model file to update, or to make from what the rig reports; ./rig.toml if none is named

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    /// Serial device, sim, or sim:NAME; the only USB serial port if there is one
+    /// Serial device or its serial number, sim, or sim:NAME; the only USB serial port if there is one
     #[arg(long, value_name = "PORT")]
     port: Option<String>,
     /// Compare with this model file; ./rig.toml if there is one

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    /// Serial device, sim, or sim:NAME
+    /// Serial device or its serial number, sim, or sim:NAME
     #[arg(long, value_name = "PORT")]
     port: String,
     /// The file to write

@@ -16,7 +16,7 @@ pub(super) struct Options {
     /// The model file; ./rig.toml if there is one
     #[arg(long, value_name = "FILE")]
     rig: Option<PathBuf>,
-    /// Serial device, sim, or sim:NAME
+    /// Serial device or its serial number, sim, or sim:NAME
     #[arg(long, value_name = "PORT")]
     port: String,
     /// Send the file's sensor calibration too, over the one the rig has

@@ -9,6 +9,8 @@ use crate::record::{End, Live, Plan, Stage, Taken, Watch, in_words, record, usab
 use crate::recording::Existing;
 use clap::Args;
 use serde::Serialize;
+use shared::rig::{HIGHEST_RATE_HZ, LOWEST_RATE_HZ};
+use shared::wire::{Command, Settings};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -20,7 +22,7 @@ const LIVE_EVERY: Duration = Duration::from_millis(100);
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    /// Serial device, sim, or sim:NAME
+    /// Serial device or its serial number, sim, or sim:NAME
     #[arg(long, value_name = "PORT")]
     port: String,
     /// The recording to write
@@ -29,6 +31,9 @@ pub(super) struct Options {
     /// Replace the file if it exists
     #[arg(long)]
     force: bool,
+    /// Sample at this rate, 50 to 10000 Hz, or the nearest that the rig can make; afterwards as before
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
+    rate: Option<f32>,
     #[command(flatten)]
     patience: Patience,
     /// Print one JSON object instead of text
@@ -51,12 +56,14 @@ const EXAMPLE: &str = "\
 Example:
   host record --port /dev/ttyACM0 -o swing.csv
   host record --port sim -o swing.csv
+  host record --port 326A36603830 --rate 200 -o slow.csv     the rig with this serial number
 
 Ctrl-C ends a recording early and keeps it. The file holds raw, unfiltered angles and converter codes.";
 
 #[derive(Serialize)]
 struct Recorded {
     file: PathBuf,
+    rate_hz: f32,
     n_samples: usize,
     release_rad: f64,
     n_passages: u32,
@@ -69,9 +76,17 @@ struct Recorded {
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut session = port::connect(&options.port)?;
     let existing = if options.force { Existing::Overwrite } else { Existing::Keep };
-    let taken = take(&mut session, &options.output, existing, &options.patience)?;
+    let before = options.rate.map(|rate_hz| sample_at(&mut session, rate_hz)).transpose()?;
+    let rate_hz = session.settings()?.rate_hz;
+    let taken = take(&mut session, &options.output, existing, &options.patience);
+    if let Some(before) = before {
+        // The link may be what broke.
+        let _ = session.tell(&Command::SetSettings(before));
+    }
+    let taken = taken?;
     let recorded = Recorded {
         file: taken.path.clone(),
+        rate_hz,
         n_samples: taken.n_samples,
         release_rad: taken.release_rad,
         n_passages: taken.n_passages,
@@ -86,6 +101,25 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         output::result(&in_words(&taken))
     }
     Ok(())
+}
+
+/// 50 … 10 000 Hz.
+fn rate(text: &str) -> Result<f32, String> {
+    let range = LOWEST_RATE_HZ..=HIGHEST_RATE_HZ;
+    let within = text.parse().ok().filter(|rate_hz| range.contains(rate_hz));
+    within.ok_or_else(|| format!("expected {} to {} samples a second", range.start(), range.end()))
+}
+
+/// Sets the rate, and says so if the rig makes another one of it; gives the settings before.
+fn sample_at(session: &mut Session, rate_hz: f32) -> Result<Settings, Failure> {
+    let (made_hz, before) = session.sample_at(rate_hz)?;
+    if made_hz != rate_hz {
+        let ppm = 1e6 * (f64::from(made_hz) / f64::from(rate_hz) - 1.0);
+        output::say(&format!(
+            "the rig samples at {made_hz} Hz, the nearest to {rate_hz} Hz that it can make ({ppm:+.0} ppm)"
+        ));
+    }
+    Ok(before)
 }
 
 /// Records one swing; anything but a usable one is a failure, told together with what was kept.

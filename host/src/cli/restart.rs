@@ -10,7 +10,7 @@ use shared::wire::Command;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    /// Serial device, sim, or sim:NAME
+    /// Serial device or its serial number, sim, or sim:NAME
     #[arg(long, value_name = "PORT")]
     port: String,
     /// Start the chip's bootloader (USB DFU) instead of the firmware

@@ -4,13 +4,13 @@ use super::{output, port};
 use crate::error::Failure;
 use clap::Args;
 use serde::Serialize;
-use shared::wire::{ResetCause, Statistics, StoreState};
+use shared::wire::{Chip, Clock, Cycles, ResetCause, Statistics, StoreState};
 
 /// Show the rig's counters since its last reset: samples, losses, health.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    /// Serial device, sim, or sim:NAME
+    /// Serial device or its serial number, sim, or sim:NAME
     #[arg(long, value_name = "PORT")]
     port: String,
     /// Print one JSON object instead of text
@@ -28,12 +28,15 @@ struct Shown {
     firmware: String,
     #[serde(flatten)]
     statistics: Statistics,
+    /// Absent from firmware that does not tell.
+    chip: Option<Chip>,
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut session = port::connect(&options.port)?;
     let statistics = session.statistics()?;
-    let shown = Shown { port: options.port.clone(), firmware: session.firmware(), statistics };
+    let chip = session.chip()?;
+    let shown = Shown { port: options.port.clone(), firmware: session.firmware(), statistics, chip };
     if options.json {
         output::json("statistics", &shown)
     } else {
@@ -64,7 +67,37 @@ fn in_words(shown: &Shown) -> String {
         ("flash at start", store(health.store).to_owned()),
         ("last fault", fault.to_owned()),
     ];
-    rows.map(|(what, value)| format!("{what:<24}{value}")).join("\n")
+    let of_chip = shown.chip.iter().flat_map(chip_rows);
+    let lines: Vec<String> =
+        rows.into_iter().chain(of_chip).map(|(what, value)| format!("{what:<24}{value}")).collect();
+    lines.join("\n")
+}
+
+/// What the chip tells of itself, as far as it does.
+fn chip_rows(chip: &Chip) -> Vec<(&'static str, String)> {
+    let serial = (!chip.serial.is_empty()).then(|| ("serial number", chip.serial.to_string()));
+    let clock = match chip.clock {
+        Clock::Unknown => None,
+        Clock::Crystal => Some("crystal"),
+        Clock::Internal => Some("the chip's own, 1 % off at most: the crystal does not run"),
+    };
+    let stages = [
+        ("cycles a sample", chip.sample),
+        ("cycles the observer", chip.observer),
+        ("cycles a frame", chip.frame),
+        ("cycles a save", chip.save),
+    ];
+    let took = |cycles: Cycles| {
+        let us = |cycles: f64| 1e6 * cycles / f64::from(chip.clock_hz);
+        let (mean, worst) = (f64::from(cycles.mean), f64::from(cycles.worst));
+        format!("{mean:.0} ({:.1} µs), at most {worst:.0} ({:.1} µs)", us(mean), us(worst))
+    };
+    let measured = stages.into_iter().filter(|(_, cycles)| cycles.count > 0 && chip.clock_hz > 0);
+    serial
+        .into_iter()
+        .chain(clock.map(|clock| ("clock", clock.to_owned())))
+        .chain(measured.map(|(what, cycles)| (what, took(cycles))))
+        .collect()
 }
 
 fn cause(cause: ResetCause) -> &'static str {

@@ -2,7 +2,7 @@
 
 use super::Finding;
 use crate::link::Session;
-use shared::wire::{PROTOCOL, ResetCause, Statistics, StoreState};
+use shared::wire::{Chip, Clock, PROTOCOL, ResetCause, Statistics, StoreState};
 
 pub(super) fn greeting(session: &Session) -> Finding {
     let [major, minor, patch] = session.rig().version;
@@ -20,6 +20,34 @@ pub(super) fn effects(session: &Session) -> Finding {
 
 pub(super) fn health(statistics: &Statistics) -> Vec<Finding> {
     vec![restarts(statistics), losses(statistics), store(statistics.health.store)]
+}
+
+/// Which chip it is, what it runs on, and how much of its time a sample takes.
+pub(super) fn chip(chip: &Chip, rate_hz: f32) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let serial = if chip.serial.is_empty() { "without a number" } else { chip.serial.as_str() };
+    match chip.clock {
+        Clock::Unknown => {}
+        Clock::Crystal => findings.push(Finding::ok("chip", format!("{serial}, on its crystal"))),
+        Clock::Internal => findings.push(Finding::look(
+            "chip",
+            format!("{serial}, on its own oscillator: every time and rate is off by up to 1 %"),
+            "the clock from outside does not come: on a Nucleo check the solder bridges of MCO (SB16, SB50)",
+        )),
+    }
+    if chip.clock_hz > 0 && chip.observer.count > 0 {
+        let share = |cycles: f32| 100.0 * cycles * rate_hz / chip.clock_hz as f32;
+        let mean = chip.sample.mean + chip.observer.mean;
+        let worst = chip.sample.worst.saturating_add(chip.observer.worst) as f32;
+        let found = format!(
+            "{mean:.0} cycles a sample, {:.1} % of its time; at most {worst:.0}, {:.1} %",
+            share(mean),
+            share(worst)
+        );
+        let too_slow = (share(mean) > 50.0).then_some("lower the sampling rate, or push a model with fewer effects");
+        findings.push(Finding::of("speed", found, too_slow));
+    }
+    findings
 }
 
 fn restarts(statistics: &Statistics) -> Finding {

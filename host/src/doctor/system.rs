@@ -1,6 +1,7 @@
 //! What the computer says: serial ports, who may use them, and who else does.
 
 use super::Finding;
+use crate::link::serial_number;
 use serialport::{SerialPortInfo, SerialPortType};
 use std::path::Path;
 
@@ -46,17 +47,18 @@ fn seen(ports: &[SerialPortInfo], port: Option<&str>) -> Finding {
         (None, 0) => {
             "no board is attached: plug one in, with a cable that carries data; or try without: host doctor --port sim"
         }
-        (None, _) => "there are several: name the rig's with --port",
+        (None, _) => "there are several: name the rig's with --port, by its device or its serial number",
     };
     Finding::look("serial ports", list, next)
 }
 
 fn described(port: &SerialPortInfo) -> String {
     match &port.port_type {
-        SerialPortType::UsbPort(usb) => match &usb.product {
-            Some(product) => format!("{} ({product})", port.port_name),
-            None => format!("{} ({:04x}:{:04x})", port.port_name, usb.vid, usb.pid),
-        },
+        SerialPortType::UsbPort(usb) => {
+            let product = usb.product.clone().unwrap_or_else(|| format!("{:04x}:{:04x}", usb.vid, usb.pid));
+            let number = serial_number(port).map_or(String::new(), |number| format!(", serial number {number}"));
+            format!("{} ({product}{number})", port.port_name)
+        }
         _ => port.port_name.clone(),
     }
 }

@@ -4,7 +4,7 @@
 //! the same (or the super) user.
 
 use super::{LinkError, Port, patient};
-use serialport::{ErrorKind, SerialPort};
+use serialport::{ErrorKind, SerialPort, SerialPortInfo, SerialPortType};
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
@@ -14,10 +14,15 @@ const BAUD: u32 = 921_600;
 /// A device that takes no bytes for so long is gone.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(2);
 
+/// `name` is a device or the serial number of a USB device.
 pub(super) fn open(name: &str) -> Result<Box<dyn Port>, LinkError> {
-    let port =
-        serialport::new(name, BAUD).timeout(patient(WRITE_TIMEOUT)).open().map_err(|error| explain(name, &error))?;
-    Ok(Box::new(Serial { name: name.to_owned(), port, opened: Instant::now() }))
+    let ports = serialport::available_ports().unwrap_or_default();
+    let device = with_serial_number(name, &ports).unwrap_or(name);
+    let port = serialport::new(device, BAUD)
+        .timeout(patient(WRITE_TIMEOUT))
+        .open()
+        .map_err(|error| explain(device, &error))?;
+    Ok(Box::new(Serial { name: device.to_owned(), port, opened: Instant::now() }))
 }
 
 struct Serial {
@@ -72,8 +77,26 @@ fn explain(name: &str, error: &serialport::Error) -> LinkError {
 fn seen() -> Vec<String> {
     const AT_MOST: usize = 8;
     let mut ports = serialport::available_ports().unwrap_or_default();
-    ports.sort_by_key(|port| !matches!(port.port_type, serialport::SerialPortType::UsbPort(_)));
-    ports.into_iter().map(|port| port.port_name).take(AT_MOST).collect()
+    ports.sort_by_key(|port| !matches!(port.port_type, SerialPortType::UsbPort(_)));
+    let described = |port: &SerialPortInfo| match serial_number(port) {
+        Some(number) => format!("{} (serial number {number})", port.port_name),
+        None => port.port_name.clone(),
+    };
+    ports.iter().map(described).take(AT_MOST).collect()
+}
+
+/// The device whose USB serial number this is.
+fn with_serial_number<'p>(number: &str, ports: &'p [SerialPortInfo]) -> Option<&'p str> {
+    let has = |port: &&SerialPortInfo| serial_number(port).is_some_and(|own| own.eq_ignore_ascii_case(number));
+    ports.iter().find(has).map(|port| port.port_name.as_str())
+}
+
+/// What tells this USB device from others of its kind.
+pub(crate) fn serial_number(port: &SerialPortInfo) -> Option<&str> {
+    match &port.port_type {
+        SerialPortType::UsbPort(usb) => usb.serial_number.as_deref(),
+        _ => None,
+    }
 }
 
 /// Programs that have the device open, by the links in /proc; empty where there is no /proc.
@@ -95,4 +118,35 @@ fn users(name: &str) -> Vec<String> {
 fn has_open(process: &std::path::Path, device: &std::path::Path) -> bool {
     let Ok(files) = std::fs::read_dir(process.join("fd")) else { return false };
     files.flatten().any(|file| std::fs::read_link(file.path()).is_ok_and(|target| target == device))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serialport::UsbPortInfo;
+
+    fn port(name: &str, number: Option<&str>) -> SerialPortInfo {
+        let usb = UsbPortInfo {
+            vid: 0x1209,
+            pid: 1,
+            serial_number: number.map(str::to_owned),
+            manufacturer: None,
+            product: Some("Pendulum rig".to_owned()),
+        };
+        SerialPortInfo { port_name: name.to_owned(), port_type: SerialPortType::UsbPort(usb) }
+    }
+
+    #[test]
+    fn two_rigs_are_told_apart_by_their_serial_numbers() {
+        let ports = [
+            port("/dev/ttyACM0", Some("326A36603830")),
+            port("/dev/ttyACM1", Some("2055387B5431")),
+            port("/dev/ttyACM2", None),
+        ];
+        assert_eq!(with_serial_number("2055387b5431", &ports), Some("/dev/ttyACM1"));
+        assert_eq!(with_serial_number("326A36603830", &ports), Some("/dev/ttyACM0"));
+        for other in ["326A3660383", "", "/dev/ttyACM2"] {
+            assert_eq!(with_serial_number(other, &ports), None, "{other}");
+        }
+    }
 }

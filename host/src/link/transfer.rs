@@ -8,7 +8,7 @@ use shared::effect::{Action, CUSTOM_FORMULA_ID};
 use shared::formula::Formula;
 use shared::parameters::Parameters;
 use shared::potentiometer::Potentiometer;
-use shared::wire::{Answer, Command, Settings, Statistics};
+use shared::wire::{Answer, Chip, Command, Settings, Statistics};
 
 impl Session {
     /// The parameters in use.
@@ -69,6 +69,29 @@ impl Session {
             Answer::Statistics(statistics) => Ok(statistics),
             _ => Err(LinkError::WrongAnswer { command: "give its statistics" }),
         }
+    }
+
+    /// What the rig says of its chip; `None` from firmware that does not know the question.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn chip(&mut self) -> Result<Option<Chip>, LinkError> {
+        match self.ask(&Command::Chip) {
+            Ok(Answer::Chip(chip)) => Ok(Some(chip)),
+            Ok(_) => Err(LinkError::WrongAnswer { command: "describe its chip" }),
+            Err(LinkError::NoAnswer { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Samples at this rate from now on; gives the rate that the rig makes of it, and the settings before.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn sample_at(&mut self, rate_hz: f32) -> Result<(f32, Settings), LinkError> {
+        let before = self.settings()?;
+        self.tell(&Command::SetSettings(before.at_rate(rate_hz)))?;
+        Ok((self.settings()?.rate_hz, before))
     }
 
     /// Sets the parameters, saves them to flash, loads them from there and compares.
