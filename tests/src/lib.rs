@@ -8,6 +8,7 @@ pub const HANG: Duration = Duration::from_secs(900);
 #[cfg(target_os = "linux")]
 pub mod browser;
 pub mod chance;
+pub mod coded;
 #[cfg(target_os = "linux")]
 pub mod device;
 pub mod edits;
@@ -28,3 +29,5 @@ pub mod protocol_page;
 pub mod python;
 #[cfg(unix)]
 pub mod qemu;
+pub mod rates;
+pub mod workbench;

@@ -1,5 +1,6 @@
 //! Several swings of one rig at once, some held out; and what a fit says about itself.
 
+#[path = "../../shared/tests/physics_reference/mod.rs"]
 mod physics_reference;
 
 use host::fit::identify::{Fit, FitError, Method, Options, Verdict, fit};

@@ -5,6 +5,7 @@
 //! --include-ignored --nocapture` takes a hundred (about three minutes) and prints a line for each. Of these the surfaces
 //! alone bring 97 within 1.5 noises, and least squares after them all within 1.05.
 
+#[path = "../../shared/tests/physics_reference/mod.rs"]
 mod physics_reference;
 
 use host::fit::identify::{Fit, Method, Options, fit};
