@@ -30,4 +30,5 @@ pub mod python;
 #[cfg(unix)]
 pub mod qemu;
 pub mod rates;
+pub mod verdicts;
 pub mod workbench;
