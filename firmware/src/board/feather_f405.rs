@@ -40,9 +40,10 @@ const MOST_POINTS_PER_S: f32 = 10_000.0;
 /// The largest packet of full-speed USB.
 const PACKET: usize = 64;
 
-/// Five a second for two seconds, within the watchdog's patience.
-const BLINKS: u32 = 10;
-const HALF_A_BLINK: u32 = stm32::CLOCK_HZ / 10;
+/// Then it looks for the crystal again. A delay takes up to four times its cycles, so all of it lasts 0.5 to 2 s, within
+/// the watchdog's patience.
+const BLINKS: u32 = 5;
+const HALF_A_BLINK: u32 = stm32::CLOCK_HZ / 20;
 
 bind_interrupts!(struct Irqs {
     OTG_FS => usb::InterruptHandler<USB_OTG_FS>;
