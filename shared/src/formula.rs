@@ -334,6 +334,18 @@ mod tests {
         assert!((torque - 1e-4 * libm::pow(2.0, 2.5)).abs() < 1e-18, "{torque}");
     }
 
+    /// −(k·θ + c·ω): a spring that acts at rest too, and friction that does not.
+    #[test]
+    fn what_acts_at_standstill_drives_and_what_motion_adds_is_friction() {
+        let spring = [code::PARAMETER, code::THETA, code::MULTIPLY];
+        let drag = [code::PARAMETER + 1, code::OMEGA, code::MULTIPLY];
+        let code = [&spring[..], &drag, &[code::ADD, code::NEGATE]].concat();
+        let program = Program::<f64>::new(&Formula::new(&code, &[], 2, "").unwrap());
+        let (motion, values) = (motion_at(0.3, -2.0, 0.0), [1e-3, 1e-4, 0.0, 0.0]);
+        assert!((program.drive_nm(&motion, &values) + 3e-4).abs() < 1e-18);
+        assert!((program.friction_nm(&motion, &values) - 2e-4).abs() < 1e-18);
+    }
+
     #[test]
     fn bytes_come_back_with_their_text() {
         let formula = drag();

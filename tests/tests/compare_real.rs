@@ -2,7 +2,7 @@
 
 mod compare_support;
 
-use compare_support::{hidden, keep_pictures, measurement, normalised};
+use compare_support::{data, hidden, keep_pictures, measurement, normalised};
 use host::compare::measurement::Measurement;
 use host::compare::verdict::Answer;
 use host::compare::{Comparison, Options, compare};
@@ -49,12 +49,22 @@ fn the_hand_on_the_short_pendulum_is_cut_and_said() {
 }
 
 #[test]
-fn hidden_rigs_are_judged() {
+fn physics_is_missing_where_an_effect_is_hidden_and_nowhere_else() {
     for case in 1..=8 {
+        let truth = std::fs::read_to_string(data(&format!("hidden/p{case:02}/truth.json"))).unwrap();
+        let truth: serde_json::Value = serde_json::from_str(&truth).unwrap();
+        // The zero of the sensor is free in every comparison.
+        let is_taken_up = |name: &serde_json::Value| name == "none" || name == "angle-offset";
+        let lacks_nothing = truth["effects"].as_array().unwrap().iter().all(is_taken_up);
         let (rig, measurements): (_, Vec<Measurement>) = hidden(case);
         let comparison = compare(&rig, &measurements, &[], &Options { fit_first: true }).unwrap();
         println!("=== p{case:02}\n{}\n", comparison.verdict.join("\n"));
         keep_pictures(&format!("p{case:02}"), &comparison);
+        let what = format!("p{case:02} hides {}: {:?}", truth["effects"], comparison.verdict);
+        assert_eq!(comparison.answer == Answer::NothingMissing, lacks_nothing, "{what}");
+        // What leaves little more than the noise need not show where.
+        let is_plain = !lacks_nothing && truth["ratio_base"].as_f64().unwrap() > 1.5;
+        assert!(!is_plain || comparison.answer == Answer::PhysicsMissing, "{what}");
         if let Some(map) = &comparison.torque {
             println!("evidence {} explained {} significant {}", map.evidence, map.explained, map.is_significant);
         }

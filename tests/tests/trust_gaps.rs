@@ -1,11 +1,15 @@
-//! A fit over a recording with gaps allows for them: the parameters come back as from the whole.
+//! A fit over a recording with gaps allows for them: the parameters come back as from the whole. The swing is that of the
+//! independent integrator.
+
+#[path = "../../shared/tests/physics_reference/mod.rs"]
+mod physics_reference;
 
 use host::fit::identify::{Fit, Method, Options, fit};
 use host::recording::segment::SegmentOptions;
 use host::recording::{ReadOptions, read_bytes};
 use host::sim::Noise;
 use host::swing::Swing;
-use shared::model::Model;
+use physics_reference::Reference;
 use shared::parameters::Parameters;
 use std::ops::Range;
 
@@ -17,15 +21,14 @@ const NOISE_RAD: f64 = 1e-3;
 
 /// Held for a second, then a swing of the paper's pendulum; as a file without the samples in `gaps`, s.
 fn file(gaps: &[Range<f64>]) -> String {
-    let model = Model::new(&Parameters::paper());
-    let (mut state, mut noise) = (model.release(1.2, 0.0), Noise::new(3));
+    let (mut pendulum, mut noise) = (Reference::release(&Parameters::paper(), None, 1.2, 0.0), Noise::new(3));
     let mut text = format!("# format: pendulum-recording 1\n# rate_hz: {RATE_HZ}\nt,theta\n");
     for k in 0..(SECONDS * RATE_HZ) as u32 {
         let time_s = f64::from(k) / RATE_HZ;
         if time_s >= 1.0 {
-            model.step(&mut state, 1.0 / RATE_HZ);
+            pendulum.advance(1.0 / RATE_HZ);
         }
-        let angle_rad = state.angle_rad + NOISE_RAD * noise.normal();
+        let angle_rad = pendulum.angle_rad + NOISE_RAD * noise.normal();
         if !gaps.iter().any(|gap| gap.contains(&time_s)) {
             text += &format!("{time_s:.6},{angle_rad:.7}\n");
         }

@@ -1,6 +1,9 @@
 //! Numbers that no pendulum has, through simulation, observer, rig, fit, comparison and diagnosis: a refusal or a finite
 //! answer, and no long wait for it.
 
+#[path = "../../shared/tests/physics_reference/mod.rs"]
+mod physics_reference;
+
 use host::compare::measurement::Measurement;
 use host::compare::{self, compare};
 use host::diagnose::diagnose;
@@ -8,6 +11,7 @@ use host::fit::identify::{self, Method, fit};
 use host::recording::segment::SegmentOptions;
 use host::recording::{AngleUnit, ReadOptions, read, read_bytes};
 use host::swing::{Swing, SwingError};
+use physics_reference::Reference;
 use shared::effect::Effect;
 use shared::model::Model;
 use shared::motion::Pendulum;
@@ -187,6 +191,15 @@ fn an_observer_recovers_from_any_angle_and_any_gap() {
         let estimate = observer.on_measurement(0.5, 1e-3);
         assert!(estimate.innovation_rad.abs() < 0.5 && estimate.velocity_rad_s.abs() < 20.0, "{value}: {estimate:?}");
         assert!(observer.innovation_rms_rad().is_finite(), "{value}");
+        // Once the pendulum swings, the observer is where it is: e⁻¹⁸ of its error is left after six seconds.
+        let mut pendulum = Reference::release(&Parameters::paper(), None, 0.5, 0.0);
+        let mut off_rad = f64::INFINITY;
+        for _ in 0..6000 {
+            pendulum.advance(1e-3);
+            let estimate = observer.on_measurement(pendulum.angle_rad as f32, 1e-3);
+            off_rad = (f64::from(estimate.angle_rad) - pendulum.angle_rad).abs();
+        }
+        assert!(off_rad < 1e-3, "{value}: still {off_rad} rad beside the pendulum");
     }
 }
 
@@ -370,7 +383,9 @@ fn a_simulation_without_a_finite_swing_is_an_error() {
 fn diagnoses_of_strange_recordings_have_finite_numbers() {
     // Each takes seconds.
     let chosen = ["a swing", "held", "falling from upright", "spinning over the top", "one jump"];
-    for (name, measurement) in measurements().into_iter().filter(|(name, _)| chosen.contains(name)) {
+    let measurements: Vec<_> = measurements().into_iter().filter(|(name, _)| chosen.contains(name)).collect();
+    assert_eq!(measurements.len(), chosen.len(), "one of {chosen:?} is not even read");
+    for (name, measurement) in measurements {
         let swings = std::slice::from_ref(&measurement.swing);
         let diagnosis = within_patience(name, || diagnose(swings, &[], &Parameters::paper()));
         let all = [diagnosis.rmse_before, diagnosis.rmse_after, diagnosis.noise];

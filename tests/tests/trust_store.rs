@@ -173,3 +173,25 @@ fn content_that_is_cut_or_has_more_behind_it_is_damaged() {
         assert_eq!(block_on(store(&mut flash).load()), Err(StoreState::Damaged), "{} bytes", content.len());
     }
 }
+
+/// Filled to the last word with items of another program, which sequential-storage cannot give up.
+fn full_flash() -> WornFlash {
+    let mut flash = WornFlash::new();
+    let cache: Cache<Uncached, Uncached, Uncached, u8> = Cache::new_uncached();
+    let mut map: MapStorage<u8, _, _> = MapStorage::new(&mut flash, MapConfig::new(0..SIZE as u32), cache);
+    let (mut scratch, item) = ([0; MAX_STORED + 32], [0xa5_u8; 100]);
+    let keys = KEY + 1..=u8::MAX;
+    let n_items = keys.take_while(|key| block_on(map.store_item(&mut scratch, key, &&item[..])).is_ok()).count();
+    assert!((10..200).contains(&n_items), "{n_items} items fill the flash");
+    flash
+}
+
+#[test]
+fn flash_that_is_full_is_erased_for_what_is_saved() {
+    let mut flash = full_flash();
+    assert_eq!(block_on(store(&mut flash).load()), Err(StoreState::Empty));
+    for i in 0..30 {
+        assert_eq!(block_on(store(&mut flash).save(&stored(i))), Ok(()), "save {i}");
+        assert_eq!(block_on(store(&mut flash).load()), Ok(stored(i)), "save {i}");
+    }
+}
