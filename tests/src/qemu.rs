@@ -48,7 +48,8 @@ static TURN: Mutex<()> = Mutex::new(());
 struct Shared {
     process: Mutex<Child>,
     stop: AtomicBool,
-    holds: AtomicBool,
+    /// No more samples than these are sent in all.
+    allowed: AtomicU64,
     n_starts: AtomicU64,
     n_samples: AtomicU64,
     n_swings: AtomicU64,
@@ -63,6 +64,11 @@ impl Gauge {
     /// The rig's own clock, s: samples sent over the sampling rate.
     pub fn seconds(&self) -> f64 {
         self.0.n_samples.load(Ordering::Relaxed) as f64 / RATE_HZ
+    }
+
+    /// Lets so many more samples pass from now on, and no others: the rig's clock then runs only as it is listened to.
+    pub fn let_pass(&self, n_samples: u64) {
+        self.0.allowed.store(self.0.n_samples.load(Ordering::Relaxed) + n_samples, Ordering::Relaxed);
     }
 
     /// How often the firmware has started. What it said on the link before its last start is there to be read.
@@ -100,7 +106,7 @@ impl Qemu {
         let shared = Arc::new(Shared {
             process: Mutex::new(process),
             stop: AtomicBool::new(false),
-            holds: AtomicBool::new(false),
+            allowed: AtomicU64::new(u64::MAX),
             n_starts: AtomicU64::new(0),
             n_samples: AtomicU64::new(0),
             n_swings: AtomicU64::new(0),
@@ -145,7 +151,7 @@ impl Qemu {
 
     /// Holds the pendulum's samples back, or lets them go on; up to [`WINDOW`] are still on their way.
     pub fn hold(&self, holds: bool) {
-        self.shared.holds.store(holds, Ordering::Relaxed);
+        self.shared.allowed.store(if holds { 0 } else { u64::MAX }, Ordering::Relaxed);
     }
 
     /// Makes the processor go on at another address, as a wild pointer would.
@@ -183,7 +189,8 @@ impl Shared {
             if let Some(scenario) = self.next_scenario.lock().ok().and_then(|mut next| next.take()) {
                 plant = Plant::new(scenario);
             }
-            let n_new = if self.holds.load(Ordering::Relaxed) { 0 } else { WINDOW - in_flight };
+            let allowed = self.allowed.load(Ordering::Relaxed).saturating_sub(self.n_samples.load(Ordering::Relaxed));
+            let n_new = allowed.min(WINDOW - in_flight);
             let bytes: Vec<u8> = (0..n_new).flat_map(|_| two_bytes(plant.next_code().0)).collect();
             if line.write_all(&bytes).is_err() {
                 return;

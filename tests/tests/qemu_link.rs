@@ -30,6 +30,9 @@ const LENGTH_S: f64 = 12.0;
 /// Between two looks at the rig's clock.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
 
+/// Samples that may pass from one look to the next: a PC that is kept from reading finds the rig's clock stopped.
+const SAMPLES_PER_LOOK: u64 = 32;
+
 /// The board's serial port behind a bad link. Its clock is the rig's, so that faults come after so many samples.
 struct FaultySerial {
     port: Box<dyn Port>,
@@ -54,6 +57,7 @@ impl FaultySerial {
     }
 
     fn take(&mut self) -> io::Result<usize> {
+        self.rig.let_pass(SAMPLES_PER_LOOK);
         let mut bytes = [0; 4096];
         let n_bytes = self.port.read(&mut bytes, LOOK_EVERY)?;
         bytes[..n_bytes].iter().for_each(|byte| self.link.take(*byte));
