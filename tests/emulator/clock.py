@@ -34,6 +34,12 @@ class Event:
         self.action = None
 
 
+def cancel(event):
+    """Nothing instead of an event that may be there."""
+    if event:
+        event.cancel()
+
+
 class Clock:
     """The time now, and what comes next."""
 

@@ -144,6 +144,21 @@ class Core:
             elif here == MSR_PRIMASK and code[at - 2 : at - 1] < b"\x90" and code[at - 1 : at] == b"\xf3":
                 self._hook(address + at + 2, self._on_unmasked)
 
+    def guard(self, first, last):
+        """A range that the MPU may close; reset opens it again."""
+        if (first, last) not in self._hooked:
+            self._hooked.add((first, last))
+            accesses = constants.UC_HOOK_MEM_READ | constants.UC_HOOK_MEM_WRITE
+            self.uc.hook_add(accesses, self._on_guarded, begin=first, end=last)
+
+    def _on_guarded(self, uc, access, address, size, value, _):
+        if any(first <= address <= last for first, last in self.chip.mpu.guarded) and not self._is_faulting():
+            self._trapped_at = self._pc.read()[0]
+            self.stop()
+
+    def _is_faulting(self):
+        return any(number == HARD_FAULT for number, _ in self.nvic.active)
+
     def _hook(self, address, action):
         if (address, action) not in self._hooked:
             self._hooked.add((address, action))
@@ -191,15 +206,16 @@ class Core:
                 chip.restart()
                 continue
             now = clock.now()
-            if now >= until or chip.has_stopped:
+            if now >= until:
                 return
             limit = min(clock.next(), until)
             if now < self.stalled_until:
                 clock.move_to(min(limit, self.stalled_until))
                 continue
-            if nvic.candidates and not self.locked:
+            is_out = self.locked or chip.has_stopped
+            if nvic.candidates and not is_out:
                 self._take_interrupt()
-            if self.asleep or self.locked:
+            if self.asleep or is_out:
                 self.ticks_asleep += limit - now
                 clock.move_to(limit)
                 continue
@@ -236,14 +252,16 @@ class Core:
             self._leave()
         elif self.pc - 1 == memory.BOOTLOADER_ENTRY:
             self.chip.bootloader_runs()
-        elif error != constants.UC_ERR_OK or self._trapped:
+        elif error != constants.UC_ERR_OK or self._trapped_at is not None:
+            self.pc = (self.pc if self._trapped_at is None else self._trapped_at) | 1
             self._fault(error)
-        self._trapped = False
+        self._trapped_at = None
 
-    _trapped = False
+    # Where an instruction was stopped by a fault.
+    _trapped_at = None
 
     def _fault(self, error):
-        if HARD_FAULT in (active for active, _ in self.nvic.active):
+        if self._is_faulting():
             # A fault within the handler of faults: only a reset helps (PM0214 2.4.4).
             self.locked = True
             self.chip.tell("lockup", pc=f"{self.pc - 1:#010x}")
@@ -311,7 +329,7 @@ class Core:
 
     def _on_exception(self, uc, number, _):
         if number != EXCEPTION_EXIT:
-            self._trapped = True
+            self._trapped_at = self._pc.read()[0]
         uc.emu_stop()
 
     def _on_read(self, uc, offset, size, base):

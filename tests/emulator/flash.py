@@ -6,7 +6,7 @@ An erase or a program stops every fetch of code; the interrupts wait, converter,
 import random
 
 import memory
-from clock import seconds, ticks
+from clock import cancel, ticks
 from peripheral import Peripheral, Unmodelled
 
 KEYS = (0x4567_0123, 0xCDEF_89AB)
@@ -52,6 +52,7 @@ class Flash(Peripheral):
     NAME = "FLASH"
     REGISTERS = {0x00: "ACR", 0x04: "KEYR", 0x08: "OPTKEYR", 0x0C: "SR", 0x10: "CR", 0x14: "OPTCR"}
     RESET = {"CR": LOCK, "OPTCR": 0x0FFF_AAED}
+    _end = _busy_with = None
 
     def __init__(self, chip):
         self.sectors = sectors(chip.model.flash_kb)
@@ -59,12 +60,13 @@ class Flash(Peripheral):
         super().__init__(chip)
 
     def reset(self):
-        if getattr(self, "_busy_with", None):
+        if self._busy_with:
             self._tear()
         super().reset()
         self._key = 0
         self._written = []
         self._busy_with = None
+        self._end = cancel(self._end)
         self._stale = False
         if self.chip.nvic:
             self._interrupt()
@@ -136,7 +138,7 @@ class Flash(Peripheral):
     def _work(self, what, where, n_ticks):
         end = self.clock.now() + n_ticks
         self._busy_with = (what, where)
-        self.clock.at(end, self._finish)
+        self._end = self.clock.at(end, self._finish)
         self.chip.core.stall_until(end)
 
     def _finish(self):
@@ -210,4 +212,4 @@ class Flash(Peripheral):
             address, old, new = where
             noise = chance.randbytes(len(old))
             self.chip.flash_memory.put(address, bytes(b | a & n for a, b, n in zip(old, new, noise)))
-        self.chip.tell("torn", what=what, at_s=seconds(self.clock.now()))
+        self.chip.tell("torn", work=what)

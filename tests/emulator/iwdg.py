@@ -1,6 +1,6 @@
 """The independent watchdog. RM0090 21.4, RM0390 20.4. Its oscillator runs at 17 to 47 kHz (DS8626 table 34)."""
 
-from clock import seconds, ticks
+from clock import cancel, seconds, ticks
 from peripheral import Peripheral, Unmodelled
 
 START, FEED, ALLOW = 0xCCCC, 0xAAAA, 0x5555
@@ -12,10 +12,11 @@ class Watchdog(Peripheral):
     NAME = "IWDG"
     REGISTERS = {0x0: "KR", 0x4: "PR", 0x8: "RLR", 0xC: "SR"}
     RESET = {"RLR": 0xFFF}
+    _event = None
 
     def reset(self):
         super().reset()
-        self._event = None
+        self._event = cancel(self._event)
         self.fed_at = None
         self.longest_unfed = 0
 

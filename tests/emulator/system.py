@@ -3,7 +3,7 @@
 PM0214 4.2 (MPU), 4.4 (SCB), 4.5 (SysTick), 4.6 (FPU); the cycle counter is in ARM's DDI 0403, C1.8.
 """
 
-import memory
+from clock import cancel
 from nvic import FIRST_INTERRUPT, PRIORITY_BITS, SYSTICK
 from peripheral import Peripheral, Unmodelled
 
@@ -104,11 +104,12 @@ class SysTick(Peripheral):
 
     NAME = "SysTick"
     REGISTERS = {0x0: "CTRL", 0x4: "LOAD", 0x8: "VAL", 0xC: "CALIB"}
+    _event = None
 
     def reset(self):
         super().reset()
         self._began = 0
-        self._event = None
+        self._event = cancel(self._event)
 
     def _tick(self):
         return self.chip.core.ticks_per_cycle * (1 if self.values["CTRL"] & 4 else 8)
@@ -117,8 +118,7 @@ class SysTick(Peripheral):
         return (self.values["LOAD"] + 1) * self._tick()
 
     def _start(self):
-        if self._event:
-            self._event.cancel()
+        self._event = cancel(self._event)
         self._began = self.clock.now()
         if self.values["CTRL"] & 1 and self.values["LOAD"]:
             self._event = self.clock.at(self._began + self._period(), self._wrap)
@@ -263,6 +263,3 @@ def attach(chip):
     chip.bus.attach(0xE000_EDF0, DebugControl(chip), 0x10)
     chip.dwt = chip.bus.attach(0xE000_1000, CycleCounter(chip), 0x1000)
     chip.bus.attach(0xE004_2000, DebugUnit(chip), 0x10)
-
-
-assert memory.RAM % 32 == 0

@@ -3,7 +3,7 @@
 TIM2 and TIM5 have 32 bits, TIM3 and TIM4 have 16.
 """
 
-from clock import NEVER, TICKS_PER_S
+from clock import NEVER, TICKS_PER_S, cancel
 from peripheral import Peripheral, Unmodelled
 
 INTERRUPTS = {2: 28, 3: 29, 4: 30, 5: 50}
@@ -20,6 +20,8 @@ CHANNELS = range(1, 5)
 
 class Timer(Peripheral):
     """One of them."""
+
+    _event = None
 
     REGISTERS = {
         0x00: "CR1",
@@ -57,7 +59,7 @@ class Timer(Peripheral):
         self._driver = None
         # The counter had the value `_base` at `_since`; everything up to the count `_seen` has been noticed.
         self._base, self._since, self._seen = 0, self.clock.now(), 0
-        self._event = None
+        self._event = cancel(self._event)
         self._prescaler = 0
         self._interrupt()
 
@@ -127,9 +129,7 @@ class Timer(Peripheral):
         self.chip.nvic.set_line(INTERRUPTS[self.number], bool(self.values["SR"] & self.values["DIER"] & 0x1F))
 
     def _schedule(self):
-        if self._event:
-            self._event.cancel()
-            self._event = None
+        self._event = cancel(self._event)
         wanted = self.values["DIER"] & 0x1F & ~self.values["SR"]
         if not wanted or not self._is_clocked():
             return

@@ -3,7 +3,7 @@
 The PC is at the other end, with its own clock: a byte takes as long as its sender makes it.
 """
 
-from clock import TICKS_PER_S
+from clock import TICKS_PER_S, cancel
 from dma import FROM_MEMORY, TO_MEMORY
 from peripheral import Peripheral, Unmodelled
 
@@ -27,6 +27,7 @@ class Usart(Peripheral):
     NAME = "USART2"
     REGISTERS = {0x00: "SR", 0x04: "DR", 0x08: "BRR", 0x0C: "CR1", 0x10: "CR2", 0x14: "CR3", 0x18: "GTPR"}
     RESET = {"SR": SENT | EMPTY}
+    _idle_event = _sent_event = None
 
     def __init__(self, chip):
         super().__init__(chip)
@@ -42,7 +43,7 @@ class Usart(Peripheral):
         self._sending = 0
         self._single = bytearray()
         self._line_free_at = 0
-        self._idle_event = None
+        self._idle_event, self._sent_event = cancel(self._idle_event), cancel(self._sent_event)
         self._interrupt()
 
     def baud(self):
@@ -65,7 +66,7 @@ class Usart(Peripheral):
         if self._sending:
             self.values["SR"] &= ~(SENT | EMPTY)
             byte = round(BITS * TICKS_PER_S / self.baud())
-            self.clock.after(self._sending * byte, self._sent)
+            self._sent_event = self.clock.after(self._sending * byte, self._sent)
 
     def _sent(self):
         n, self._sending = self._sending, 0
@@ -105,8 +106,7 @@ class Usart(Peripheral):
         else:
             self.values["DR"] = value
             self.values["SR"] |= RECEIVED
-        if self._idle_event:
-            self._idle_event.cancel()
+        cancel(self._idle_event)
         self._idle_event = self.clock.after(round(BITS * TICKS_PER_S / baud), self._idles)
         self._interrupt()
 

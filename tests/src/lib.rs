@@ -12,6 +12,8 @@ pub mod coded;
 #[cfg(target_os = "linux")]
 pub mod device;
 pub mod edits;
+#[cfg(unix)]
+pub mod emulator;
 pub mod faults;
 pub mod hidden;
 pub mod image;

@@ -1,0 +1,243 @@
+//! The boards' own images in `tests/emulator`: virtual time, which passes only when a test lets it.
+//!
+//! [`Emulated`] talks to the firmware byte by byte and attacks what is around it; [`Terminal`] has the link as a pseudo
+//! terminal and a swinging pendulum, for the program `host`.
+
+mod rig;
+pub mod stream;
+mod terminal;
+
+pub use terminal::Terminal;
+
+use crate::image::{Board, firmware, workspace};
+use crate::python::python;
+use serde_json::{Value, json};
+use shared::wire::{Deframer, Frame};
+use std::io::{BufRead, BufReader, Write};
+use std::path::PathBuf;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+/// No single command takes so long on the clock on the wall; only a hang does.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// What may be different from chip to chip.
+#[derive(Clone, Debug)]
+pub struct Chip {
+    /// Which board.
+    pub board: Board,
+    /// Cycles an instruction takes: 1.5 with all caches on and warm, 4 at worst.
+    pub cpi: f64,
+    /// The longest erase and program times of the data sheet instead of the typical ones.
+    pub worst_flash: bool,
+    /// The watchdog's oscillator: 17 000 to 47 000 Hz.
+    pub lsi_hz: u32,
+    /// The crystal, or the Nucleo's clock from outside, is there.
+    pub crystal: bool,
+    /// The bootloader jumps to the program, instead of a reset.
+    pub left_by_bootloader: bool,
+    /// The chip's unique id, 96 bits.
+    pub unique_id: Option<[u8; 12]>,
+    /// Seed of what memory holds at power-up.
+    pub seed: u64,
+}
+
+impl Chip {
+    /// A typical one.
+    pub fn of(board: Board) -> Self {
+        Self {
+            board,
+            cpi: 2.0,
+            worst_flash: false,
+            lsi_hz: 32_000,
+            crystal: true,
+            left_by_bootloader: false,
+            unique_id: None,
+            seed: 1,
+        }
+    }
+
+    /// The one that leaves the firmware least time: slow code, slow flash, a fast watchdog.
+    pub fn worst(board: Board) -> Self {
+        Self { cpi: 4.0, worst_flash: true, lsi_hz: 47_000, ..Self::of(board) }
+    }
+}
+
+/// The image that the tests run: the variable `BOARD_IMAGES` names a folder with others, such as a release's.
+fn image(board: Board) -> Result<PathBuf, String> {
+    match std::env::var_os("BOARD_IMAGES") {
+        Some(folder) => Ok(PathBuf::from(folder).join(format!("{}.elf", name(board)))),
+        None => firmware(board),
+    }
+}
+
+fn name(board: Board) -> &'static str {
+    board.feature().trim_start_matches("board-")
+}
+
+/// The emulator's process and its lines.
+struct Process {
+    child: Child,
+    input: ChildStdin,
+    lines: Receiver<Value>,
+}
+
+impl Process {
+    fn start(chip: &Chip, more: &[&str]) -> Result<Self, String> {
+        let folder = workspace().join("tests/emulator");
+        let packages = std::fs::read_to_string(folder.join("requirements.txt")).map_err(|error| error.to_string())?;
+        let mut command = Command::new(python(&packages.split_whitespace().collect::<Vec<&str>>()));
+        command.arg("-B").arg(&folder).arg(name(chip.board)).arg(image(chip.board)?);
+        command.args(["--cpi", &chip.cpi.to_string(), "--lsi-hz", &chip.lsi_hz.to_string()]);
+        command.args(["--seed", &chip.seed.to_string()]).args(more);
+        if let Some(id) = chip.unique_id {
+            command.args(["--unique-id", &hex(&id)]);
+        }
+        for (wanted, option) in
+            [(chip.worst_flash, "--worst-flash"), (!chip.crystal, "--no-crystal"), (chip.left_by_bootloader, "--leave")]
+        {
+            command.args(wanted.then_some(option));
+        }
+        let mut child = command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .map_err(|error| format!("could not start the emulator: {error}"))?;
+        let input = child.stdin.take().ok_or("no standard input")?;
+        let output = child.stdout.take().ok_or("no standard output")?;
+        let (said, lines) = channel();
+        std::thread::spawn(move || {
+            for line in BufReader::new(output).lines().map_while(Result::ok) {
+                if said.send(serde_json::from_str(&line).unwrap_or(Value::String(line))).is_err() {
+                    return;
+                }
+            }
+        });
+        Ok(Self { child, input, lines })
+    }
+
+    fn say(&mut self, command: &Value) -> Result<(), String> {
+        writeln!(self.input, "{command}").map_err(|error| format!("the emulator is gone: {error}"))
+    }
+
+    /// The next line; an error tells what the firmware did that no model knows.
+    fn hear(&mut self) -> Result<Value, String> {
+        let line = self.lines.recv_timeout(PATIENCE).map_err(|error| format!("the emulator says nothing: {error}"))?;
+        if line["event"] == "failure" { Err(format!("at {} s: {}", line["at_s"], line["reason"])) } else { Ok(line) }
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A board whose time stands still between commands.
+pub struct Emulated {
+    process: Process,
+    /// Virtual time.
+    pub now_s: f64,
+    /// What happened: resets, erases, faults, news from USB, each with its time.
+    pub events: Vec<Value>,
+    deframer: Deframer,
+    /// Frames that came and were not asked for.
+    pub frames: Vec<Frame>,
+    /// Times of `frames`, to the slice of time in which they came.
+    pub times_s: Vec<f64>,
+    /// Frames that were none.
+    pub n_bad: usize,
+    number: u16,
+}
+
+impl Emulated {
+    /// Powers a board whose potentiometer shows a code that counts milliseconds.
+    #[track_caller]
+    pub fn new(chip: &Chip) -> Self {
+        let process = Process::start(chip, &["--wiper", "ramp"]).unwrap();
+        Self {
+            process,
+            now_s: 0.0,
+            events: Vec::new(),
+            deframer: Deframer::new(),
+            frames: Vec::new(),
+            times_s: Vec::new(),
+            n_bad: 0,
+            number: 0,
+        }
+    }
+
+    /// A command of `tests/emulator/control.py`; gives its reply.
+    #[track_caller]
+    pub fn obey(&mut self, what: &str, arguments: Value) -> Value {
+        self.try_to(what, arguments).unwrap_or_else(|reason| panic!("{what}: {reason}; {:?}", self.last_events()))
+    }
+
+    fn try_to(&mut self, what: &str, mut arguments: Value) -> Result<Value, String> {
+        arguments["do"] = json!(what);
+        self.process.say(&arguments)?;
+        loop {
+            let mut line = self.process.hear()?;
+            if line.get("reply").is_some() {
+                self.now_s = line["now_s"].as_f64().unwrap_or(self.now_s);
+                return Ok(line["reply"].take());
+            }
+            self.events.push(line);
+        }
+    }
+
+    /// Lets virtual time pass; what the PC gets meanwhile is in `frames`.
+    #[track_caller]
+    pub fn run(&mut self, seconds: f64) {
+        self.run_and_send(seconds, &[]);
+    }
+
+    /// The PC sends bytes, and time passes.
+    #[track_caller]
+    pub fn run_and_send(&mut self, seconds: f64, bytes: &[u8]) {
+        let reply = self.obey("run", json!({ "s": seconds, "send": hex(bytes) }));
+        for byte in from_hex(reply["received"].as_str().unwrap_or_default()) {
+            match self.deframer.push(byte) {
+                Some(Ok(frame)) => {
+                    self.frames.push(frame);
+                    self.times_s.push(self.now_s);
+                }
+                Some(Err(_)) => self.n_bad += 1,
+                None => {}
+            }
+        }
+    }
+
+    /// Something happens to the USB cable or at its other end; see `usb` in `tests/emulator/control.py`.
+    #[track_caller]
+    pub fn usb(&mut self, what: &str) {
+        self.obey("usb", json!({ "what": what }));
+    }
+
+    /// The board's counters, such as `resets` or `longest_unfed_s`.
+    #[track_caller]
+    pub fn look(&mut self, counter: &str) -> f64 {
+        self.obey("look", json!({}))[counter].as_f64().unwrap_or_else(|| panic!("no counter {counter}"))
+    }
+
+    /// What happened of one kind.
+    pub fn events_of(&self, kind: &str) -> impl DoubleEndedIterator<Item = &Value> {
+        self.events.iter().filter(move |event| event["event"] == kind)
+    }
+
+    fn last_events(&self) -> &[Value] {
+        &self.events[self.events.len().saturating_sub(12)..]
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Bytes of a reply.
+pub fn from_hex(text: &str) -> Vec<u8> {
+    let digit = |byte: u8| (byte as char).to_digit(16).unwrap_or(0) as u8;
+    text.as_bytes().as_chunks().0.iter().map(|[high, low]| digit(*high) << 4 | digit(*low)).collect()
+}

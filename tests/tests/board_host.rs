@@ -1,0 +1,72 @@
+//! The program `host` on the boards' own images, as a person uses it: look, fit, keep, restart, compare.
+#![cfg(unix)]
+
+use serde_json::{Value, json};
+use std::path::Path;
+use std::process::Command;
+use tests::emulator::{Chip, Terminal};
+use tests::image::Board;
+use tests::plant::Scenario;
+use tests::program::path;
+
+/// More friction than the paper's: swings end sooner, and the test waits for one.
+fn brisk() -> Scenario {
+    let mut scenario = Scenario { rest_s: 1.5, lift_s: 0.7, hold_s: 1.0, ..Scenario::default() };
+    scenario.parameters.set_friction(5.4e-4, 2e-3, 2.2e-3, 0.055);
+    scenario
+}
+
+/// Runs the program; gives the object that it prints.
+fn host(folder: &Path, arguments: &[&str]) -> Value {
+    let output = Command::new(path()).args(arguments).arg("--json").current_dir(folder).output().unwrap();
+    let (said, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "host {arguments:?}: {said}\n{errors}");
+    serde_json::from_str(&said).unwrap_or_else(|error| panic!("host {arguments:?}: {error}: {said}"))
+}
+
+fn rig(path: &Path) -> toml::Table {
+    std::fs::read_to_string(path).unwrap().parse().unwrap()
+}
+
+fn works_on(kind: Board) {
+    let scenario = brisk();
+    let board = Terminal::start(&Chip::of(kind), scenario.clone()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let (folder, port) = (folder.path(), board.port());
+
+    let statistics = host(folder, &["statistics", "--port", port]);
+    println!("{statistics}");
+    println!("{}", host(folder, &["doctor", "--port", port]));
+    println!("{}", host(folder, &["fit", "--port", port, "-o", "rig.toml"]));
+    host(folder, &["restart", "--port", port]);
+    host(folder, &["pull", "--port", port, "-o", "pulled.toml"]);
+    let (fitted, pulled) = (rig(&folder.join("rig.toml")), rig(&folder.join("pulled.toml")));
+    assert_eq!(numbers(&fitted["pendulum"]), numbers(&pulled["pendulum"]));
+    let truth = scenario.parameters.pendulum.inertia_kg_m2;
+    let found = fitted["pendulum"]["inertia"]["value"].as_float().unwrap();
+    assert!((found / truth - 1.0).abs() < 5e-3, "inertia {found} instead of {truth}");
+    host(folder, &["push", "--rig", "pulled.toml", "--port", port]);
+
+    let events = board.events();
+    let failure = events.iter().find(|event| event["event"] == "failure");
+    assert_eq!(failure, None);
+    let resets: Vec<&Value> = events.iter().filter(|event| event["event"] == "reset").collect();
+    assert!(resets.iter().all(|reset| reset["cause"] != json!("watchdog")), "{resets:?}");
+}
+
+/// Names and numbers; the board keeps 32 bits of what the file has in 64, and not where they came from.
+fn numbers(table: &toml::Value) -> Vec<String> {
+    let number = |value: &toml::Value| value.get("value").unwrap_or(value).as_float().unwrap_or(f64::NAN);
+    let table = table.as_table().unwrap();
+    table.iter().map(|(name, value)| format!("{name} {:.5e}", number(value))).collect()
+}
+
+#[test]
+fn the_feather_is_looked_at_fitted_restarted_and_compared() {
+    works_on(Board::FeatherF405);
+}
+
+#[test]
+fn the_nucleo_is_looked_at_fitted_restarted_and_compared() {
+    works_on(Board::NucleoF446);
+}

@@ -1,0 +1,231 @@
+//! The Feather's image and a PC that resets, sleeps, is unplugged, dies, or asks nonsense: it always sends on.
+#![cfg(unix)]
+
+use serde_json::{Value, json};
+use shared::wire::Stream;
+use shared::wire::{Answer, Command};
+use tests::chance::Chance;
+use tests::emulator::{Chip, Emulated, stream};
+use tests::image::Board;
+
+/// Faults of each kind; `USB_FAULTS=100` takes some minutes.
+const N_FAULTS: u64 = 5;
+
+/// Strange requests; `USB_REQUESTS=100000` takes some minutes.
+const N_REQUESTS: u64 = 2500;
+
+/// After a fault samples come again within this time from when the PC can take them, s.
+const WITHIN_S: f64 = 1.0;
+
+/// A PC enumerates within this time, s.
+const ENUMERATION_S: f64 = 2.0;
+
+fn number(variable: &str, otherwise: u64) -> u64 {
+    std::env::var(variable).map_or(otherwise, |number| number.parse().expect("a number"))
+}
+
+/// A Feather that streams over USB.
+fn streaming() -> Emulated {
+    let mut board = Emulated::new(&Chip::of(Board::FeatherF405));
+    board.hello();
+    board.stream(0);
+    board
+}
+
+/// Lets the PC enumerate the board anew.
+#[track_caller]
+fn wait_until_configured(board: &mut Emulated, what: &str) {
+    let end_s = board.now_s + ENUMERATION_S;
+    while board.now_s < end_s {
+        if board.obey("look", json!({}))["usb_configured"] == true {
+            return;
+        }
+        board.run(0.01);
+    }
+    panic!("{what}: not enumerated within {ENUMERATION_S} s; {:?}", board.events.last());
+}
+
+/// How long until samples come, s.
+#[track_caller]
+fn silence_s(board: &mut Emulated, what: &str) -> f64 {
+    let (n_frames, began_s) = (board.frames.len(), board.now_s);
+    while board.frames.len() == n_frames {
+        assert!(board.now_s - began_s < WITHIN_S, "{what}: silent for {WITHIN_S} s; {:?}", board.events.last());
+        board.run(0.005);
+    }
+    board.now_s - began_s
+}
+
+/// Streams, lets a fault happen at random moments, and wants the stream back.
+fn survives(kind: &str, mut fault: impl FnMut(&mut Emulated, &mut Chance)) {
+    let mut board = streaming();
+    let mut chance = Chance::new(kind.len() as u64);
+    let mut longest_s: f64 = 0.0;
+    for i in 0..number("USB_FAULTS", N_FAULTS) {
+        board.run(chance.within(0.05..0.3));
+        let what = format!("{kind} {i}");
+        fault(&mut board, &mut chance);
+        wait_until_configured(&mut board, &what);
+        longest_s = longest_s.max(silence_s(&mut board, &what));
+    }
+    board.run(0.3);
+    let gaps = stream::check_numbers(&board.frames, 1e-3).unwrap_or_else(|reason| panic!("{kind}: {reason}"));
+    board.hello();
+    let statistics = board.statistics();
+    println!("{kind}: silent for {longest_s:.3} s at most; {gaps:?}");
+    assert_eq!(statistics.health.resets, 0, "{kind}");
+    assert_eq!((statistics.overruns, statistics.paused), (0, 0), "{kind}");
+}
+
+#[test]
+fn sending_goes_on_after_a_bus_reset() {
+    survives("bus reset", |board, _| {
+        board.usb("bus_reset");
+        board.run(0.1);
+    });
+}
+
+#[test]
+fn sending_goes_on_after_a_suspend() {
+    survives("suspend", |board, chance| {
+        board.usb("suspend");
+        board.run(chance.within(0.001..0.4));
+        board.usb("resume");
+    });
+}
+
+#[test]
+#[ignore = "fails until the firmware is mended"]
+fn sending_goes_on_after_the_cable_was_pulled_on_a_battery() {
+    survives("replug", |board, chance| {
+        board.usb("unplug");
+        board.run(chance.within(0.001..1.0));
+        board.usb("plug");
+    });
+}
+
+#[test]
+#[ignore = "fails until the firmware is mended"]
+fn sending_goes_on_after_the_pc_died_in_the_middle() {
+    survives("dead PC", |board, chance| {
+        board.usb("die");
+        board.run(chance.within(0.001..1.0));
+        board.usb("wake_with_reset");
+        board.run(0.1);
+    });
+}
+
+#[test]
+fn sending_goes_on_after_the_reading_program_was_killed() {
+    survives("killed reader", |board, chance| {
+        board.usb("close");
+        board.run(chance.within(0.001..1.0));
+        board.usb("open");
+    });
+}
+
+#[test]
+#[ignore = "fails until the firmware is mended"]
+fn a_request_that_the_pc_gives_up_leaves_the_board_reachable() {
+    // Eight bytes of a device descriptor, a configuration, a string, and a line coding that is never sent.
+    let requests = ["8006000100000800", "8006000200000900", "80060203090440ff", "2120000000000700"];
+    survives("abandoned request", |board, chance| {
+        let request = requests[chance.within(0.0..requests.len() as f64) as usize];
+        let steps = chance.within(0.0..5.0) as u64;
+        board.obey("abandon", json!({ "setup": request, "steps": steps }));
+        board.run(chance.within(0.001..0.2));
+        board.usb("bus_reset");
+        board.run(0.1);
+    });
+}
+
+/// Mostly requests that exist, with strange values; often lengths that are too long.
+fn strange_request(chance: &mut Chance) -> [u8; 8] {
+    let mut byte = || chance.within(0.0..256.0) as u8;
+    let mut request = [byte(), byte(), byte(), byte(), byte(), byte(), byte(), byte()];
+    if chance.coin() {
+        request[0] = [0x00, 0x80, 0x01, 0x81, 0x02, 0x82, 0x21, 0xa1][usize::from(request[0] % 8)];
+        request[1] = if request[0] & 0x20 == 0 { request[1] % 13 } else { 0x20 | request[1] % 4 };
+    }
+    if chance.coin() {
+        request[7] = 0;
+    }
+    // Another address would be the PC's own doing.
+    if request[..2] == [0, 5] { [0x80, 0, 0, 0, 0, 0, 2, 0] } else { request }
+}
+
+#[test]
+#[ignore = "fails until the firmware is mended"]
+fn no_request_however_strange_silences_the_board() {
+    let mut board = streaming();
+    let mut chance = Chance::new(3);
+    let (mut n_answered, mut n_refused) = (0, 0);
+    for i in 0..number("USB_REQUESTS", N_REQUESTS) {
+        let setup = strange_request(&mut chance);
+        let reply = board.obey("request", json!({ "setup": hex(&setup), "data": hex(&[0x5a; 200]), "within": 0.5 }));
+        match reply["answer"].as_str() {
+            Some("refused") => n_refused += 1,
+            Some("none") | None => {
+                // A PC resets what no longer answers, as after a transfer that came half.
+                board.usb("bus_reset");
+                board.run(0.1);
+                wait_until_configured(&mut board, &format!("request {i} {setup:02x?}"));
+            }
+            Some(_) => n_answered += 1,
+        }
+        board.forget();
+        if i % 250 == 249 {
+            // Whatever was configured or halted is as it was.
+            board.usb("bus_reset");
+            board.run(0.1);
+            let what = format!("after request {i} {setup:02x?}");
+            wait_until_configured(&mut board, &what);
+            silence_s(&mut board, &what);
+        }
+    }
+    println!("{n_answered} requests answered, {n_refused} refused");
+    assert!(n_answered > 0 && n_refused > 0);
+    board.hello();
+    assert_eq!(board.statistics().health.resets, 0);
+}
+
+#[test]
+fn no_bytes_however_strange_silence_a_board() {
+    for kind in [Board::FeatherF405, Board::NucleoF446] {
+        let mut board = Emulated::new(&Chip::of(kind));
+        board.hello();
+        let stream = Command::Start(Stream { raw: true, live_every: 1 });
+        assert_eq!(board.ask(stream), Answer::Done);
+        let mut chance = Chance::new(4);
+        let mut left = number("LINK_BYTES", 1250) as i64;
+        while left > 0 {
+            let bytes: Vec<u8> = (0..chance.within(1.0..200.0) as usize)
+                .map(|_| if chance.within(0.0..8.0) < 1.0 { 0 } else { chance.within(0.0..256.0) as u8 })
+                .collect();
+            left -= bytes.len() as i64;
+            board.run_and_send(chance.within(0.001..0.02), &bytes);
+        }
+        board.hello();
+        let statistics = board.statistics();
+        assert!(statistics.bad_frames > 0);
+        assert_eq!((statistics.health.resets, statistics.overruns), (0, 0));
+    }
+}
+
+/// Two rigs on one PC are told apart.
+#[test]
+#[ignore = "fails until the firmware is mended"]
+fn the_serial_number_is_the_chips_unique_id() {
+    let serial = |id: [u8; 12]| {
+        let mut board = Emulated::new(&Chip { unique_id: Some(id), ..Chip::of(Board::FeatherF405) });
+        board.run(0.5);
+        board.obey("look", json!({}))["serial"].clone()
+    };
+    let (one, other) = (serial(*b"\x01\x02\x03\x04\x05\x06\x07\x08\x09\x0a\x0b\x0c"), serial([0xa5; 12]));
+    println!("{one} {other}");
+    assert!(one.is_string() && one != other && one != Value::Null);
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
