@@ -87,7 +87,8 @@ fn for_hours_of_saves_resets_and_rates_every_gap_is_counted() {
         let after = board.statistics();
         assert_eq!(u64::from(after.paused - before.paused), gaps.n_missing, "{then:?}");
         assert_eq!((after.overruns, after.dropped_frames, board.n_bad), (0, 0, 0), "{then:?}");
-        assert_eq!(u32::from(after.health.resets), n_resets, "{then:?}");
+        let resets: Vec<String> = board.events_of("reset").map(ToString::to_string).collect();
+        assert_eq!(u32::from(after.health.resets), n_resets, "{then:?}: {resets:?}");
         (n_samples, n_missing) = (n_samples + gaps.n_samples, n_missing + gaps.n_missing);
         match then {
             Then::Save => {}

@@ -10,11 +10,12 @@ use tests::program::{PATIENT, host, path};
 use tests::protocol_page;
 
 /// Pages with code blocks, each run by a test of its own.
-const PAGES: [&str; 15] = [
+const PAGES: [&str; 16] = [
     "README.md",
     "docs/add-a-board.md",
     "docs/add-an-effect.md",
     "docs/board-checks.md",
+    "docs/board-emulator.md",
     "docs/calibration.md",
     "docs/diagnosis.md",
     "docs/effects.md",
