@@ -9,6 +9,7 @@ mod terminal;
 
 pub use terminal::Terminal;
 
+use crate::HANG;
 use crate::image::{Board, firmware, workspace};
 use crate::python::python;
 use serde_json::{Value, json};
@@ -17,10 +18,6 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
-use std::time::Duration;
-
-/// No single command takes so long on the clock on the wall; only a hang does.
-const PATIENCE: Duration = Duration::from_secs(600);
 
 /// What may be different from chip to chip.
 #[derive(Clone, Debug)]
@@ -123,7 +120,7 @@ impl Process {
 
     /// The next line; an error tells what the firmware did that no model knows.
     fn hear(&mut self) -> Result<Value, String> {
-        let line = self.lines.recv_timeout(PATIENCE).map_err(|error| format!("the emulator says nothing: {error}"))?;
+        let line = self.lines.recv_timeout(HANG).map_err(|error| format!("the emulator says nothing: {error}"))?;
         if line["event"] == "failure" { Err(format!("at {} s: {}", line["at_s"], line["reason"])) } else { Ok(line) }
     }
 }

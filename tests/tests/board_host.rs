@@ -7,7 +7,7 @@ use std::process::Command;
 use tests::emulator::{Chip, Terminal};
 use tests::image::Board;
 use tests::plant::Scenario;
-use tests::program::path;
+use tests::program::{PATIENT, path};
 
 /// More friction than the paper's: swings end sooner, and the test waits for one.
 fn brisk() -> Scenario {
@@ -18,7 +18,13 @@ fn brisk() -> Scenario {
 
 /// Runs the program; gives the object that it prints.
 fn host(folder: &Path, arguments: &[&str]) -> Value {
-    let output = Command::new(path()).args(arguments).arg("--json").current_dir(folder).output().unwrap();
+    let output = Command::new(path())
+        .args(arguments)
+        .arg("--json")
+        .current_dir(folder)
+        .env(PATIENT.0, PATIENT.1)
+        .output()
+        .unwrap();
     let (said, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "host {arguments:?}: {said}\n{errors}");
     serde_json::from_str(&said).unwrap_or_else(|error| panic!("host {arguments:?}: {error}: {said}"))
