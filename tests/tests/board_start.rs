@@ -9,7 +9,6 @@ use tests::image::Board;
 const BOARDS: [Board; 2] = [Board::FeatherF405, Board::NucleoF446];
 
 #[test]
-#[ignore = "fails until the firmware is mended"]
 fn prefetch_and_instruction_cache_are_on() {
     for kind in BOARDS {
         let mut board = Emulated::new(&Chip::of(kind));
@@ -20,7 +19,6 @@ fn prefetch_and_instruction_cache_are_on() {
 }
 
 #[test]
-#[ignore = "fails until the firmware is mended"]
 fn the_bootloader_can_start_it() {
     for kind in BOARDS {
         let mut board = Emulated::new(&Chip { left_by_bootloader: true, ..Chip::of(kind) });
@@ -30,7 +28,6 @@ fn the_bootloader_can_start_it() {
 }
 
 #[test]
-#[ignore = "fails until the firmware is mended"]
 fn it_goes_into_the_bootloader_and_comes_back() {
     let mut board = Emulated::new(&Chip::of(Board::FeatherF405));
     board.hello();
@@ -43,7 +40,7 @@ fn it_goes_into_the_bootloader_and_comes_back() {
 }
 
 #[test]
-#[ignore = "fails until the firmware is mended"]
+#[ignore = "not yet seen to pass on the mended firmware"]
 fn without_its_outside_clock_the_nucleo_runs_and_without_its_crystal_the_feather_blinks() {
     let mut nucleo = Emulated::new(&Chip { crystal: false, ..Chip::of(Board::NucleoF446) });
     nucleo.hello();

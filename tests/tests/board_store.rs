@@ -71,7 +71,7 @@ fn cut_power(board: &mut Emulated) {
 }
 
 #[test]
-#[ignore = "fails until the firmware is mended"]
+#[ignore = "not yet seen to pass on the mended firmware"]
 fn saving_through_recycles_feeds_the_watchdog_and_tells_every_sample_that_is_missing() {
     let mut board = Emulated::new(&Chip::worst(Board::NucleoF446));
     board.hello();
@@ -110,7 +110,7 @@ fn saving_through_recycles_feeds_the_watchdog_and_tells_every_sample_that_is_mis
 }
 
 #[test]
-#[ignore = "fails until the firmware is mended"]
+#[ignore = "paused and missing samples differ; the reason is not known yet"]
 fn the_first_save_over_another_firmwares_data_erases_one_sector_at_a_time() {
     let mut board = Emulated::new(&Chip::worst(Board::NucleoF446));
     fill_with_noise(&mut board, SECTORS[0], 3 * SECTOR, &mut Chance::new(5));
@@ -194,7 +194,7 @@ fn a_corrupted_sector_is_survived_whichever_it_is() {
 }
 
 #[test]
-#[ignore = "fails until the firmware is mended"]
+#[ignore = "not yet seen to pass on the mended firmware"]
 fn a_supply_that_is_too_low_for_the_flash_refuses_the_save() {
     let mut board = Emulated::new(&Chip::of(Board::NucleoF446));
     board.hello();

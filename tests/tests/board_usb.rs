@@ -95,7 +95,7 @@ fn sending_goes_on_after_a_suspend() {
 }
 
 #[test]
-#[ignore = "fails until the firmware is mended"]
+#[ignore = "not yet seen to pass on the mended firmware"]
 fn sending_goes_on_after_the_cable_was_pulled_on_a_battery() {
     survives("replug", |board, chance| {
         board.usb("unplug");
@@ -105,7 +105,6 @@ fn sending_goes_on_after_the_cable_was_pulled_on_a_battery() {
 }
 
 #[test]
-#[ignore = "fails until the firmware is mended"]
 fn sending_goes_on_after_the_pc_died_in_the_middle() {
     survives("dead PC", |board, chance| {
         board.usb("die");
@@ -125,7 +124,6 @@ fn sending_goes_on_after_the_reading_program_was_killed() {
 }
 
 #[test]
-#[ignore = "fails until the firmware is mended"]
 fn a_request_that_the_pc_gives_up_leaves_the_board_reachable() {
     // Eight bytes of a device descriptor, a configuration, a string, and a line coding that is never sent.
     let requests = ["8006000100000800", "8006000200000900", "80060203090440ff", "2120000000000700"];
@@ -155,7 +153,7 @@ fn strange_request(chance: &mut Chance) -> [u8; 8] {
 }
 
 #[test]
-#[ignore = "fails until the firmware is mended"]
+#[ignore = "silent after some 250 strange requests; the reason is not known yet"]
 fn no_request_however_strange_silences_the_board() {
     let mut board = streaming();
     let mut chance = Chance::new(3);
@@ -214,7 +212,6 @@ fn no_bytes_however_strange_silence_a_board() {
 
 /// Two rigs on one PC are told apart.
 #[test]
-#[ignore = "fails until the firmware is mended"]
 fn the_serial_number_is_the_chips_unique_id() {
     let serial = |id: [u8; 12]| {
         let mut board = Emulated::new(&Chip { unique_id: Some(id), ..Chip::of(Board::FeatherF405) });
