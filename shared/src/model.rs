@@ -16,16 +16,10 @@ use crate::effect::{
 use crate::formula::Program;
 use crate::karnopp::{Balance, Contact};
 use crate::motion::{Motion, Pendulum};
-use crate::parameters::{MAX_EFFECTS, Parameters, base};
+use crate::parameters::{MAX_EFFECTS, MAX_MEMORIES, MAX_SENSORS, Parameters, base};
 use crate::real::{Mask, Real};
 use crate::rk4::{self, Phase};
 use heapless::Vec;
-
-/// How many torques with a memory a model may have.
-pub const MAX_MEMORIES: usize = 2;
-
-/// How many effects on the sensor a model may have.
-pub const MAX_SENSORS: usize = 5;
 
 /// A step is cut at most this often; the rest of it is then taken without looking.
 pub const MAX_CUTS: usize = 6;
@@ -75,7 +69,6 @@ fn padded<R: Real>(values: &[R]) -> [R; MAX_VALUES] {
 
 impl<R: Real> Model<R> {
     /// Builds the model from parameters that passed [`Parameters::check`]; unknown effects are left out.
-    /// At most [`MAX_MEMORIES`] torques with a memory and [`MAX_SENSORS`] effects on the sensor are taken.
     pub fn new(parameters: &Parameters<R>) -> Self {
         let value = |id, index: usize| parameters.values(id).and_then(|v| v.get(index)).copied().unwrap_or(R::zero());
         let pendulum = parameters.pendulum;
@@ -112,7 +105,7 @@ impl<R: Real> Model<R> {
 
     fn add(&mut self, effect: &Effect<R>, values: &[R]) {
         let values = padded(values);
-        // The lists are as long as the parameter list may be; only memories and sensors can run out, as documented.
+        // The lists are as long as the parameter list may be, those of memories and sensors as its check allows.
         let _ = match effect.action {
             Action::Base | Action::Formula(_) => true,
             Action::Drive(law) => self.drives.push(Term { law, values }).is_ok(),

@@ -1,7 +1,7 @@
 //! The numbers of a model: the pendulum and a bounded list of (effect id, values), as they stand in flash, in
 //! messages and in `rig.toml`.
 
-use crate::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, MAX_VALUES};
+use crate::effect::{Action, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, MAX_VALUES};
 use crate::formula::Formula;
 use crate::motion::Pendulum;
 use heapless::Vec;
@@ -9,6 +9,12 @@ use serde::{Deserialize, Serialize};
 
 /// The most effects a model may have, the base effects included.
 pub const MAX_EFFECTS: usize = 10;
+
+/// How many of them may be torques with a memory: each takes room in every state of the pendulum.
+pub const MAX_MEMORIES: usize = 2;
+
+/// How many of them may act on the sensor.
+pub const MAX_SENSORS: usize = 5;
 
 /// A value this many times above the usual range of its parameter is refused as a mistake of units.
 pub const ABSURD: f64 = 1000.0;
@@ -75,6 +81,13 @@ pub enum ParameterError {
     },
     /// More effects than [`MAX_EFFECTS`].
     TooMany,
+    /// More effects that remember something than there is memory for.
+    NoRoom {
+        /// The first that has no place.
+        id: u16,
+        /// How many of its kind have one.
+        limit: u8,
+    },
 }
 
 impl core::fmt::Display for ParameterError {
@@ -107,6 +120,13 @@ impl core::fmt::Display for ParameterError {
             }
             Self::Twice { id } => write!(f, "effect {} is listed twice", name(id)),
             Self::TooMany => write!(f, "a model has at most {MAX_EFFECTS} effects"),
+            Self::NoRoom { id, limit } => {
+                let (name, kind) = (name(id), Kind::of(id).map_or("of its kind", Kind::words));
+                write!(
+                    f,
+                    "there is no room for effect {name}: a model has at most {limit} effects {kind}; take one out"
+                )
+            }
         }
     }
 }
@@ -130,7 +150,11 @@ impl<R: Copy> Parameters<R> {
         let values = Vec::from_slice(values).map_err(|_| too_long)?;
         match self.effects.iter_mut().find(|effect| effect.id == id) {
             Some(effect) => effect.values = values,
-            None => self.effects.push(EffectValues { id, values }).map_err(|_| ParameterError::TooMany)?,
+            None => {
+                let ids = self.effects.iter().map(|effect| effect.id).chain([id]);
+                check_room(ids.map(|id| (id, Kind::of(id))))?;
+                self.effects.push(EffectValues { id, values }).map_err(|_| ParameterError::TooMany)?;
+            }
         }
         Ok(())
     }
@@ -181,7 +205,7 @@ impl<R: Copy + Into<f64>> Parameters<R> {
                 _ => check_effect(effect)?,
             }
         }
-        Ok(())
+        check_room(self.effects.iter().map(|effect| (effect.id, Kind::of(effect.id))))
     }
 
     /// Its ranges are the business of whoever typed it; a number it has to be.
@@ -210,6 +234,51 @@ impl<R: Copy + Into<f64>> Parameters<R> {
             None => Ok(()),
         }
     }
+}
+
+/// Effects that take memory in every state, and so are bounded in number.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Torque,
+    Sensor,
+}
+
+impl Kind {
+    fn of(id: u16) -> Option<Self> {
+        match Effect::<f32>::by_id(id)?.action {
+            Action::State(_) => Some(Self::Torque),
+            Action::Sensor(_) => Some(Self::Sensor),
+            _ => None,
+        }
+    }
+
+    fn limit(self) -> usize {
+        match self {
+            Self::Torque => MAX_MEMORIES,
+            Self::Sensor => MAX_SENSORS,
+        }
+    }
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::Torque => "with a memory",
+            Self::Sensor => "on the sensor",
+        }
+    }
+}
+
+/// Refuses the first effect for which there is no memory left.
+fn check_room(effects: impl Iterator<Item = (u16, Option<Kind>)>) -> Result<(), ParameterError> {
+    let mut taken = [(Kind::Torque, 0), (Kind::Sensor, 0)];
+    for (id, kind) in effects {
+        if let Some((kind, n)) = taken.iter_mut().find(|(of, _)| Some(*of) == kind) {
+            *n += 1;
+            if *n > kind.limit() {
+                return Err(ParameterError::NoRoom { id, limit: kind.limit() as u8 });
+            }
+        }
+    }
+    Ok(())
 }
 
 fn check_effect<R: Copy + Into<f64>>(effect: &EffectValues<R>) -> Result<(), ParameterError> {
@@ -300,6 +369,22 @@ mod tests {
         assert_eq!(check_with(3, &[1e-3, -0.1]), Err(ParameterError::OutOfRange { id: 3, index: 1 }));
         assert_eq!(check_with(3, &[1e-3]), Err(ParameterError::WrongCount { id: 3, expected: 2, got: 1 }));
         assert_eq!(check_with(999, &[1.0]), Err(ParameterError::UnknownEffect { id: 999 }));
+    }
+
+    #[test]
+    fn the_first_sensor_effect_or_memory_without_a_place_is_refused_by_name() {
+        let full = |kind: Kind| (1..).take(kind.limit()).map(move |id| (id, Some(kind)));
+        for (kind, words) in [(Kind::Sensor, "at most 5 effects on the sensor"), (Kind::Torque, "2 effects with a")] {
+            assert_eq!(check_room(full(kind)), Ok(()));
+            let limit = kind.limit() as u8;
+            let id = Effect::<f32>::ALL.iter().find(|effect| Kind::of(effect.id) == Some(kind)).unwrap().id;
+            let refused = check_room(full(kind).chain([(7, None), (id, Some(kind)), (99, Some(kind))]));
+            assert_eq!(refused, Err(ParameterError::NoRoom { id, limit }));
+            use std::string::ToString;
+            let said = refused.unwrap_err().to_string();
+            let name = Effect::<f32>::by_id(id).unwrap().name;
+            assert!(said.contains(words) && said.contains(name), "{said}");
+        }
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! What a model remembers between two steps and between two readings.
 
-use super::{MAX_MEMORIES, MAX_SENSORS};
 use crate::effect::{MEMORY, SENSOR_MEMORY};
 use crate::karnopp::Contact;
+use crate::parameters::{MAX_MEMORIES, MAX_SENSORS};
 use crate::real::Real;
 
 const STATE_NUMBERS: usize = 6 + MEMORY * MAX_MEMORIES;
