@@ -2,7 +2,7 @@
 //!
 //! An effect is data plus functions. The fit, the diagnosis, the commands, the page, the firmware, the documents and
 //! the tests loop over [`Effect::ALL`]; none of them names an effect. To add one, write its file and its line in the
-//! list.
+//! list below.
 
 use crate::formula::Formula;
 use crate::motion::Motion;
@@ -22,26 +22,43 @@ macro_rules! prose {
     };
 }
 
-pub mod angle_dependent_friction;
-pub mod angle_offset;
-pub mod asymmetric_coulomb;
-pub mod backlash;
-pub mod coulomb;
-pub mod detent;
-pub mod drifting_friction;
-pub mod eddy_brake;
-pub mod load_dependent_coulomb;
-pub mod pivot_compliance;
-pub mod power_law_drag;
-pub mod presliding;
-pub mod quadratic_drag;
-pub mod sensor_gain;
-pub mod sensor_lag;
-pub mod sensor_nonlinearity;
-pub mod stiction;
-pub mod stribeck;
-pub mod torsional_spring;
-pub mod viscous;
+/// Makes each name a file of this folder and an entry of [`Effect::ALL`].
+macro_rules! effects {
+    ($($name:ident,)*) => {
+        $(pub mod $name;)*
+
+        /// How many effects there are.
+        const N_EFFECTS: usize = [$(stringify!($name)),*].len();
+
+        const fn all<R: Real>() -> [Effect<R>; N_EFFECTS] {
+            [$($name::effect()),*]
+        }
+    };
+}
+
+// Every effect there is. Those on the sensor stand in the order in which they act, from the shaft to the wire.
+effects! {
+    viscous,
+    coulomb,
+    stiction,
+    quadratic_drag,
+    power_law_drag,
+    stribeck,
+    load_dependent_coulomb,
+    asymmetric_coulomb,
+    angle_dependent_friction,
+    eddy_brake,
+    drifting_friction,
+    torsional_spring,
+    detent,
+    pivot_compliance,
+    presliding,
+    backlash,
+    sensor_nonlinearity,
+    sensor_gain,
+    angle_offset,
+    sensor_lag,
+}
 
 /// The most parameters an effect may have.
 pub const MAX_VALUES: usize = 4;
@@ -194,28 +211,7 @@ impl<R> Eq for Effect<R> {}
 
 impl<R: Real> Effect<R> {
     /// Every effect there is. Those on the sensor stand in the order in which they act, from the shaft to the wire.
-    pub const ALL: &'static [Effect<R>] = &without_prose_on_the_board([
-        viscous::effect(),
-        coulomb::effect(),
-        stiction::effect(),
-        quadratic_drag::effect(),
-        power_law_drag::effect(),
-        stribeck::effect(),
-        load_dependent_coulomb::effect(),
-        asymmetric_coulomb::effect(),
-        angle_dependent_friction::effect(),
-        eddy_brake::effect(),
-        drifting_friction::effect(),
-        torsional_spring::effect(),
-        detent::effect(),
-        pivot_compliance::effect(),
-        presliding::effect(),
-        backlash::effect(),
-        sensor_nonlinearity::effect(),
-        sensor_gain::effect(),
-        angle_offset::effect(),
-        sensor_lag::effect(),
-    ]);
+    pub const ALL: &'static [Effect<R>] = &without_prose_on_the_board(all());
 
     /// Index in [`Effect::ALL`] of the effect with this id.
     pub fn index_of(id: u16) -> Option<usize> {

@@ -1,8 +1,10 @@
 //! Simulated rigs with a hidden effect, for the diagnosis to find: random pendulums of the usual size, released several
 //! times, recorded until rest by a noisy 12-bit converter.
 //!
-//! Plant and sensor are independent of the product: own integrator, own laws, own measuring chain.
+//! Plant and sensor are independent of the product: own integrator, own laws, own measuring chain. Only an effect that
+//! has no law of its own there yet acts by the list's ([`listed`]).
 
+mod listed;
 mod plant;
 mod sensor;
 
@@ -82,6 +84,8 @@ pub struct Hidden {
     pub shape: [f64; 2],
     /// A larger size would not be physical.
     pub largest: f64,
+    /// Does it act by the list's law, because the independent plant has none?
+    pub is_listed: bool,
 }
 
 /// A pendulum, its sensor, and how it was released.
@@ -128,7 +132,7 @@ impl Hidden {
         let sign = random.sign();
         let side = random.between(-0.8, 0.8);
         let phase = random.between(0.0, std::f64::consts::TAU);
-        let (size, shape, largest) = match name {
+        let own = match name {
             "quadratic-drag" => (6e-5, [0.0; 2], 1e-3),
             "power-law-drag" => (3e-5, [random.pick(&[1.6, 2.5, 3.0]), 0.0], 1e-3),
             "stribeck" => (4e-4, [random.log_between(0.15, 1.0), 0.0], 5e-3),
@@ -151,9 +155,18 @@ impl Hidden {
             "sensor-gain" => (sign * 0.03, [0.0; 2], 0.15),
             "angle-offset" => (sign * 5e-3, [0.0; 2], 0.05),
             "sensor-lag" => (5e-3, [0.0; 2], 0.1),
-            _ => panic!("{name} has no hidden form yet: add its law to the independent integrator and a line here"),
+            _ => return Self::by_the_list(name, random),
         };
-        Self { name, size: size.clamp(-largest, largest), shape, largest }
+        Self::of(name, own, false)
+    }
+
+    /// An effect for which the independent plant has no law.
+    fn by_the_list(name: &'static str, random: &mut Random) -> Self {
+        Self::of(name, listed::form(name, random), true)
+    }
+
+    fn of(name: &'static str, (size, shape, largest): (f64, [f64; 2], f64), is_listed: bool) -> Self {
+        Self { name, size: size.clamp(-largest, largest), shape, largest, is_listed }
     }
 
     fn scaled(&self, factor: f64) -> Self {
@@ -221,9 +234,9 @@ impl Rig {
         Self { hidden: self.hidden.iter().map(|hidden| hidden.scaled(factor)).collect(), ..self.clone() }
     }
 
-    /// What is hidden under a name.
+    /// What is hidden under a name and acts by the plant's own law.
     pub fn hidden(&self, name: &str) -> Option<&Hidden> {
-        self.hidden.iter().find(|hidden| hidden.name == name)
+        self.hidden.iter().find(|hidden| hidden.name == name && !hidden.is_listed)
     }
 
     /// What an experimenter knows: geometry and drawing, no friction.
@@ -304,6 +317,6 @@ fn follow(plant: &mut Plant, sensor: &mut Sensor, from_s: f64, to_s: f64) {
     for _ in 0..n_steps as usize {
         let step_s = (to_s - from_s) / n_steps;
         plant.advance(step_s);
-        sensor.follow(plant.angle_rad(), step_s);
+        sensor.follow(plant.motion(), step_s);
     }
 }

@@ -13,7 +13,13 @@ const WIDTH_RAD: f64 = 0.12;
 #[test]
 fn a_law_outside_the_list_is_offered_as_a_formula() {
     let rig = Rig {
-        hidden: vec![Hidden { name: "outside", size: STRENGTH, shape: [PLACE_RAD, WIDTH_RAD], largest: STRENGTH }],
+        hidden: vec![Hidden {
+            name: "outside",
+            size: STRENGTH,
+            shape: [PLACE_RAD, WIDTH_RAD],
+            largest: STRENGTH,
+            is_listed: false,
+        }],
         releases_rad: vec![1.4, -1.0, 0.6],
         rate_hz: 125.0,
         ..Rig::random(5)

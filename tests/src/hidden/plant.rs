@@ -6,6 +6,7 @@
 //! there only where a rig has one. Pre-sliding and the yielding support are integrated as states of their own.
 
 use super::Rig;
+use super::listed::Listed;
 
 /// The longest step, s.
 pub(super) const STEP_S: f64 = 2e-4;
@@ -36,6 +37,7 @@ pub(super) struct Plant<'a> {
     gravity_nm: f64,
     inertia: f64,
     law: Laws,
+    listed: Listed,
 }
 
 /// Size and shape numbers of all hidden torques; zero where there is none.
@@ -85,13 +87,24 @@ impl<'a> Plant<'a> {
         let inertia = rig.mass_kg * rig.length_m.powi(2) + rig.inertia_kg_m2;
         let phase = [angle_rad, 0.0, 0.0, 0.0, 0.0];
         let law = Laws::of(rig);
-        let mut plant = Self { rig, phase, time_s: 0.0, regime: Regime::Rest, gravity_nm, inertia, law };
+        let listed = Listed::held(rig, angle_rad);
+        let mut plant = Self { rig, phase, time_s: 0.0, regime: Regime::Rest, gravity_nm, inertia, law, listed };
         plant.settle();
         plant
     }
 
-    pub(super) fn angle_rad(&self) -> f64 {
-        self.phase[0]
+    /// Angle and velocity, and the time since the release.
+    pub(super) fn motion(&self) -> ([f64; 2], f64) {
+        ([self.phase[0], self.phase[1]], self.time_s)
+    }
+
+    /// Takes a step that ended here.
+    fn go_to(&mut self, end: Phase, step_s: f64) {
+        let from = self.motion();
+        (self.phase, self.time_s) = (end, self.time_s + step_s);
+        if let Regime::Sliding { direction } = self.regime {
+            self.listed.advance(from, self.motion(), direction);
+        }
     }
 
     pub(super) fn rests(&self) -> bool {
@@ -110,8 +123,7 @@ impl<'a> Plant<'a> {
             }
             let end = self.stepped(left_s);
             if self.lasts(&end) {
-                self.phase = end;
-                self.time_s += left_s;
+                self.go_to(end, left_s);
                 return;
             }
             left_s -= self.advance_to_change(left_s);
@@ -124,8 +136,7 @@ impl<'a> Plant<'a> {
             let middle = 0.5 * (lasting + over);
             if self.lasts(&self.stepped(middle)) { lasting = middle } else { over = middle }
         }
-        self.phase = self.stepped(over);
-        self.time_s += over;
+        self.go_to(self.stepped(over), over);
         match self.regime {
             Regime::Band { .. } if self.phase[1].abs() > self.rig.velocity_band => {
                 self.regime = Regime::Sliding { direction: self.phase[1].signum() };
@@ -180,7 +191,8 @@ impl<'a> Plant<'a> {
         let spring = -law.spring[0] * (angle - law.spring[1]);
         let detent = law.detent[0] * (law.detent[1] * angle + law.detent[2]).sin();
         let held = if law.bristle_rad > 0.0 { -self.rig.coulomb_nm * bristle / law.bristle_rad } else { 0.0 };
-        -self.gravity_nm * angle.sin() + spring + detent + held
+        let listed = self.listed.drive_nm([angle, phase[1]], self.time_s);
+        -self.gravity_nm * angle.sin() + spring + detent + held + listed
     }
 
     fn friction_nm(&self, angle: f64, velocity: f64, direction: f64, time_s: f64) -> f64 {
@@ -208,7 +220,7 @@ impl<'a> Plant<'a> {
         if law.outside[0] != 0.0 {
             smooth += law.outside[0] * velocity * (-((angle.abs() - law.outside[1]) / law.outside[2]).powi(2)).exp();
         }
-        -dry * direction - smooth
+        -dry * direction - smooth + self.listed.friction_nm([angle, velocity], direction, time_s)
     }
 
     fn slope(&self, phase: &Phase, time_s: f64) -> Phase {

@@ -1,5 +1,6 @@
 //! From the shaft's angle to a code: play, an uneven characteristic, gain, zero, lag, noise, steps.
 
+use super::listed::Listed;
 use super::{LSB_RAD, Random, Rig};
 
 /// The measuring chain of one recording.
@@ -12,6 +13,8 @@ pub(super) struct Sensor {
     wiper_rad: f64,
     before_rad: f64,
     lagging_rad: f64,
+    listed: Listed,
+    reading_rad: f64,
 }
 
 impl Sensor {
@@ -30,9 +33,12 @@ impl Sensor {
             wiper_rad: angle_rad + 0.5 * play_rad * place,
             before_rad: 0.0,
             lagging_rad: 0.0,
+            listed: Listed::held(rig, angle_rad),
+            reading_rad: 0.0,
         };
         sensor.before_rad = sensor.undelayed(angle_rad);
         sensor.lagging_rad = sensor.before_rad;
+        sensor.reading_rad = sensor.listed.read(sensor.lagging_rad, [angle_rad, 0.0], 0.0);
         sensor
     }
 
@@ -44,19 +50,20 @@ impl Sensor {
     }
 
     /// Follows the shaft for a short while.
-    pub(super) fn follow(&mut self, angle_rad: f64, seconds: f64) {
-        let now = self.undelayed(angle_rad);
+    pub(super) fn follow(&mut self, (at, time_s): ([f64; 2], f64), seconds: f64) {
+        let now = self.undelayed(at[0]);
         let middle = 0.5 * (now + self.before_rad);
         self.lagging_rad = match self.lag_s {
             0.0 => now,
             lag_s => middle + (self.lagging_rad - middle) * (-seconds / lag_s).exp(),
         };
         self.before_rad = now;
+        self.reading_rad = self.listed.read(self.lagging_rad, at, time_s);
     }
 
     /// The reading in rad, with noise and in steps of the converter.
     pub(super) fn read(&self, noise_rad: f64, random: &mut Random) -> f64 {
-        ((self.lagging_rad + noise_rad * random.normal()) / LSB_RAD).round() * LSB_RAD
+        ((self.reading_rad + noise_rad * random.normal()) / LSB_RAD).round() * LSB_RAD
     }
 }
 
