@@ -31,6 +31,7 @@ mod serve;
 mod simulate;
 mod statistics;
 mod table;
+mod undo;
 mod update;
 mod values;
 
@@ -89,6 +90,7 @@ enum Command {
     Calibrate(calibrate::Options),
     Push(push::Options),
     Pull(pull::Options),
+    Undo(undo::Options),
     Statistics(statistics::Options),
     Restart(restart::Options),
     Update(update::Options),
@@ -127,6 +129,7 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Push(options) => push::run(&options),
         Command::Pull(options) => pull::run(&options),
+        Command::Undo(options) => undo::run(&options),
         Command::Statistics(options) => statistics::run(&options),
         Command::Restart(options) => restart::run(&options),
         Command::Update(options) => update::run(&options),

@@ -7,6 +7,7 @@
 mod error;
 mod hello;
 mod patience;
+mod previous;
 mod serial;
 mod session;
 mod tally;

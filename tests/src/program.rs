@@ -43,14 +43,26 @@ pub fn host(folder: &Path, arguments: &str) -> Run {
     host_with(folder, &arguments.split_whitespace().collect::<Vec<&str>>())
 }
 
+/// What the program keeps of its rigs: beside the program, not among what the person at this computer did with theirs.
+fn state_of(folder: &Path) -> PathBuf {
+    let beside = path().parent().expect("a program lies in a folder").join("test-state");
+    beside.join(folder.file_name().unwrap_or_default())
+}
+
 /// Runs the program in a folder with arguments that may contain spaces.
 pub fn host_with(folder: &Path, arguments: &[&str]) -> Run {
-    run(assert_cmd::Command::new(path()).args(arguments).current_dir(folder).env(PATIENT.0, PATIENT.1))
+    run(program_in(folder).args(arguments).env(PATIENT.0, PATIENT.1))
 }
 
 /// The same as [`host`], but it gives up on a rig as soon as it does for a user.
 pub fn impatient_host(folder: &Path, arguments: &str) -> Run {
-    run(assert_cmd::Command::new(path()).args(arguments.split_whitespace()).current_dir(folder))
+    run(program_in(folder).args(arguments.split_whitespace()))
+}
+
+fn program_in(folder: &Path) -> assert_cmd::Command {
+    let mut command = assert_cmd::Command::new(path());
+    command.current_dir(folder).env("XDG_STATE_HOME", state_of(folder));
+    command
 }
 
 fn run(command: &mut assert_cmd::Command) -> Run {

@@ -70,6 +70,7 @@ fn json_is_one_object_that_names_its_command() {
         ("record", "record --port sim -o swing.csv --json"),
         ("push", "push --port sim --json"),
         ("pull", "pull --port sim -o pulled.toml --json"),
+        ("undo", "undo --port sim --json"),
         ("statistics", "statistics --port sim --json"),
     ];
     for (command, arguments) in cases {
@@ -119,7 +120,7 @@ fn every_help_fits_a_screen_and_has_an_example() {
     let folder = folder();
     let overview = host(folder.path(), "--help").succeeded().to_owned();
     let commands = overview.lines().filter_map(|line| line.strip_prefix("  ")?.split_whitespace().next());
-    let known = ["init", "record", "fit", "push", "pull", "statistics", "simulate"];
+    let known = ["init", "record", "fit", "push", "pull", "undo", "statistics", "simulate"];
     let listed: Vec<&str> = commands.filter(|word| known.contains(word)).collect();
     assert_eq!(listed, known, "{overview}");
     for command in known {

@@ -102,6 +102,32 @@ fn what_is_pushed_over_a_serial_port_is_pulled_back() {
 }
 
 #[test]
+fn undo_brings_back_what_the_rig_had_and_once_more_takes_that_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Device::rig("plain", SPEED);
+    let on_the_rig = || {
+        let run = host(folder.path(), &format!("pull --port {} -o pulled.toml --force --json", device.port));
+        let pulled: serde_json::Value = serde_json::from_str(run.succeeded()).unwrap();
+        pulled["parameters"].clone()
+    };
+    let undo = format!("undo --port {}", device.port);
+    host(folder.path(), &undo).failed(1, &["nothing was pushed to simulated-rig", "host push"]);
+    let first = on_the_rig();
+    host(folder.path(), "init --mass 0.2 --length 0.3 --inertia 0.004 -o other.toml").succeeded();
+    let push = format!("push --port {} --rig other.toml", device.port);
+    host(folder.path(), &push).succeeded();
+    // What is there already changes nothing, and is no step to go back to.
+    host(folder.path(), &push).succeeded();
+    let second = on_the_rig();
+    assert_ne!(first, second);
+    let undone = host(folder.path(), &undo);
+    assert!(undone.succeeded().contains("has again what it had before"), "{undone:?}");
+    assert_eq!(on_the_rig(), first);
+    host(folder.path(), &undo).succeeded();
+    assert_eq!(on_the_rig(), second);
+}
+
+#[test]
 fn a_port_in_use_is_told_with_its_user() {
     let folder = tempfile::tempdir().unwrap();
     let device = Device::rig("plain");

@@ -94,12 +94,14 @@ impl Session {
         Ok((self.settings()?.rate_hz, before))
     }
 
-    /// Sets the parameters, saves them to flash, loads them from there and compares.
+    /// Sets the parameters, saves them to flash, loads them from there and compares. What the rig had is kept on this
+    /// computer, for [`Session::previous`].
     ///
     /// # Errors
     /// A refusal, no answer, or a value that came back different.
     pub fn push(&mut self, parameters: &Parameters<f64>) -> Result<(), LinkError> {
         let sent = parameters.map(|value| value as f32);
+        self.keep_before(&sent)?;
         if let Some(formula) = &sent.formula {
             // First a question: firmware that knows no formulas can say so.
             self.exchange_formula(&[])?;
