@@ -8,21 +8,28 @@ use nalgebra::{DMatrix, DVector};
 /// The search for the optimum of one stage; coarse, because the simulation decides.
 const SEARCH: Search = Search { n_samples: 400, n_starts: 6, smallest_edge: 1e-4, seed: 1 };
 
+/// Responses of the composite desirability: mseA, mseV, ePM, eNM. eZC is the sum of ePM and eNM and would count them
+/// twice.
+const JUDGED: usize = 4;
+
 /// Points worth a simulation, in coded units: the most desirable one, and the least predicted error in angle.
 pub fn proposals(surfaces: &[Surface], runs: &[Run]) -> Vec<Vec<f64>> {
-    let goals: Result<Vec<Desirability>, _> = (0..surfaces.len())
+    let judged = &surfaces[..surfaces.len().min(JUDGED)];
+    let goals: Result<Vec<Desirability>, _> = (0..judged.len())
         .map(|k| {
             let worst = runs.iter().map(|run| run.responses.values()[k].abs()).fold(1e-12, f64::max);
             if k < 2 { Desirability::minimise(0.0, worst) } else { Desirability::target(-worst, 0.0, worst) }
         })
         .collect();
-    let all = goals.and_then(Composite::new).ok().and_then(|goal| optimum(surfaces, &goal, &SEARCH).ok());
+    let all = goals.and_then(Composite::new).ok().and_then(|goal| optimum(judged, &goal, &SEARCH).ok());
     all.map(|optimum| optimum.coded).into_iter().chain(least_error(&surfaces[0])).collect()
 }
 
-/// By how much the surface of mseA says that the error falls from a point of the box to its best one.
+/// By how much the surface of mseA says that the error falls from a point of the box to its best one. A parabola may
+/// fall below zero, a mean square may not.
 pub fn promised_gain(error: &Surface, from_coded: &[f64]) -> f64 {
-    least_error(error).map_or(0.0, |best| error.predict(from_coded) - error.predict(&best))
+    let predicted = |coded: &[f64]| error.predict(coded).max(0.0);
+    least_error(error).map_or(0.0, |best| predicted(from_coded) - predicted(&best))
 }
 
 /// The point of the box with the least predicted error: damped Newton steps on the quadratic, held in the box.

@@ -4,6 +4,10 @@
 //! interaction; these add up to the regression) and an adjusted one (what the surface loses without it). F and p use
 //! the adjusted ones, as response-surface packages do. Replicated runs split the residual into pure error and lack of
 //! fit.
+//!
+//! Simulated runs have no chance in them: the residual is what a quadratic cannot follow. F and p then describe how much
+//! larger a group is than that, and are no probabilities (J. Sacks, W. J. Welch, T. J. Mitchell, H. P. Wynn, Statist.
+//! Sci. 4 (1989) 409).
 
 use super::least_squares::residual_sum_of_squares;
 use super::significance::{ratio, upper_f};
@@ -29,7 +33,7 @@ pub struct AnovaRow {
     pub mean_square: Option<f64>,
     /// Mean square over that of the residual (lack of fit: over that of pure error).
     pub f: Option<f64>,
-    /// Probability of such an F by chance, 0 to 1.
+    /// Probability of such an F by chance, 0 to 1; of runs without chance a description only.
     pub p: Option<f64>,
 }
 

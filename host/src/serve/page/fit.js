@@ -130,9 +130,9 @@ function termName(term, axes) {
 
 function showTables(seen) {
   const p = (value) => (value === null ? '–' : value < 0.001 ? '< 0.001' : value.toFixed(3));
-  fillTable(byId('coefficients'), ['Term', 'Estimate', 'Std error', 't', 'p'], seen.coefficients.map((one) =>
+  fillTable(byId('coefficients'), ['Term', 'Estimate', 'Std error', 't', 'p (descriptive)'], seen.coefficients.map((one) =>
     [termName(one.name, seen.axes), number(one.estimate), number(one.standard_error, 3), number(one.t, 3), p(one.p)]));
-  fillTable(byId('anova'), ['Source', 'df', 'Seq SS', 'Adj SS', 'Adj MS', 'F', 'p'], seen.anova.map((row) =>
+  fillTable(byId('anova'), ['Source', 'df', 'Seq SS', 'Adj SS', 'Adj MS', 'F (descriptive)', 'p (descriptive)'], seen.anova.map((row) =>
     [row.source, row.dof, number(row.sequential_sum_of_squares), number(row.adjusted_sum_of_squares), number(row.mean_square), number(row.f), p(row.p)]));
   const share = (value) => (value === null ? '–' : `${(100 * value).toFixed(1)} %`);
   const g = seen.goodness;
