@@ -9,11 +9,13 @@ pub mod binned;
 pub mod colour;
 pub mod energy;
 pub mod follow;
+pub mod grid;
 pub mod halves;
 pub mod knowledge;
 pub mod limits;
 pub mod measurement;
 pub mod mismatch;
+pub mod numbers;
 pub mod per_swing;
 pub mod pictures;
 pub mod prediction;
@@ -24,19 +26,21 @@ pub mod torque;
 pub mod verdict;
 pub mod weak;
 
-use crate::fit::identify::{self, FitError, Method};
+use crate::fit::identify::FitError;
 use crate::swing::Swing;
 use energy::Energy;
+use grid::Grid;
 use knowledge::Knowledge;
 use measurement::Measurement;
 use mismatch::Mismatch;
+use numbers::Refit;
 use per_swing::Place;
 use rayon::prelude::*;
 use recording::Judged;
 use serde::Serialize;
 use shared::parameters::{Parameters, base};
-use torque::{Grid, TorqueMap};
-use verdict::{Answer, Totals};
+use torque::TorqueMap;
+use verdict::{Answer, Seen, Totals};
 
 /// Version of the record that `--json` shows.
 pub const VERSION: u32 = 1;
@@ -46,6 +50,8 @@ pub const VERSION: u32 = 1;
 pub struct Options {
     /// Fit the parameters first: the rig file has none of its own yet.
     pub fit_first: bool,
+    /// The numbers may come from elsewhere: where more than noise is left, a fit tells whether they are to blame.
+    pub question_numbers: bool,
 }
 
 /// Why nothing could be compared.
@@ -90,6 +96,8 @@ pub struct Comparison {
     pub knowledge: Option<Knowledge>,
     /// Recordings that do not fit at all.
     pub mismatches: Vec<Mismatch>,
+    /// What the model leaves once it is fitted to these recordings; absent where nobody had to ask.
+    pub refit: Option<Refit>,
     /// What can't be judged, in words.
     pub limits: Vec<String>,
 }
@@ -108,60 +116,83 @@ pub fn compare(
         return Err(CompareError::NoRecording);
     }
     let swings: Vec<Swing> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
-    let parameters = if options.fit_first { fitted(&swings, rig)? } else { rig.clone() };
-    let judge_all = |all: &[Measurement]| -> Vec<Judged> {
-        all.par_iter().map(|measurement| recording::judge(measurement, &parameters)).collect()
+    let parameters = if options.fit_first { numbers::least_squares(&swings, rig)?.parameters } else { rig.clone() };
+    let judge_all = |all: &[Measurement], follow: Follow| -> Vec<Judged> {
+        let judge = |m: &Measurement| recording::judge(m, &parameters, follow(&m.swing, &parameters));
+        all.par_iter().map(judge).collect()
     };
-    let recordings = judge_all(measurements);
-    let held_out = judge_all(held_out);
+    let as_fitted = judge_all(measurements, follow::follow);
+    let is_asked = options.question_numbers && !options.fit_first;
+    let refit = if is_asked { refit(&swings, &as_fitted, &parameters) } else { None };
+    // The numbers of another pendulum get no help from the start.
+    let is_foreign = refit.is_some_and(|refit| refit.blames_the_numbers(Totals::of(&as_fitted).ratio));
+    let follow: Follow = if is_foreign { follow::follow_from_the_beginning } else { follow::follow };
+    let recordings = if is_foreign { judge_all(measurements, follow) } else { as_fitted };
+    let held_out = judge_all(held_out, follow);
     let mismatches = mismatches(&swings, &recordings, &parameters);
+    let totals = Totals::of(&recordings);
+    let held_out_totals = (!held_out.is_empty()).then(|| Totals::of(&held_out));
     let knowledge = mismatches.is_empty().then(|| {
         let followed: Vec<_> = recordings.iter().map(Judged::followed).collect();
         knowledge::knowledge(&swings, &parameters, &followed)
     });
     let tables: Vec<_> = recordings.iter().map(|r| (r.swings.as_slice(), r.stop_angles_rad.is_some())).collect();
-    let mut comparison = Comparison {
+    let places = per_swing::places(&tables);
+    let energy = energy::energy(&recordings.iter().map(Judged::pair).collect::<Vec<_>>());
+    let torque = mismatches.is_empty().then(|| torque_of(&recordings, &parameters)).flatten();
+    let seen = Seen {
+        recordings: &recordings,
+        held_out: &held_out,
+        totals: &totals,
+        held_out_totals: held_out_totals.as_ref(),
+        places: &places,
+        energy: &energy,
+        torque: torque.as_ref(),
+        knowledge: knowledge.as_ref(),
+        mismatches: &mismatches,
+        refit: refit.as_ref(),
+    };
+    let (answer, verdict) = (seen.answer(), seen.sentences());
+    Ok(Comparison {
         version: VERSION,
-        answer: Answer::NothingMissing,
-        verdict: Vec::new(),
+        answer,
+        verdict,
         fitted_first: options.fit_first,
-        totals: Totals::of(&recordings),
-        held_out_totals: (!held_out.is_empty()).then(|| Totals::of(&held_out)),
-        places: per_swing::places(&tables),
-        energy: energy::energy(&recordings.iter().map(Judged::pair).collect::<Vec<_>>()),
-        torque: mismatches.is_empty().then(|| torque_of(&recordings, &parameters)).flatten(),
+        limits: limits::limits(measurements, &recordings),
+        totals,
+        held_out_totals,
+        places,
+        energy,
+        torque,
         knowledge,
         mismatches,
-        limits: limits::limits(measurements, &recordings),
+        refit,
         recordings,
         held_out,
         parameters,
-    };
-    comparison.answer = verdict::answer(&comparison);
-    comparison.verdict = verdict::sentences(&comparison);
-    Ok(comparison)
+    })
 }
 
-fn fitted(swings: &[Swing], rig: &Parameters<f64>) -> Result<Parameters<f64>, FitError> {
-    let options = identify::Options { method: Method::LeastSquares, ranges: Vec::new() };
-    identify::fit(swings, &[], rig, &options, &|_| ()).map(|fit| fit.parameters)
+/// How a run of the model beside a swing is begun.
+type Follow = fn(&Swing, &Parameters<f64>) -> follow::Followed;
+
+/// Asked only where more than noise is left.
+fn refit(swings: &[Swing], recordings: &[Judged], parameters: &Parameters<f64>) -> Option<Refit> {
+    let is_needed = recordings.iter().any(|recording| recording.verdict.more_than_noise);
+    if is_needed { Refit::of(swings, parameters, Totals::of(recordings).noise_rad) } else { None }
 }
 
 fn mismatches(swings: &[Swing], recordings: &[Judged], parameters: &Parameters<f64>) -> Vec<Mismatch> {
     let of = |(swing, judged): (&Swing, &Judged)| {
-        let fits = judged.explained > mismatch::HOPELESS && !mismatch::is_upside_down(judged.start.offset_rad);
-        (!fits).then(|| Mismatch {
-            recording: judged.name.clone(),
-            explained: judged.explained,
-            reason: mismatch::reason(swing, parameters, judged),
-        })
+        let fits = judged.verdict.explained > mismatch::HOPELESS && !mismatch::is_upside_down(judged.start.offset_rad);
+        (!fits).then(|| Mismatch::of(swing, parameters, judged))
     };
     swings.iter().zip(recordings).filter_map(of).collect()
 }
 
 /// The torque map of all recordings together.
 fn torque_of(recordings: &[Judged], parameters: &Parameters<f64>) -> Option<TorqueMap> {
-    let restarts = || recordings.iter().flat_map(|recording| &recording.restarts);
+    let restarts = || recordings.iter().flat_map(|recording| &recording.curves.restarts);
     let largest = |of: &dyn Fn(&restart::Restart) -> &[f64]| {
         restarts().flat_map(|restart| of(restart).iter()).fold(0.0_f64, |largest, x| largest.max(x.abs()))
     };
@@ -173,13 +204,14 @@ fn torque_of(recordings: &[Judged], parameters: &Parameters<f64>) -> Option<Torq
     let (viscous, coulomb_nm) = (coefficient(base::VISCOUS), coefficient(base::COULOMB));
     let base = weak::Base { pendulum: parameters.pendulum, viscous, coulomb_nm };
     let windows_of = |recording: &Judged| -> Vec<weak::Windows> {
-        let Some(half_swing_s) = recording.half_swing_s else { return Vec::new() };
-        let step_s = recording.duration_s / (recording.times_s.len() - 1) as f64;
+        let Some(half_swing_s) = recording.curves.half_swing_s else { return Vec::new() };
+        let step_s = recording.duration_s / (recording.curves.times_s.len() - 1) as f64;
         let width_s = weak::half_width_s(half_swing_s, step_s);
         let noise_rad = recording.noise.level_rad();
-        let of =
-            |restart: &restart::Restart| weak::windows(&recording.times_s, restart, &base, noise_rad, width_s, &grid);
-        recording.restarts.iter().filter_map(of).collect()
+        let of = |restart: &restart::Restart| {
+            weak::windows(&recording.curves.times_s, restart, &base, noise_rad, width_s, &grid)
+        };
+        recording.curves.restarts.iter().filter_map(of).collect()
     };
     let windows: Vec<weak::Windows> = recordings.par_iter().map(windows_of).flatten_iter().collect();
     torque::torque_map(grid, &windows, coulomb_nm)

@@ -36,7 +36,7 @@ pub fn report(comparison: &Comparison) -> String {
 fn verdict(comparison: &Comparison) -> Markup {
     let class = match comparison.answer {
         Answer::NothingMissing => "good",
-        Answer::NoPattern => "unsure",
+        Answer::NoPattern | Answer::NumbersDoNotFit => "unsure",
         Answer::PhysicsMissing | Answer::DoesNotFit => "bad",
     };
     let notes: Vec<&String> =

@@ -2,18 +2,25 @@
 //!
 //! In: requests of a browser on this computer. Out: the page's files, the state as JSON, and live points through a
 //! WebSocket. What the page shows comes from the library (`compare`, `diagnose`, `improve`, `fit`, `record`); nothing
-//! is computed in the browser. `guard` keeps other web pages out, `jobs` does one long thing after the other,
-//! `live` owns the rig.
+//! is computed in the browser.
+//!
+//! `app` holds what all requests share: settings, the one `state`, the queue of `jobs`, the `rig`'s doorbell. Above it
+//! stand `work` (the long things), `live` (the thread that owns the rig), `edit` (changes of the model), `view` and
+//! `draw` (what the page sees); `routes` names them, `guard` keeps other web pages out.
 
+mod app;
 mod downloads;
 mod draw;
+mod edit;
 mod files;
 mod guard;
 mod jobs;
 mod live;
 mod recordings;
 mod request;
+mod rig;
 mod routes;
+mod settings;
 mod simulate;
 mod socket;
 mod state;
@@ -22,69 +29,21 @@ mod view;
 mod work;
 
 pub use guard::{Access, new_token};
+pub use settings::{Settings, Stop};
 
 use crate::error::Failure;
-use crate::recording::ReadOptions;
-use crate::recording::segment::SegmentOptions;
-use crate::rigfile::RigFile;
-use state::App;
+use app::App;
 use std::net::SocketAddr;
-use std::path::PathBuf;
 use std::sync::Arc;
+use std::thread::JoinHandle;
 use std::time::Duration;
 use tokio::net::TcpListener;
-use tokio::sync::watch;
 
 /// After Ctrl-C requests that are still being answered have this long.
 const LAST_ANSWERS: Duration = Duration::from_secs(1);
 
 /// Threads that answer requests; what takes long runs on its own threads.
 const N_WORKERS: usize = 2;
-
-/// What the server is started with.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// Where to listen; port 0 takes a free one.
-    pub listen: SocketAddr,
-    /// Who may come in; needed unless `listen` is this computer only.
-    pub token: Option<String>,
-    /// The rig: serial device, `sim` or `sim:NAME`.
-    pub port: Option<String>,
-    /// The simulated rig runs so many times faster than real time.
-    pub sim_speed: f64,
-    /// The model and what it is called; none yet without a file.
-    pub model: Option<(RigFile, String)>,
-    /// Recordings to begin with.
-    pub recordings: Vec<PathBuf>,
-    /// New recordings go here.
-    pub folder: PathBuf,
-    /// How recordings are read.
-    pub reading: ReadOptions,
-    /// The free swing, if the user knows it better.
-    pub segment: SegmentOptions,
-}
-
-/// Ends the server from outside.
-#[derive(Clone, Debug)]
-pub struct Stop(Arc<watch::Sender<bool>>);
-
-impl Default for Stop {
-    fn default() -> Self {
-        Self(Arc::new(watch::Sender::new(false)))
-    }
-}
-
-impl Stop {
-    /// Asks for the end.
-    pub fn now(&self) {
-        self.0.send_replace(true);
-    }
-
-    /// Waits until somebody asks.
-    async fn asked(&self) {
-        let _ = self.0.subscribe().wait_for(|asked| *asked).await;
-    }
-}
 
 /// Serves until `stop`; `announce` gets the address once the page can be opened.
 ///
@@ -108,7 +67,7 @@ async fn serve(settings: Settings, stop: &Stop, announce: impl FnOnce(&str)) -> 
     let access = Access::new(address, settings.token.clone());
     let url = access.url();
     let app = App::new(settings, stop.clone());
-    let rig = app.begin();
+    let rig = begin(&app);
     announce(&url);
     let ended = stop.clone();
     let served = axum::serve(listener, routes::router(&app, access))
@@ -121,6 +80,15 @@ async fn serve(settings: Settings, stop: &Stop, announce: impl FnOnce(&str)) -> 
     app.rig.leave();
     let _ = rig.join();
     Ok(())
+}
+
+/// Starts what runs beside the server: the worker, the first recordings, the rig. Gives the rig's thread.
+fn begin(app: &Arc<App>) -> JoinHandle<()> {
+    app.jobs.begin(app, work::look);
+    if !app.settings.recordings.is_empty() {
+        let _ = app.jobs.ask("reading recordings", work::read_first);
+    }
+    live::begin(app)
 }
 
 fn not_bound(address: SocketAddr, error: &std::io::Error) -> Failure {

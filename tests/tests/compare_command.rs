@@ -36,6 +36,29 @@ fn a_fresh_rig_is_fitted_first_and_a_fitted_one_is_not() {
 }
 
 #[test]
+fn numbers_of_another_pendulum_are_not_called_missing_physics() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    host(path, "pull --port sim:mystery-4").succeeded();
+    for (start_rad, name) in [(1.5, "wide.csv"), (0.9, "narrow.csv")] {
+        host(path, &format!("simulate mystery-4 --rate 200 --start {start_rad} -o {name}")).succeeded();
+        let result: Value = serde_json::from_str(host(path, &format!("compare {name} --json")).succeeded()).unwrap();
+        assert_eq!(result["answer"], "numbers-do-not-fit", "{name}");
+        assert!(result["totals"]["ratio"].as_f64().unwrap() > 20.0, "{name}");
+        assert!(result["refit"]["ratio"].as_f64().unwrap() < 1.05, "{name}: {}", result["refit"]);
+        // The model starts where the pendulum was let go, whatever that costs it later.
+        let began_rad = result["recordings"][0]["start"]["angle_rad"].as_f64().unwrap();
+        assert!((began_rad - start_rad).abs() < 0.01, "{name} begins at {began_rad} rad");
+    }
+    let text = in_one_line(host(path, "compare wide.csv").succeeded());
+    assert!(text.contains("These numbers do not fit these recordings: fit first, or physics is missing."), "{text}");
+    assert!(!text.contains("so physics is missing"), "{text}");
+    host(path, "fit wide.csv --method least-squares -o fitted.toml").succeeded();
+    let fitted = in_one_line(host(path, "compare wide.csv --rig fitted.toml").succeeded());
+    assert!(fitted.contains("Nothing is missing at this noise level"), "{fitted}");
+}
+
+#[test]
 fn a_folder_that_cannot_be_written_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

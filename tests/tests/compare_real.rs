@@ -9,7 +9,9 @@ use host::compare::{Comparison, Options, compare};
 
 fn judged(name: &str, from_s: Option<f64>) -> Comparison {
     let measurement = measurement(name, from_s);
-    let comparison = compare(&normalised(&measurement), &[measurement], &[], &Options { fit_first: true }).unwrap();
+    let comparison =
+        compare(&normalised(&measurement), &[measurement], &[], &Options { fit_first: true, ..Options::default() })
+            .unwrap();
     println!("=== {name}\n{}\nplaces {:?}\n", comparison.verdict.join("\n"), comparison.places);
     println!("missing {:#?}\nmeasured {:?}", comparison.energy.loss_missing, comparison.energy.loss_measured);
     if let Some(map) = &comparison.torque {
@@ -57,7 +59,7 @@ fn physics_is_missing_where_an_effect_is_hidden_and_nowhere_else() {
         let is_taken_up = |name: &serde_json::Value| name == "none" || name == "angle-offset";
         let lacks_nothing = truth["effects"].as_array().unwrap().iter().all(is_taken_up);
         let (rig, measurements): (_, Vec<Measurement>) = hidden(case);
-        let comparison = compare(&rig, &measurements, &[], &Options { fit_first: true }).unwrap();
+        let comparison = compare(&rig, &measurements, &[], &Options { fit_first: true, ..Options::default() }).unwrap();
         println!("=== p{case:02}\n{}\n", comparison.verdict.join("\n"));
         keep_pictures(&format!("p{case:02}"), &comparison);
         let what = format!("p{case:02} hides {}: {:?}", truth["effects"], comparison.verdict);

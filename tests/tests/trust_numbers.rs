@@ -346,7 +346,7 @@ fn comparisons_with_strange_recordings_have_finite_numbers() {
         for (rig_name, rig) in rigs() {
             let what = format!("{name} with {rig_name}");
             let compared = within_patience(&what, || {
-                compare(&rig, std::slice::from_ref(&measurement), &[], &compare::Options { fit_first: false }).unwrap()
+                compare(&rig, std::slice::from_ref(&measurement), &[], &compare::Options::default()).unwrap()
             });
             let totals = &compared.totals;
             let all = [totals.explained, totals.nrmse_fit, totals.residual_rad, totals.noise_rad, totals.ratio];

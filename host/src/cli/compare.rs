@@ -41,7 +41,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let model = options.given.model()?;
     let measurements = measurements(&options.given.reading, &options.given.recordings)?;
     let held_out = self::measurements(&options.given.reading, &options.hold_out)?;
-    let settings = compare::Options { fit_first: model.is_fresh() };
+    let settings = compare::Options { fit_first: model.is_fresh(), question_numbers: true };
     let comparison = compare(model.parameters(), &measurements, &held_out, &settings).map_err(Failure::failed)?;
     if let Some(folder) = &options.plot {
         draw(folder, &comparison)?;

@@ -1,4 +1,8 @@
 //! The model let run beside a swing: only the swing's own start is fitted, the parameters stay as they are.
+//!
+//! A model whose numbers were fitted to the swing starts where all its samples say: that is how it was fitted. A model
+//! with the numbers of another pendulum starts where its first samples say, or it would begin elsewhere because that
+//! lowers its error later.
 
 use crate::fit::descent::{Patience, descend};
 use crate::fit::linear::Steps;
@@ -6,6 +10,7 @@ use crate::fit::problem::{Point, Problem, Start};
 use crate::fit::start;
 use crate::swing::{Swing, Window};
 use shared::parameters::Parameters;
+use std::f64::consts::TAU;
 use std::sync::atomic::AtomicUsize;
 
 /// The window grows in these steps, s. With the parameters fixed only a start can be wrong, so few steps suffice.
@@ -45,6 +50,23 @@ pub fn follow(swing: &Swing, parameters: &Parameters<f64>) -> Followed {
     let windows = WINDOWS_S.into_iter().filter(|seconds| *seconds < 0.8 * swing.duration_s()).map(Window::First);
     let point = windows.fold(first, |point, window| descended(&problem, &point, window));
     run(&problem, descended(&problem, &point, Window::Whole).starts[0])
+}
+
+/// The first samples: so much of the period of small swings.
+const BEGINNING_PERIODS: f64 = 0.25;
+
+/// Takes angle and velocity of the start from the first samples alone, the sensor's zero from all.
+pub fn follow_from_the_beginning(swing: &Swing, parameters: &Parameters<f64>) -> Followed {
+    let count = AtomicUsize::new(0);
+    let swings = std::slice::from_ref(swing);
+    let problem = Problem { offsets_are_free: false, ..starts_only(swings, parameters, &count) };
+    let offset_rad = follow(swing, parameters).start.offset_rad;
+    let measured = start::starts(swings)[0];
+    let first = Start { angle_rad: measured.angle_rad - offset_rad, offset_rad, ..measured };
+    let pendulum = &parameters.pendulum;
+    let frequency_rad_s = (pendulum.gravity_torque_nm() / pendulum.pivot_inertia_kg_m2()).sqrt();
+    let beginning = Window::First(BEGINNING_PERIODS * TAU / frequency_rad_s);
+    run(&problem, descended(&problem, &Point { values: Vec::new(), starts: vec![first] }, beginning).starts[0])
 }
 
 fn descended(problem: &Problem, from: &Point, window: Window) -> Point {

@@ -5,7 +5,7 @@
 
 use super::follow::follow;
 use super::halves::Halves;
-use super::recording::Judged;
+use super::recording::{Judged, explained};
 use crate::fit::descent::{Patience, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Problem, Unknown};
@@ -32,9 +32,6 @@ const SLOWEST_S: f64 = 60.0;
 /// A zero beyond this lies nearer to the top than to the hanging position, rad.
 const UPSIDE_DOWN_RAD: f64 = PI / 2.0;
 
-/// A sensor's zero farther off than this deserves a word, rad.
-const ZERO_OFF_RAD: f64 = 0.05;
-
 /// A gain of energy counts from so many standard errors on …
 const GAIN_SIGNIFICANT: f64 = 6.0;
 
@@ -50,6 +47,18 @@ pub struct Mismatch {
     pub explained: f64,
     /// The most likely reason, in words.
     pub reason: String,
+    /// Do the first swings follow the model? Then a fit may help.
+    #[serde(skip)]
+    pub begins_well: bool,
+}
+
+impl Mismatch {
+    /// A swing that does not follow the model.
+    pub fn of(swing: &Swing, parameters: &Parameters<f64>, judged: &Judged) -> Self {
+        let begins_well = first_explained(swing, parameters) > EXPLAINS;
+        let reason = reason(swing, parameters, judged, begins_well);
+        Self { recording: judged.name.clone(), explained: judged.verdict.explained, reason, begins_well }
+    }
 }
 
 /// Another way to read a recording.
@@ -82,16 +91,16 @@ pub fn is_upside_down(offset_rad: f64) -> bool {
 }
 
 /// The most likely reason why a swing does not follow the model.
-pub fn reason(swing: &Swing, parameters: &Parameters<f64>, judged: &Judged) -> String {
+fn reason(swing: &Swing, parameters: &Parameters<f64>, judged: &Judged, begins_well: bool) -> String {
     let offset_rad = judged.start.offset_rad;
-    if judged.explained > HOPELESS && is_upside_down(offset_rad) {
+    if judged.verdict.explained > HOPELESS && is_upside_down(offset_rad) {
         let change = if offset_rad > 0.0 { "subtract π" } else { "add π" };
         return format!("the zero seems to be at the top: 0 must be the hanging pendulum ({change})");
     }
     if is_driven(&judged.measured) {
         return "the pendulum gains energy on the way: it is driven, or a hand is on it".to_owned();
     }
-    if first_explained(swing, parameters) > EXPLAINS {
+    if begins_well {
         return "the first swings follow the model, later ones do not: friction differs much from the model's; \
                 fit these recordings first (host fit)"
             .to_owned();
@@ -109,22 +118,6 @@ pub fn reason(swing: &Swing, parameters: &Parameters<f64>, judged: &Judged) -> S
             "no other unit, zero or inertia helps: another pendulum, a driven one, or one that was touched".to_owned()
         }
     }
-}
-
-/// A word about a sensor's zero that is far off.
-pub fn zero_words(offset_rad: f64) -> Option<String> {
-    let degrees = offset_rad.to_degrees();
-    (offset_rad.abs() > ZERO_OFF_RAD).then(|| {
-        format!("the sensor's zero is off: the pendulum hangs at {offset_rad:.3} rad ({degrees:.1}°); calibrate it")
-    })
-}
-
-/// Share of a motion's variance that residuals leave explained.
-pub fn explained(angles_rad: &[f64], residuals_rad: &[f64]) -> f64 {
-    let n = angles_rad.len().max(1) as f64;
-    let mean = angles_rad.iter().sum::<f64>() / n;
-    let motion: f64 = angles_rad.iter().map(|angle| (angle - mean).powi(2)).sum();
-    1.0 - residuals_rad.iter().map(|r| r * r).sum::<f64>() / motion.max(1e-300)
 }
 
 fn is_driven(measured: &Halves) -> bool {

@@ -2,23 +2,23 @@
 
 use super::colour::{Autocorrelation, SlowExcess, Spectrum, autocorrelation, slow_excess, spectrum};
 use super::energy::Pair;
-use super::follow::{Followed, follow};
+use super::follow::Followed;
 use super::halves::{Halves, halves};
 use super::measurement::{Measurement, SensorNoise};
-use super::mismatch::explained;
 use super::per_swing::{Row, rows};
 use super::prediction::{Predictions, predictions};
 use super::restart::{Restart, cuts, restarts, zero_of_swings};
+use super::rms;
 use super::slope::slopes;
 use super::weak::half_width_s;
-use super::{rms, verdict};
 use crate::fit::problem::Start;
 use crate::swing::{Swing, Window};
+use crate::verdict::{ChiSquare, Left};
 use crate::zero_phase;
 use serde::Serialize;
 use shared::parameters::Parameters;
 
-/// A recording beside the model.
+/// A recording beside the model: what is told of it, how good the model is, and the curves.
 #[derive(Clone, Debug, Serialize)]
 pub struct Judged {
     /// The recording's name.
@@ -34,14 +34,9 @@ pub struct Judged {
     pub noise: SensorNoise,
     /// Root mean square of the motion around its mean, rad.
     pub motion_rad: f64,
-    /// Root mean square residual, rad.
-    pub residual_rad: f64,
-    /// Share of the motion that the model explains.
-    pub explained: f64,
-    /// Slow remainder beside white noise.
-    pub slow_excess: SlowExcess,
-    /// Is more than noise left?
-    pub more_than_noise: bool,
+    /// How good the model is.
+    #[serde(flatten)]
+    pub verdict: Verdict,
     /// Free run, one swing, one step ahead.
     pub predictions: Predictions,
     /// A row a swing.
@@ -58,29 +53,42 @@ pub struct Judged {
     pub modelled: Halves,
     /// What was noticed, in words.
     pub notes: Vec<String>,
-    /// Seconds since the swing's first sample.
+    /// Every sample.
     #[serde(skip)]
+    pub curves: Curves,
+}
+
+/// How good the model is on one recording.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verdict {
+    /// Root mean square residual, rad.
+    pub residual_rad: f64,
+    /// Share of the motion that the model explains.
+    pub explained: f64,
+    /// Slow remainder beside white noise.
+    pub slow_excess: SlowExcess,
+    /// Is more than noise left?
+    pub more_than_noise: bool,
+}
+
+/// What pictures and maps are made of; one value a sample unless it says otherwise.
+#[derive(Clone, Debug)]
+pub struct Curves {
+    /// Seconds since the swing's first sample.
     pub times_s: Vec<f64>,
     /// Measured, rad.
-    #[serde(skip)]
     pub angles_rad: Vec<f64>,
     /// Modelled, offset included, rad.
-    #[serde(skip)]
     pub modelled_rad: Vec<f64>,
     /// Modelled velocity, rad/s.
-    #[serde(skip)]
     pub velocities_rad_s: Vec<f64>,
     /// Measured minus modelled, rad.
-    #[serde(skip)]
     pub residuals_rad: Vec<f64>,
     /// The same for the velocity, both filtered alike, rad/s.
-    #[serde(skip)]
     pub velocity_residuals_rad_s: Vec<f64>,
     /// The model started anew for each swing.
-    #[serde(skip)]
     pub restarts: Vec<Restart>,
     /// A typical half swing, s.
-    #[serde(skip)]
     pub half_swing_s: Option<f64>,
 }
 
@@ -105,10 +113,18 @@ const SHOWN_HALF_SWINGS: f64 = 6.0;
 /// Rest is averaged over this long at the end, s.
 const REST_S: f64 = 0.3;
 
-/// Lets the model run beside a measurement and reads everything off.
-pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>) -> Judged {
+/// A sensor's zero farther off than this deserves a word, rad.
+const ZERO_OFF_RAD: f64 = 0.05;
+
+/// A slow remainder of less than this share of the noise variance does not matter.
+const SLOW_SHARE: f64 = 0.02;
+
+/// Where the noise of the sensor is coloured, only its size can be judged; up to here it may be noise.
+const COLOURED_NOISE: f64 = 1.3;
+
+/// Reads everything off the model's run beside a measurement.
+pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>, followed: Followed) -> Judged {
     let swing = &measurement.swing;
-    let followed = follow(swing, parameters);
     let cuts = cuts(swing, followed.start.offset_rad);
     let free_rad = followed.start.offset_rad;
     let offset_rad = cuts.as_ref().map_or(free_rad, |cuts| zero_of_swings(swing, parameters, free_rad, cuts));
@@ -127,38 +143,59 @@ pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>) -> Judged 
     let swings =
         cuts.as_ref().map_or(Vec::new(), |cuts| rows(swing, offset_rad, &followed.residuals_rad, cuts, &measured));
     let lively = &followed.residuals_rad[..swing.samples_within(Window::Lively)];
+    let noise_rad = measurement.noise.level_rad();
     let block = (SLOW_BLOCK * half_swing_s.unwrap_or(1.0) / step_s) as usize;
-    let smooth = zero_phase::filter(&followed.residuals_rad, VELOCITY_CUTOFF_HZ, step_s.recip());
-    let mut judged = Judged {
+    let predictions = predictions(swing, &followed, &restarts, parameters);
+    Judged {
         name: swing.name.clone(),
         from_s: measurement.from_s,
         duration_s: swing.duration_s(),
         start: followed.start,
         noise: measurement.noise.clone(),
         motion_rad: rms_around_mean(&swing.angles_rad),
-        residual_rad: rms(&followed.residuals_rad),
-        explained: explained(&swing.angles_rad, &followed.residuals_rad),
-        slow_excess: slow_excess(lively, measurement.noise.level_rad(), block),
-        more_than_noise: false,
-        predictions: predictions(swing, &followed, &restarts, parameters),
+        verdict: Verdict::of(swing, &followed, &measurement.noise, slow_excess(lively, noise_rad, block)),
+        predictions,
         swings,
         stop_angles_rad: measurement.has_rest.then(|| stop_angles(swing, &followed)),
         autocorrelation: autocorrelation(lively, step_s, SHOWN_HALF_SWINGS * half_swing_s.unwrap_or(1.0)),
-        spectrum: spectrum(lively, step_s, measurement.noise.level_rad()),
+        spectrum: spectrum(lively, step_s, noise_rad),
         measured,
         modelled,
         notes: notes(measurement, offset_rad),
-        times_s: swing.times_s.clone(),
-        angles_rad: swing.angles_rad.clone(),
-        velocities_rad_s: slopes(&swing.times_s, &followed.angles_rad),
-        velocity_residuals_rad_s: slopes(&swing.times_s, &smooth),
-        modelled_rad: followed.angles_rad,
-        residuals_rad: followed.residuals_rad,
-        restarts,
-        half_swing_s,
-    };
-    judged.more_than_noise = verdict::more_than_noise(&judged);
-    judged
+        curves: Curves::of(swing, followed, restarts, half_swing_s),
+    }
+}
+
+impl Verdict {
+    fn of(swing: &Swing, followed: &Followed, noise: &SensorNoise, slow_excess: SlowExcess) -> Self {
+        let residual_rad = rms(&followed.residuals_rad);
+        let explained = explained(&swing.angles_rad, &followed.residuals_rad);
+        let chi_square = ChiSquare::of_rms(residual_rad, noise.level_rad(), swing.len() as f64);
+        let is_slow = slow_excess.is_significant() && slow_excess.share > SLOW_SHARE;
+        let more_than_noise = if noise.is_coloured {
+            chi_square.reduced.sqrt() > COLOURED_NOISE
+        } else {
+            chi_square.left() == Left::Missing || is_slow
+        };
+        Self { residual_rad, explained, slow_excess, more_than_noise }
+    }
+}
+
+impl Curves {
+    fn of(swing: &Swing, followed: Followed, restarts: Vec<Restart>, half_swing_s: Option<f64>) -> Self {
+        let rate_hz = (swing.len() - 1) as f64 / swing.duration_s();
+        let smooth = zero_phase::filter(&followed.residuals_rad, VELOCITY_CUTOFF_HZ, rate_hz);
+        Self {
+            times_s: swing.times_s.clone(),
+            angles_rad: swing.angles_rad.clone(),
+            velocities_rad_s: slopes(&swing.times_s, &followed.angles_rad),
+            velocity_residuals_rad_s: slopes(&swing.times_s, &smooth),
+            modelled_rad: followed.angles_rad,
+            residuals_rad: followed.residuals_rad,
+            restarts,
+            half_swing_s,
+        }
+    }
 }
 
 impl Judged {
@@ -169,7 +206,8 @@ impl Judged {
 
     /// The free run again.
     pub fn followed(&self) -> Followed {
-        Followed { start: self.start, angles_rad: self.modelled_rad.clone(), residuals_rad: self.residuals_rad.clone() }
+        let Curves { modelled_rad, residuals_rad, .. } = &self.curves;
+        Followed { start: self.start, angles_rad: modelled_rad.clone(), residuals_rad: residuals_rad.clone() }
     }
 }
 
@@ -186,6 +224,22 @@ fn stop_angles(swing: &Swing, followed: &Followed) -> (f64, f64) {
 
 fn notes(measurement: &Measurement, offset_rad: f64) -> Vec<String> {
     let mut notes = measurement.notes.clone();
-    notes.extend(super::mismatch::zero_words(offset_rad));
+    notes.extend(zero_words(offset_rad));
     notes
+}
+
+/// A word about a sensor's zero that is far off.
+fn zero_words(offset_rad: f64) -> Option<String> {
+    let degrees = offset_rad.to_degrees();
+    (offset_rad.abs() > ZERO_OFF_RAD).then(|| {
+        format!("the sensor's zero is off: the pendulum hangs at {offset_rad:.3} rad ({degrees:.1}°); calibrate it")
+    })
+}
+
+/// Share of a motion's variance that residuals leave explained.
+pub fn explained(angles_rad: &[f64], residuals_rad: &[f64]) -> f64 {
+    let n = angles_rad.len().max(1) as f64;
+    let mean = angles_rad.iter().sum::<f64>() / n;
+    let motion: f64 = angles_rad.iter().map(|angle| (angle - mean).powi(2)).sum();
+    1.0 - residuals_rad.iter().map(|r| r * r).sum::<f64>() / motion.max(1e-300)
 }

@@ -1,7 +1,14 @@
 //! The verdict in words: how good the model is, whether noise or physics is left, and where it fails.
 
+use super::energy::Energy;
+use super::knowledge::Knowledge;
+use super::mismatch::Mismatch;
+use super::numbers::Refit;
+use super::per_swing::Place;
 use super::recording::Judged;
-use super::{Comparison, rms};
+use super::rms;
+use super::torque::TorqueMap;
+use crate::verdict::Left;
 use serde::Serialize;
 use shared::effect::Effect;
 
@@ -15,18 +22,11 @@ pub enum Answer {
     NoPattern,
     /// Physics is missing, and it is visible where.
     PhysicsMissing,
+    /// The numbers are not those of these recordings; until a fit nobody knows whether physics is missing too.
+    NumbersDoNotFit,
     /// Some recording does not follow the model at all.
     DoesNotFit,
 }
-
-/// A residual of more than this many times the noise is more than noise.
-const MORE_THAN_NOISE: f64 = 1.1;
-
-/// A slow remainder of less than this share of the noise variance does not matter.
-const SLOW_SHARE: f64 = 0.02;
-
-/// Where the noise of the sensor is coloured, only its size can be judged; up to here it may be noise.
-const COLOURED_NOISE: f64 = 1.3;
 
 /// Held-out recordings that are missed by less than this many times what the others are, are missed alike.
 const ALIKE: f64 = 1.2;
@@ -52,10 +52,10 @@ const LEAST_MOTION_RAD: f64 = 1e-9;
 impl Totals {
     /// Over several recordings.
     pub fn of(recordings: &[Judged]) -> Self {
-        let residuals: Vec<f64> = recordings.iter().flat_map(|r| r.residuals_rad.iter().copied()).collect();
-        let n: f64 = recordings.iter().map(|r| r.residuals_rad.len() as f64).sum();
+        let residuals: Vec<f64> = recordings.iter().flat_map(|r| r.curves.residuals_rad.iter().copied()).collect();
+        let n: f64 = recordings.iter().map(|r| r.curves.residuals_rad.len() as f64).sum();
         let weighted = |of: &dyn Fn(&Judged) -> f64| {
-            recordings.iter().map(|r| of(r) * r.residuals_rad.len() as f64).sum::<f64>() / n.max(1.0)
+            recordings.iter().map(|r| of(r) * r.curves.residuals_rad.len() as f64).sum::<f64>() / n.max(1.0)
         };
         let residual_rad = rms(&residuals);
         let motion = weighted(&|r| r.motion_rad.powi(2)).sqrt();
@@ -72,53 +72,100 @@ impl Totals {
     }
 }
 
-/// Is more than noise left in a recording?
-pub fn more_than_noise(recording: &Judged) -> bool {
-    let ratio = rms(&recording.residuals_rad) / recording.noise.level_rad().max(1e-300);
-    if recording.noise.is_coloured {
-        return ratio > COLOURED_NOISE;
-    }
-    let slow = &recording.slow_excess;
-    ratio > MORE_THAN_NOISE || (slow.is_significant() && slow.share > SLOW_SHARE)
+/// Everything that a comparison looked at, before its verdict.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// Each recording.
+    pub recordings: &'a [Judged],
+    /// Each held-out recording.
+    pub held_out: &'a [Judged],
+    /// Over all recordings that are not held out.
+    pub totals: &'a Totals,
+    /// Over the held-out ones.
+    pub held_out_totals: Option<&'a Totals>,
+    /// Where the residual is larger than elsewhere, worst first.
+    pub places: &'a [Place],
+    /// Energy and period against amplitude.
+    pub energy: &'a Energy,
+    /// Missing torque over angle and velocity.
+    pub torque: Option<&'a TorqueMap>,
+    /// What the recordings say about the parameters.
+    pub knowledge: Option<&'a Knowledge>,
+    /// Recordings that do not fit at all.
+    pub mismatches: &'a [Mismatch],
+    /// What a fit would leave.
+    pub refit: Option<&'a Refit>,
 }
 
-/// The answer to a comparison.
-pub fn answer(comparison: &Comparison) -> Answer {
-    if !comparison.mismatches.is_empty() {
-        return Answer::DoesNotFit;
+impl Seen<'_> {
+    /// The answer to a seen.
+    pub fn answer(&self) -> Answer {
+        if self.numbers_are_to_blame() {
+            return Answer::NumbersDoNotFit;
+        }
+        if !self.mismatches.is_empty() {
+            return Answer::DoesNotFit;
+        }
+        if !self.recordings.iter().any(|recording| recording.verdict.more_than_noise) {
+            return Answer::NothingMissing;
+        }
+        if findings(self).is_empty() { Answer::NoPattern } else { Answer::PhysicsMissing }
     }
-    if !comparison.recordings.iter().any(|recording| recording.more_than_noise) {
-        return Answer::NothingMissing;
+
+    /// Would a fit help? Not with a recording that goes its own way from the first swing on.
+    fn numbers_are_to_blame(&self) -> bool {
+        let begin_well = self.mismatches.iter().all(|mismatch| mismatch.begins_well);
+        begin_well && self.refit.is_some_and(|refit| refit.blames_the_numbers(self.totals.ratio))
     }
-    if findings(comparison).is_empty() { Answer::NoPattern } else { Answer::PhysicsMissing }
+
+    /// The verdict, a sentence an entry.
+    pub fn sentences(&self) -> Vec<String> {
+        let mut words = vec![explained(self.totals)];
+        match self.answer() {
+            Answer::NumbersDoNotFit => words.extend(numbers(self)),
+            Answer::DoesNotFit => {
+                words.extend(self.mismatches.iter().map(|mismatch| {
+                    format!("{} does not fit this model at all: {}.", mismatch.recording, mismatch.reason)
+                }));
+            }
+            Answer::NothingMissing => words.push(nothing(self.totals)),
+            Answer::NoPattern => {
+                words.push(beyond(self.totals, ", so there is more left than noise"));
+                words.push(
+                    "But neither the energy lost per swing nor the torque over angle and velocity shows a pattern \
+                     that could be named."
+                        .to_owned(),
+                );
+            }
+            Answer::PhysicsMissing => {
+                words.push(beyond(self.totals, ", so physics is missing"));
+                words.extend(fails_most(self));
+                words.extend(findings(self));
+            }
+        }
+        words.extend(held_out(self));
+        words.extend(parameters(self));
+        words
+    }
 }
 
-/// The verdict, a sentence an entry.
-pub fn sentences(comparison: &Comparison) -> Vec<String> {
-    let mut words = vec![explained(&comparison.totals)];
-    match comparison.answer {
-        Answer::DoesNotFit => {
-            words.extend(comparison.mismatches.iter().map(|mismatch| {
-                format!("{} does not fit this model at all: {}.", mismatch.recording, mismatch.reason)
-            }));
-        }
-        Answer::NothingMissing => words.push(nothing(&comparison.totals)),
-        Answer::NoPattern => {
-            words.push(beyond(&comparison.totals, "so there is more left than noise"));
-            words.push(
-                "But neither the energy lost per swing nor the torque over angle and velocity shows a pattern that \
-                 could be named."
-                    .to_owned(),
-            );
-        }
-        Answer::PhysicsMissing => {
-            words.push(beyond(&comparison.totals, "so physics is missing"));
-            words.extend(fails_most(comparison));
-            words.extend(findings(comparison));
-        }
-    }
-    words.extend(held_out(comparison));
-    words.extend(parameters(comparison));
+/// Wrong numbers come first: what else is missing shows only once they fit.
+fn numbers(seen: &Seen) -> Vec<String> {
+    let mut words = vec![
+        beyond(seen.totals, ""),
+        "These numbers do not fit these recordings: fit first, or physics is missing.".to_owned(),
+    ];
+    words.extend(seen.refit.map(|refit| {
+        let rest = match refit.left {
+            Left::Missing => "what is then left is missing physics",
+            Left::Nearly | Left::Noise => "nothing else is missing",
+        };
+        format!(
+            "Fitted to them, the same model leaves {} mrad, {} times the noise: {rest}.",
+            in_mrad(refit.residual_rad),
+            times(refit.ratio)
+        )
+    }));
     words
 }
 
@@ -151,11 +198,11 @@ fn nothing(totals: &Totals) -> String {
 }
 
 fn beyond(totals: &Totals, conclusion: &str) -> String {
-    format!("{}: {} times the noise, {conclusion}.", milliradians(totals), times(totals.ratio))
+    format!("{}: {} times the noise{conclusion}.", milliradians(totals), times(totals.ratio))
 }
 
-fn fails_most(comparison: &Comparison) -> Option<String> {
-    let worst: Vec<&str> = comparison.places.iter().take(2).map(|place| place.words.as_str()).collect();
+fn fails_most(seen: &Seen) -> Option<String> {
+    let worst: Vec<&str> = seen.places.iter().take(2).map(|place| place.words.as_str()).collect();
     match worst[..] {
         [] => None,
         [one] => Some(format!("It fails most {one}.")),
@@ -164,28 +211,28 @@ fn fails_most(comparison: &Comparison) -> Option<String> {
 }
 
 /// Patterns that can be named, a sentence each.
-pub fn findings(comparison: &Comparison) -> Vec<String> {
+fn findings(seen: &Seen) -> Vec<String> {
     let mut words = Vec::new();
-    words.extend(losses(comparison));
-    words.extend(comparison.energy.bump_rad.map(|bump_rad| {
+    words.extend(losses(seen));
+    words.extend(seen.energy.bump_rad.map(|bump_rad| {
         format!("The energy lost per path has a bump near {bump_rad:.2} rad, which no friction of the model has.")
     }));
-    words.extend(periods(comparison));
-    words.extend(comparison.energy.sides_differ().map(|difference| {
+    words.extend(periods(seen));
+    words.extend(seen.energy.sides_differ().map(|difference| {
         let (percent, faster) = (
-            100.0 * difference.value.abs() / comparison.energy.usual_loss_nm,
+            100.0 * difference.value.abs() / seen.energy.usual_loss_nm,
             if difference.value > 0.0 { "counter-clockwise" } else { "clockwise" },
         );
         format!("Half swings {faster} lose {percent:.0} % more energy than those back, beyond what the model says.")
     }));
-    words.extend(torque(comparison));
+    words.extend(torque(seen));
     words
 }
 
-fn losses(comparison: &Comparison) -> Option<String> {
-    let off = comparison.energy.losses_off();
+fn losses(seen: &Seen) -> Option<String> {
+    let off = seen.energy.losses_off();
     let worst = off.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))?;
-    let percent = 100.0 * worst.value.abs() / comparison.energy.usual_loss_nm.abs().max(1e-300);
+    let percent = 100.0 * worst.value.abs() / seen.energy.usual_loss_nm.abs().max(1e-300);
     let more = if worst.value > 0.0 { "more" } else { "less" };
     Some(format!(
         "Near {:.2} rad amplitude a half swing loses {:.2} mN·m {more} per radian of path than modelled ({percent:.0} % of \
@@ -195,16 +242,16 @@ fn losses(comparison: &Comparison) -> Option<String> {
     ))
 }
 
-fn periods(comparison: &Comparison) -> Option<String> {
-    let off = comparison.energy.periods_off();
+fn periods(seen: &Seen) -> Option<String> {
+    let off = seen.energy.periods_off();
     let worst = off.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))?;
     let longer = if worst.value > 0.0 { "longer" } else { "shorter" };
     let percent = 100.0 * worst.value.abs();
     Some(format!("Near {:.2} rad amplitude the period is {percent:.2} % {longer} than modelled.", worst.x))
 }
 
-fn torque(comparison: &Comparison) -> Option<String> {
-    let map = comparison.torque.as_ref().filter(|map| map.is_significant)?;
+fn torque(seen: &Seen) -> Option<String> {
+    let map = seen.torque.filter(|map| map.is_significant)?;
     let bin = map.strongest()?;
     let compared = match map.coulomb_nm {
         coulomb_nm if coulomb_nm > 0.0 => format!(" ({:.1} times Mc)", bin.torque_nm.abs() / coulomb_nm),
@@ -224,11 +271,11 @@ fn times(ratio: f64) -> String {
     if ratio < 100.0 { format!("{ratio:.1}") } else { format!("{ratio:.0}") }
 }
 
-fn held_out(comparison: &Comparison) -> Option<String> {
-    let totals = comparison.held_out_totals.as_ref()?;
-    let conclusion = if !comparison.held_out.iter().any(|recording| recording.more_than_noise) {
+fn held_out(seen: &Seen) -> Option<String> {
+    let totals = seen.held_out_totals?;
+    let conclusion = if !seen.held_out.iter().any(|recording| recording.verdict.more_than_noise) {
         ": the model carries over to them"
-    } else if totals.ratio < ALIKE * comparison.totals.ratio {
+    } else if totals.ratio < ALIKE * seen.totals.ratio {
         ", as on the others: the model carries over, and lacks the same"
     } else {
         ", so the model does not carry over to them: the rig has changed, or they show physics that the others hide"
@@ -240,8 +287,8 @@ fn held_out(comparison: &Comparison) -> Option<String> {
     ))
 }
 
-fn parameters(comparison: &Comparison) -> Vec<String> {
-    let Some(knowledge) = &comparison.knowledge else { return Vec::new() };
+fn parameters(seen: &Seen) -> Vec<String> {
+    let Some(knowledge) = seen.knowledge else { return Vec::new() };
     let mut words = Vec::new();
     for known in &knowledge.parameters {
         let is_base = Effect::<f64>::by_name(known.name).is_some_and(Effect::is_base);

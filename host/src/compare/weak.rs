@@ -9,8 +9,8 @@
 //! order in r for effects beyond the base model.
 //! Weak forms for finding equations: D. A. Messenger, D. M. Bortz, Multiscale Model. Simul. 19 (2021) 1474.
 
+use super::grid::Grid;
 use super::restart::Restart;
-use super::torque::Grid;
 use nalgebra::{DMatrix, DVector};
 use shared::motion::Pendulum;
 use std::f64::consts::SQRT_2;

@@ -1,10 +1,8 @@
 //! Files to keep: the model, what was compared, the recordings.
 
+use super::app::App;
 use super::draw;
 use super::request::{Path, Refused, blocking};
-use super::routes::{Shared, model_of};
-use super::simulate::unknown_recording;
-use super::state::App;
 use crate::error::Failure;
 use crate::report::report;
 use axum::Json;
@@ -21,8 +19,8 @@ fn download(name: &str, kind: &'static str, content: impl Into<axum::body::Body>
     ([(CONTENT_TYPE, kind.to_owned()), (CONTENT_DISPOSITION, disposition)], content.into()).into_response()
 }
 
-pub(super) async fn model(State(app): Shared) -> Result<Response, Refused> {
-    Ok(download("rig.toml", "application/toml", model_of(&app)?.file.to_string()))
+pub(super) async fn model(State(app): State<Arc<App>>) -> Result<Response, Refused> {
+    Ok(download("rig.toml", "application/toml", app.model()?.file.to_string()))
 }
 
 fn comparison(app: &App) -> Result<Arc<crate::compare::Comparison>, Failure> {
@@ -31,25 +29,24 @@ fn comparison(app: &App) -> Result<Arc<crate::compare::Comparison>, Failure> {
     app.read(|state| state.comparison.clone()).ok_or_else(missing)
 }
 
-pub(super) async fn comparison_json(State(app): Shared) -> Result<Response, Refused> {
+pub(super) async fn comparison_json(State(app): State<Arc<App>>) -> Result<Response, Refused> {
     let comparison = comparison(&app)?;
     let text = serde_json::to_string_pretty(&*comparison).map_err(Failure::failed)?;
     Ok(download("comparison.json", "application/json", text))
 }
 
-pub(super) async fn report_html(State(app): Shared) -> Result<Response, Refused> {
+pub(super) async fn report_html(State(app): State<Arc<App>>) -> Result<Response, Refused> {
     let comparison = comparison(&app)?;
     let Json(text) = blocking(move || Ok(report(&comparison))).await?;
     Ok(download("report.html", "text/html; charset=utf-8", text))
 }
 
-pub(super) async fn recording(State(app): Shared, Path(id): Path<u32>) -> Result<Response, Refused> {
-    let found = app.read(|state| state.recordings.iter().find(|recording| recording.id == id).cloned());
-    let recording = found.ok_or_else(|| unknown_recording(id))?;
+pub(super) async fn recording(State(app): State<Arc<App>>, Path(id): Path<u32>) -> Result<Response, Refused> {
+    let recording = app.read(|state| state.recording(id))?;
     Ok(download(&recording.name, "text/csv", recording.bytes.to_vec()))
 }
 
-pub(super) async fn modelled(State(app): Shared, Path(id): Path<u32>) -> Result<Response, Refused> {
+pub(super) async fn modelled(State(app): State<Arc<App>>, Path(id): Path<u32>) -> Result<Response, Refused> {
     let Json((name, text)) = blocking(move || draw::table(&app, id)).await?;
     Ok(download(&format!("modelled-{name}"), "text/csv", text))
 }

@@ -1,7 +1,6 @@
 //! Curves for the page: as many points as it can show, extremes kept; single precision, which no screen can tell.
 
-use super::simulate::{run_of, unknown_recording};
-use super::state::App;
+use super::app::App;
 use crate::compare::pictures::pictures;
 use crate::error::Failure;
 use crate::plot::decimate::decimated;
@@ -59,9 +58,8 @@ pub(super) fn line(times_s: &[f64], values: &[f64], range: &Range) -> Line {
 
 /// A recording with the model beside it, as far as there is one.
 pub(super) fn trace(app: &App, id: u32, range: &Range) -> Result<Trace, Failure> {
-    let (recording, run) =
-        app.read(|state| (state.recordings.iter().find(|recording| recording.id == id).cloned(), run_of(state, id)));
-    let recording = recording.ok_or_else(|| unknown_recording(id))?;
+    let (recording, run) = app.read(|state| (state.recording(id), state.runs.get(&id).cloned()));
+    let recording = recording?;
     let swing = &recording.measurement.swing;
     let of_run = |values: &dyn Fn(&crate::compare::follow::Followed) -> Vec<f64>| {
         run.as_ref().map(|run| line(&swing.times_s, &values(run), range))
@@ -116,9 +114,8 @@ fn thinned(mut picture: Picture) -> Picture {
 
 /// A recording with the model beside it as a table.
 pub(super) fn table(app: &App, id: u32) -> Result<(String, String), Failure> {
-    let (recording, run) =
-        app.read(|state| (state.recordings.iter().find(|recording| recording.id == id).cloned(), run_of(state, id)));
-    let recording = recording.ok_or_else(|| unknown_recording(id))?;
+    let (recording, run) = app.read(|state| (state.recording(id), state.runs.get(&id).cloned()));
+    let recording = recording?;
     let run = run.ok_or_else(|| Failure::failed("the model did not run beside it yet").next("wait for the verdict"))?;
     let swing = &recording.measurement.swing;
     let columns = swing.times_s.iter().zip(&swing.angles_rad).zip(run.angles_rad.iter().zip(&run.residuals_rad));

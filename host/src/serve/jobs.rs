@@ -1,7 +1,5 @@
 //! One long thing after the other: a worker thread, and what it is doing for everybody to see.
 
-use super::state::App;
-use super::work;
 use crate::error::Failure;
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -13,18 +11,33 @@ use std::time::Instant;
 /// More than so many waiting jobs are clicks in vain.
 const MOST_WAITING: usize = 3;
 
-/// Something that takes a while.
-type Work = Box<dyn FnOnce(&Arc<App>, &Progress) -> Result<(), Failure> + Send>;
+/// What jobs are done for.
+pub(super) trait Client: Send + Sync + Sized + 'static {
+    /// Its queue.
+    fn jobs(&self) -> &Jobs<Self>;
 
-struct Job {
+    /// Something changed.
+    fn tell(&self);
+
+    /// A job failed.
+    fn fail(&self, failure: Failure);
+}
+
+/// Something that takes a while.
+type Work<C> = Box<dyn FnOnce(&Arc<C>, &Progress) -> Result<(), Failure> + Send>;
+
+/// The job that is done once nothing else is waiting.
+type Look<C> = fn(&Arc<C>, &Progress) -> Result<(), Failure>;
+
+struct Job<C> {
     name: String,
-    work: Work,
+    work: Work<C>,
 }
 
 /// The worker's queue and what it is doing.
-pub(super) struct Jobs {
-    sender: Sender<Job>,
-    receiver: Mutex<Option<Receiver<Job>>>,
+pub(super) struct Jobs<C> {
+    sender: Sender<Job<C>>,
+    receiver: Mutex<Option<Receiver<Job<C>>>>,
     n_waiting: AtomicUsize,
     look_wanted: AtomicBool,
     now: Mutex<Option<Arc<Progress>>>,
@@ -72,7 +85,7 @@ impl Progress {
     }
 }
 
-impl Jobs {
+impl<C: Client> Jobs<C> {
     pub(super) fn new() -> Self {
         let (sender, receiver) = channel();
         Self {
@@ -85,11 +98,11 @@ impl Jobs {
     }
 
     /// Starts the worker; it ends with the program.
-    pub(super) fn begin(&self, app: &Arc<App>) {
+    pub(super) fn begin(&self, app: &Arc<C>, look: Look<C>) {
         let receiver = self.receiver.lock().unwrap_or_else(PoisonError::into_inner).take();
         let app = app.clone();
         if let Some(receiver) = receiver {
-            std::thread::spawn(move || receiver.into_iter().for_each(|job| app.jobs.carry_out(&app, job)));
+            std::thread::spawn(move || receiver.into_iter().for_each(|job| app.jobs().carry_out(&app, job, look)));
         }
     }
 
@@ -100,7 +113,7 @@ impl Jobs {
     pub(super) fn ask(
         &self,
         name: &str,
-        work: impl FnOnce(&Arc<App>, &Progress) -> Result<(), Failure> + Send + 'static,
+        work: impl FnOnce(&Arc<C>, &Progress) -> Result<(), Failure> + Send + 'static,
     ) -> Result<(), Failure> {
         if self.n_waiting.fetch_add(1, Ordering::SeqCst) >= MOST_WAITING {
             self.n_waiting.fetch_sub(1, Ordering::SeqCst);
@@ -129,15 +142,15 @@ impl Jobs {
         self.now.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|progress| progress.view())
     }
 
-    fn carry_out(&self, app: &Arc<App>, job: Job) {
+    fn carry_out(&self, app: &Arc<C>, job: Job<C>, look: Look<C>) {
         self.n_waiting.fetch_sub(1, Ordering::SeqCst);
         self.watched(app, job.name, job.work);
         while !self.is_pressed() && self.look_wanted.swap(false, Ordering::SeqCst) {
-            self.watched(app, "comparing".to_owned(), Box::new(work::look));
+            self.watched(app, "comparing".to_owned(), Box::new(look));
         }
     }
 
-    fn watched(&self, app: &Arc<App>, name: String, work: Work) {
+    fn watched(&self, app: &Arc<C>, name: String, work: Work<C>) {
         let progress = Arc::new(Progress::new(name));
         *self.now.lock().unwrap_or_else(PoisonError::into_inner) = Some(progress.clone());
         app.tell();
@@ -150,7 +163,7 @@ impl Jobs {
         log::debug!("{name} took {:.2?}", progress.began.elapsed());
         match result {
             Ok(()) => app.tell(),
-            Err(failure) => app.change(|state| state.failure = Some(failure)),
+            Err(failure) => app.fail(failure),
         }
     }
 }

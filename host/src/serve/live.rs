@@ -1,23 +1,21 @@
-//! The rig: one thread owns the session, everybody else sends it wishes.
+//! The thread that owns the rig's session and fulfils what is wished of it.
 
 mod points;
 mod recorder;
 
-use super::state::App;
+use super::app::App;
+use super::rig::{RigView, Wish};
+use super::state::{Named, Numbers};
 use crate::error::Failure;
 use crate::link::{self, Session};
 use crate::rigfile::RigFile;
 use crate::sim::{Paced, Scenario};
 use points::Points;
-use serde::Serialize;
-use shared::parameters::Parameters;
 use shared::wire::{Frame, Stream};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use tokio::sync::oneshot;
 
 /// Live points per second: more than a screen can show.
 const POINTS_PER_S: f32 = 200.0;
@@ -31,94 +29,27 @@ const SILENCE: Duration = Duration::from_secs(3);
 /// The rig's own counters are asked for this often, by its own clock.
 const ASK_EVERY: Duration = Duration::from_secs(1);
 
-/// What may be asked of the rig.
-pub(super) enum Wish {
-    /// Opens a port and listens.
-    Connect(String),
-    /// Listens on, from a fresh stream.
-    Listen,
-    /// Stops listening.
-    Pause,
-    /// Records a swing.
-    Record,
-    /// Gives the parameters in use.
-    Read(oneshot::Sender<Result<Parameters<f32>, Failure>>),
-    /// Sends a model and saves it to flash.
-    Push(Box<RigFile>, oneshot::Sender<Result<(), Failure>>),
-    /// Ends the thread.
-    Leave,
-}
-
-/// The rig's doorbell.
-pub(super) struct Rig {
-    sender: Sender<Wish>,
-    receiver: Mutex<Option<Receiver<Wish>>>,
-    /// Ends a recording early.
-    pub(super) stop_recording: AtomicBool,
-}
-
-/// What the page shows of the rig.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub(super) struct RigView {
-    /// As named by the user.
-    port: Option<String>,
-    /// Name and version, once connected.
-    firmware: Option<String>,
-    /// Does its pendulum let go by itself?
-    simulated: bool,
-    listening: bool,
-    /// The stage of a recording.
-    recording: Option<&'static str>,
-    /// The last thing worth telling.
-    note: Option<String>,
-    failure: Option<(String, Option<String>)>,
-    frames: u64,
-    frames_lost: u64,
-    frames_damaged: u64,
-    samples_lost: u64,
-    /// By the rig's own count, over the last seconds.
-    innovation_rms_rad: Option<f64>,
-    overruns: u32,
-    dropped_frames: u32,
-    disconnected: u32,
-}
-
-impl Rig {
-    pub(super) fn new() -> Self {
-        let (sender, receiver) = channel();
-        Self { sender, receiver: Mutex::new(Some(receiver)), stop_recording: AtomicBool::new(false) }
+/// Starts the thread; it connects to the port of the command line, if there is one.
+pub(super) fn begin(app: &Arc<App>) -> JoinHandle<()> {
+    if let Some(port) = &app.settings.port {
+        app.rig.wish(Wish::Connect(port.clone()));
     }
-
-    /// Starts the thread; it connects to the port of the command line, if there is one.
-    pub(super) fn begin(&self, app: &Arc<App>) -> JoinHandle<()> {
-        let receiver = self.receiver.lock().unwrap_or_else(PoisonError::into_inner).take();
-        if let Some(port) = &app.settings.port {
-            self.wish(Wish::Connect(port.clone()));
+    let (app, wishes) = (app.clone(), app.rig.wishes());
+    std::thread::spawn(move || {
+        if let Some(wishes) = wishes {
+            Owner { app: &app, session: None, wishes, points: Points::default(), is_leaving: false }.run();
         }
-        let app = app.clone();
-        std::thread::spawn(move || {
-            if let Some(wishes) = receiver {
-                Owner { app: &app, session: None, wishes, points: Points::default(), is_leaving: false }.run();
-            }
-        })
-    }
+    })
+}
 
-    /// Asks for something.
-    pub(super) fn wish(&self, wish: Wish) {
-        let _ = self.sender.send(wish);
+/// Opens a port of the list that the page was given; any other device is not the page's business.
+pub(super) fn connect(app: &App, port: String) -> Result<(), Failure> {
+    if !ports(app.settings.port.as_deref()).contains(&port) {
+        let what = format!("{port:?} is not in the list of ports");
+        return Err(Failure::wrong_use(what).next("start the program with --port"));
     }
-
-    /// Asks for a recording, whatever ended the last one.
-    pub(super) fn wish_recording(&self) {
-        self.stop_recording.store(false, Ordering::SeqCst);
-        self.wish(Wish::Record);
-    }
-
-    /// Lets go of the rig; a recording that goes on is kept as far as it is.
-    pub(super) fn leave(&self) {
-        self.stop_recording.store(true, Ordering::SeqCst);
-        self.wish(Wish::Leave);
-    }
+    app.rig.wish(Wish::Connect(port));
+    Ok(())
 }
 
 /// The ports that a page may ask for: the one of the command line and the simulated rigs.
@@ -211,7 +142,7 @@ impl Owner<'_> {
         let model = session.model_file()?;
         self.app.change(|state| {
             let origin = "reported by the rig".to_owned();
-            state.model.get_or_insert(super::state::Named { file: model, origin });
+            state.model.get_or_insert(Named { file: model, origin, numbers: Numbers::Foreign });
         });
         self.app.jobs.ask_for_a_look();
         Ok(())

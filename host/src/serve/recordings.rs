@@ -1,7 +1,6 @@
 //! Recordings that come in: from the command line, from the browser, from the rig.
 
-use super::Settings;
-use super::state::App;
+use super::settings::Settings;
 use crate::compare::measurement::Measurement;
 use crate::error::Failure;
 use crate::recording::read_bytes;
@@ -56,13 +55,6 @@ pub(super) fn of_bytes(name: &str, bytes: &[u8], settings: &Settings) -> Result<
         Failure::failed(format!("{name}: {error}")).next("record again and let the pendulum swing freely")
     })?;
     Ok(Loaded { id: 0, name, held_out: false, bytes: bytes.into(), measurement })
-}
-
-/// Takes a recording in and looks at everything anew.
-pub(super) fn take_in(app: &App, loaded: Loaded) -> Result<u32, Failure> {
-    let id = app.change(|state| state.add(loaded))?;
-    app.jobs.ask_for_a_look();
-    Ok(id)
 }
 
 /// The last part of a path, printable and not too long.

@@ -1,16 +1,12 @@
 //! What can be asked of the server, one line each.
 
+use super::app::App;
 use super::guard::{self, Access};
-use super::live::{Wish, ports};
-use super::recordings::{MOST_BYTES, of_bytes, take_in};
+use super::recordings::{MOST_BYTES, of_bytes};
 use super::request::{Answered, Body, DONE, Done, Path, Query, Refused, Sent, blocking};
-use super::simulate::{Question, Slider, Values, answer, named, sliders_of, unknown_recording, with};
-use super::state::{App, Named, State as Page};
-use super::{downloads, draw, files, socket, surfaces, work};
-use crate::error::Failure;
-use crate::formula::{self, effect_of};
-use crate::improve::Change;
-use crate::rigfile::{Knowledge, Quantity, RigFile, Source};
+use super::rig::Wish;
+use super::simulate::{Question, Values, answer};
+use super::{downloads, draw, edit, files, live, socket, surfaces, view, work};
 use axum::extract::{DefaultBodyLimit, State, WebSocketUpgrade};
 use axum::http::header::CONTENT_TYPE;
 use axum::http::{StatusCode, Uri};
@@ -18,12 +14,9 @@ use axum::middleware::from_fn_with_state;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use axum::{Json, Router};
-use serde::{Deserialize, Serialize};
-use shared::effect::{CUSTOM_FORMULA_ID, Effect};
-use shared::motion::Pendulum;
+use serde::Deserialize;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use tokio::sync::oneshot;
 
 /// Requests other than uploads are small.
 const MOST_JSON_BYTES: usize = 64 << 10;
@@ -32,7 +25,7 @@ const MOST_JSON_BYTES: usize = 64 << 10;
 const MOST_MODEL_BYTES: usize = 1 << 20;
 
 /// What every request sees.
-pub(super) type Shared = State<Arc<App>>;
+type Shared = State<Arc<App>>;
 
 /// Everything there is.
 pub(super) fn router(app: &Arc<App>, access: Access) -> Router {
@@ -94,29 +87,8 @@ async fn events(State(app): Shared, upgrade: WebSocketUpgrade) -> Response {
     upgrade.on_upgrade(move |socket| socket::serve(app, socket))
 }
 
-/// An effect with its explanation, and sliders to try it.
-#[derive(Serialize)]
-struct EffectView {
-    name: &'static str,
-    summary: &'static str,
-    formula: &'static str,
-    source: &'static str,
-    experiment: &'static str,
-    base: bool,
-    sliders: Vec<Slider>,
-}
-
-async fn effects() -> Json<Vec<EffectView>> {
-    let view = |effect: &'static Effect<f64>| EffectView {
-        name: effect.name,
-        summary: effect.summary,
-        formula: effect.formula,
-        source: effect.source,
-        experiment: effect.experiment,
-        base: effect.is_base(),
-        sliders: sliders_of(effect),
-    };
-    Json(Effect::<f64>::ALL.iter().map(view).collect())
+async fn effects() -> Json<Vec<view::EffectView>> {
+    Json(view::effects())
 }
 
 async fn trace(State(app): Shared, Path(id): Path<u32>, Query(range): Query<draw::Range>) -> Answered<draw::Trace> {
@@ -138,34 +110,16 @@ struct Name {
 }
 
 async fn upload(State(app): Shared, Query(Name { name }): Query<Name>, body: Body) -> Answered<u32> {
-    blocking(move || take_in(&app, of_bytes(&name, &body.0, &app.settings)?)).await
+    blocking(move || app.take_in(of_bytes(&name, &body.0, &app.settings)?)).await
 }
 
 async fn upload_model(State(app): Shared, Query(Name { name }): Query<Name>, body: Body) -> Done {
-    let text = String::from_utf8(body.0.to_vec())
-        .map_err(|_| Failure::wrong_use(format!("{name} is no text")).next("choose a rig.toml"))?;
-    let model = RigFile::parse(&name, &text).map_err(Failure::from)?;
-    work::set_model(&app, model, &name);
+    edit::model_file(&app, &name, &body.0)?;
     DONE
 }
 
 async fn remove(State(app): Shared, Path(id): Path<u32>) -> Done {
-    change_recording(&app, id, |state, place| {
-        state.recordings.remove(place);
-        state.runs.remove(&id);
-    })
-}
-
-/// Changes one recording; what was compared no longer holds.
-fn change_recording(app: &App, id: u32, change: impl FnOnce(&mut Page, usize)) -> Done {
-    app.change(|state| {
-        let place = state.recordings.iter().position(|recording| recording.id == id);
-        change(state, place.ok_or_else(|| unknown_recording(id))?);
-        state.comparison = None;
-        state.data_changed();
-        Ok::<(), Failure>(())
-    })?;
-    app.jobs.ask_for_a_look();
+    edit::remove_recording(&app, id)?;
     DONE
 }
 
@@ -175,36 +129,12 @@ struct HeldOut {
 }
 
 async fn hold_out(State(app): Shared, Path(id): Path<u32>, Sent(HeldOut { held_out }): Sent<HeldOut>) -> Done {
-    change_recording(&app, id, |state, place| {
-        state.recordings[place] = Arc::new(state.recordings[place].with_held_out(held_out));
-    })
+    edit::hold_out(&app, id, held_out)?;
+    DONE
 }
 
-/// Geometry, or none.
-#[derive(Deserialize)]
-struct Geometry {
-    mass_kg: Option<f64>,
-    length_m: Option<f64>,
-    inertia_kg_m2: Option<f64>,
-}
-
-async fn pendulum(State(app): Shared, Sent(geometry): Sent<Geometry>) -> Done {
-    const GRAVITY_M_S2: f64 = 9.81;
-    let model = match (geometry.mass_kg, geometry.length_m, geometry.inertia_kg_m2) {
-        (Some(mass_kg), Some(length_m), Some(inertia_kg_m2)) => {
-            let pendulum = Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2: GRAVITY_M_S2 };
-            let refused =
-                |error| Failure::wrong_use(error).next("give kg, m and kg·m², such as 0.147, 0.156 and 0.0028");
-            RigFile::new(pendulum).map_err(refused)?
-        }
-        (None, None, None) => RigFile::normalised(GRAVITY_M_S2).map_err(Failure::from)?,
-        _ => {
-            return Err(Failure::wrong_use("mass, length and inertia belong together")
-                .next("give all three, or none")
-                .into());
-        }
-    };
-    work::set_model(&app, model, "typed on this page");
+async fn pendulum(State(app): Shared, Sent(geometry): Sent<edit::Geometry>) -> Done {
+    edit::geometry(&app, &geometry)?;
     DONE
 }
 
@@ -219,47 +149,12 @@ struct Set {
 }
 
 async fn set_values(State(app): Shared, Sent(Set { values }): Sent<Set>) -> Done {
-    let mut model = model_of(&app)?.file;
-    with(model.parameters(), &values)?;
-    let source = Source { method: "set by hand".to_owned(), recordings: Vec::new() };
-    for (name, value) in &values {
-        let quantity = named(model.parameters(), name)?;
-        let knowledge = Knowledge { std: None, source: Some(source.clone()) };
-        model.set(quantity, *value, knowledge).map_err(Failure::from)?;
-    }
-    work::set_model(&app, model, "set by hand");
+    edit::values(&app, &values)?;
     DONE
 }
 
-pub(super) fn model_of(app: &App) -> Result<Named, Failure> {
-    let missing = || Failure::wrong_use("there is no model yet").next("give mass, length and inertia, or a rig.toml");
-    app.read(|state| state.model.clone()).ok_or_else(missing)
-}
-
-/// Effects by name.
-#[derive(Deserialize)]
-struct Changes {
-    #[serde(default)]
-    add: Vec<String>,
-    #[serde(default)]
-    remove: Vec<String>,
-}
-
-async fn change(State(app): Shared, Sent(changes): Sent<Changes>) -> Done {
-    let custom = model_of(&app).ok().and_then(|named| effect_of(named.file.parameters(), CUSTOM_FORMULA_ID));
-    let effect = |name: &String| {
-        let missing = || Failure::wrong_use(format!("there is no effect called {name}")).next("choose one of the list");
-        Effect::<f64>::by_name(name).or(custom.filter(|custom| custom.name == name)).ok_or_else(missing)
-    };
-    let added = changes.add.iter().map(|name| effect(name).map(Change::Add));
-    let removed = changes.remove.iter().map(|name| effect(name).map(Change::Remove));
-    let all: Vec<Change> = added.chain(removed).collect::<Result<_, Failure>>()?;
-    if all.is_empty() {
-        return Err(Failure::wrong_use("no effect was named").next("name one to add or to remove").into());
-    }
-    let names = [changes.add.join(" and "), changes.remove.join(" and ")].concat();
-    let name = if changes.remove.is_empty() { format!("adding {names}") } else { format!("removing {names}") };
-    app.jobs.ask(&name, work::change_model(all))?;
+async fn change(State(app): Shared, Sent(changes): Sent<edit::Changes>) -> Done {
+    edit::effects(&app, &changes)?;
     DONE
 }
 
@@ -269,17 +164,8 @@ struct Typed {
     formula: String,
 }
 
-/// Longer ones nobody reads.
-const LONGEST_FORMULA: usize = 400;
-
 async fn add_formula(State(app): Shared, Sent(Typed { formula }): Sent<Typed>) -> Done {
-    if formula.len() > LONGEST_FORMULA {
-        let what = format!("the formula has {} bytes, {LONGEST_FORMULA} are allowed", formula.len());
-        return Err(Failure::wrong_use(what).next("write it shorter").into());
-    }
-    let hint = "write it like torque = -k*omega*abs(omega)^p; k in 0..1e-3 N·m; p in 0..3";
-    let effect = formula::read(&formula).map_err(|error| Failure::wrong_use(error).next(hint))?;
-    app.jobs.ask("adding a formula", work::change_model(vec![Change::Add(effect)]))?;
+    edit::formula(&app, &formula)?;
     DONE
 }
 
@@ -316,15 +202,8 @@ struct Port {
     port: String,
 }
 
-/// A port of the list that the page was given; any other device is not the page's business.
 async fn connect(State(app): Shared, Sent(Port { port }): Sent<Port>) -> Done {
-    let known = ports(app.settings.port.as_deref());
-    if !known.contains(&port) {
-        return Err(Failure::wrong_use(format!("{port:?} is not in the list of ports"))
-            .next("start the program with --port")
-            .into());
-    }
-    app.rig.wish(Wish::Connect(port));
+    live::connect(&app, port)?;
     DONE
 }
 
@@ -348,45 +227,13 @@ async fn stop_recording(State(app): Shared) -> Done {
     DONE
 }
 
-/// A value on the rig and the one that would take its place.
-#[derive(Serialize)]
-struct Replaced {
-    name: &'static str,
-    symbol: &'static str,
-    unit: &'static str,
-    old: Option<f64>,
-    new: Option<f64>,
-}
-
-async fn rig_values(State(app): Shared) -> Answered<Vec<Replaced>> {
-    let new = model_of(&app)?.file.parameters().clone();
-    let (sender, receiver) = oneshot::channel();
-    app.rig.wish(Wish::Read(sender));
-    let old = receiver.await.map_err(|_| rig_is_gone())??.map(f64::from);
-    let mut all = Quantity::all(&old);
-    all.extend(Quantity::all(&new).into_iter().filter(|quantity| quantity.get(&old).is_none()));
-    let replaced = |quantity: Quantity| Replaced {
-        name: quantity.owner(),
-        symbol: quantity.symbol(),
-        unit: quantity.unit(),
-        old: quantity.get(&old),
-        new: quantity.get(&new),
-    };
-    Ok(Json(all.into_iter().map(replaced).collect()))
-}
-
-fn rig_is_gone() -> Failure {
-    Failure::failed("the rig is gone").next("connect it again")
+async fn rig_values(State(app): Shared) -> Answered<Vec<view::Replaced>> {
+    let new = app.model()?.file.parameters().clone();
+    let old = app.rig.parameters().await?.map(f64::from);
+    Ok(Json(view::replaced(&old, &new)))
 }
 
 async fn push(State(app): Shared) -> Done {
-    let model = model_of(&app)?.file;
-    if model.is_normalised() {
-        let what = "the model's geometry is unknown, so the rig cannot use it";
-        return Err(Failure::wrong_use(what).next("give mass, length and inertia").into());
-    }
-    let (sender, receiver) = oneshot::channel();
-    app.rig.wish(Wish::Push(Box::new(model), sender));
-    receiver.await.map_err(|_| rig_is_gone())??;
+    app.rig.push(app.model()?.file).await?;
     DONE
 }

@@ -1,7 +1,8 @@
 //! What if? One recording simulated with other numbers, fast enough for a slider.
 
+use super::app::App;
 use super::draw::{Line, Range, line};
-use super::state::{App, State};
+use super::state::State;
 use crate::compare::follow::run;
 use crate::error::Failure;
 use crate::fit::problem::{Problem, Start};
@@ -11,7 +12,6 @@ use serde::{Deserialize, Serialize};
 use shared::effect::{CUSTOM_FORMULA_ID, Effect, Parameter};
 use shared::parameters::Parameters;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
 /// A slider's request.
@@ -38,8 +38,7 @@ pub(super) struct Answer {
 /// No such recording or value.
 pub(super) fn answer(app: &App, question: &Question) -> Result<Answer, Failure> {
     let (parameters, recording, start) = app.read(|state| {
-        let recording = state.recordings.iter().find(|recording| recording.id == question.recording).cloned();
-        let recording = recording.ok_or_else(|| unknown_recording(question.recording))?;
+        let recording = state.recording(question.recording)?;
         Ok::<_, Failure>((parameters(state)?, recording, start(state, question.recording)))
     })?;
     let parameters = with(&parameters, &question.values)?;
@@ -61,11 +60,6 @@ pub(super) fn answer(app: &App, question: &Question) -> Result<Answer, Failure> 
         modelled: line(&swing.times_s, &run.angles_rad, &question.range),
         residual: line(&swing.times_s, &run.residuals_rad, &question.range),
     })
-}
-
-/// The message for an id that is not in the list.
-pub(super) fn unknown_recording(id: u32) -> Failure {
-    Failure::wrong_use(format!("there is no recording {id}")).next("it may have been taken out in another tab")
 }
 
 fn parameters(state: &State) -> Result<Parameters<f64>, Failure> {
@@ -166,8 +160,3 @@ fn reach(quantity: Quantity, value: f64) -> (f64, f64) {
 
 /// Values by name, for a model that is set by hand.
 pub(super) type Values = BTreeMap<String, f64>;
-
-/// The run of a recording under the present model, if there is one.
-pub(super) fn run_of(state: &State, id: u32) -> Option<Arc<crate::compare::follow::Followed>> {
-    state.runs.get(&id).cloned()
-}

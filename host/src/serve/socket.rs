@@ -1,6 +1,6 @@
 //! One tab's WebSocket: the state whenever it changes, progress while something is done, live points as they come.
 
-use super::state::App;
+use super::app::App;
 use super::view::view;
 use axum::extract::ws::{Message, WebSocket};
 use serde::Serialize;

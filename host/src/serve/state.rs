@@ -1,9 +1,7 @@
 //! What all tabs see: one model, its recordings, what was found, and the rig.
 
-use super::jobs::Jobs;
-use super::live::{Rig, RigView};
 use super::recordings::{self, Loaded};
-use super::{Settings, Stop, work};
+use super::rig::RigView;
 use crate::compare::Comparison;
 use crate::compare::follow::Followed;
 use crate::diagnose::Diagnosis;
@@ -12,29 +10,11 @@ use crate::error::Failure;
 use crate::fit::identify::Fit;
 use crate::improve::Step;
 use crate::rigfile::RigFile;
-use axum::extract::ws::Utf8Bytes;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::JoinHandle;
-use tokio::sync::{broadcast, watch};
-
-/// Live messages that a slow tab may be behind before it loses some.
-const LIVE_BACKLOG: usize = 64;
+use std::sync::Arc;
 
 /// So many changes can be taken back.
 const MOST_UNDOS: usize = 50;
-
-/// The server's memory.
-pub(super) struct App {
-    pub(super) settings: Settings,
-    pub(super) stop: Stop,
-    pub(super) jobs: Jobs,
-    pub(super) rig: Rig,
-    /// Live points as messages, for every tab that listens.
-    pub(super) live: broadcast::Sender<Utf8Bytes>,
-    state: Mutex<State>,
-    revision: watch::Sender<u64>,
-}
 
 /// The one state.
 #[derive(Default)]
@@ -62,6 +42,18 @@ pub(super) struct State {
 pub(super) struct Named {
     pub(super) file: RigFile,
     pub(super) origin: String,
+    pub(super) numbers: Numbers,
+}
+
+/// Where a model's numbers come from, and so whether the page may fit them unasked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Numbers {
+    /// From a file or a rig: fitted first if they do not fit the recordings.
+    Foreign,
+    /// Set by hand on the page: they stay.
+    Typed,
+    /// Fitted to the recordings with these ids.
+    FittedTo(Vec<u32>),
 }
 
 /// What undo brings back.
@@ -75,53 +67,30 @@ pub(super) struct Snapshot {
     ids: Vec<(u32, bool)>,
 }
 
-impl App {
-    pub(super) fn new(settings: Settings, stop: Stop) -> Arc<Self> {
-        let model = settings.model.clone().map(|(file, origin)| Named { file, origin });
-        Arc::new(Self {
-            settings,
-            stop,
-            jobs: Jobs::new(),
-            rig: Rig::new(),
-            live: broadcast::Sender::new(LIVE_BACKLOG),
-            state: Mutex::new(State { model, ..State::default() }),
-            revision: watch::Sender::new(1),
-        })
-    }
-
-    /// Starts what runs beside the server: the worker, the rig, the first recordings. Gives the rig's thread.
-    pub(super) fn begin(self: &Arc<Self>) -> JoinHandle<()> {
-        self.jobs.begin(self);
-        if !self.settings.recordings.is_empty() {
-            let _ = self.jobs.ask("reading recordings", work::read_first);
-        }
-        self.rig.begin(self)
-    }
-
-    /// Looks at the state.
-    pub(super) fn read<T>(&self, look: impl FnOnce(&State) -> T) -> T {
-        look(&self.state.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Changes the state; every tab hears of it.
-    pub(super) fn change<T>(&self, change: impl FnOnce(&mut State) -> T) -> T {
-        let result = change(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner));
-        self.tell();
-        result
-    }
-
-    /// Every tab looks at the state anew.
-    pub(super) fn tell(&self) {
-        self.revision.send_modify(|revision| *revision += 1);
-    }
-
-    /// Hears of changes.
-    pub(super) fn changes(&self) -> watch::Receiver<u64> {
-        self.revision.subscribe()
-    }
-}
-
 impl State {
+    /// Nothing but a model, if there is one.
+    pub(super) fn with(model: Option<Named>) -> Self {
+        Self { model, ..Self::default() }
+    }
+
+    /// One recording of the list.
+    ///
+    /// # Errors
+    /// There is none with this id.
+    pub(super) fn recording(&self, id: u32) -> Result<Arc<Loaded>, Failure> {
+        Ok(self.recordings[self.place_of(id)?].clone())
+    }
+
+    /// Where a recording stands in the list.
+    ///
+    /// # Errors
+    /// There is none with this id.
+    pub(super) fn place_of(&self, id: u32) -> Result<usize, Failure> {
+        let next = "it may have been taken out in another tab";
+        let missing = || Failure::wrong_use(format!("there is no recording {id}")).next(next);
+        self.recordings.iter().position(|recording| recording.id == id).ok_or_else(missing)
+    }
+
     /// Takes a recording in; what was seen before is looked at anew.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! The story of the response surfaces: how the box moved and narrowed, what each surface looks like, and how far it
 //! can be believed.
 
-use super::state::App;
+use super::app::App;
 use crate::error::Failure;
 use crate::fit::identify::Fit;
 use crate::fit::quality::Responses;
@@ -100,7 +100,7 @@ fn view(stage: &Stage, surface: &Surface, goodness: &Goodness, which: &Which) ->
         let mut point = chosen.clone();
         point[which.x] = x;
         point[which.y] = y;
-        surface.predict(&point)
+        predicted(surface, which.response, &point)
     };
     SurfaceView {
         x: coded_steps(GRID).collect(),
@@ -110,7 +110,7 @@ fn view(stage: &Stage, surface: &Surface, goodness: &Goodness, which: &Which) ->
         coefficients: coefficient_table(surface),
         anova: rows(anova(surface)),
         goodness: goodness.clone(),
-        optimizer: stage.surfaces.iter().map(|surface| curves(surface, &chosen)).collect(),
+        optimizer: stage.surfaces.iter().enumerate().map(|(k, surface)| curves(surface, k, &chosen)).collect(),
         axes: (0..surface.factors().len()).map(|axis| axis_words(stage, axis)).collect(),
         chosen,
     }
@@ -134,13 +134,19 @@ fn coded_steps(n_steps: usize) -> impl Iterator<Item = f64> {
     (0..n_steps).map(move |k| 2.0 * k as f64 / (n_steps - 1) as f64 - 1.0)
 }
 
+/// What a surface says of a response; a mean square is never negative, though a parabola may be.
+fn predicted(surface: &Surface, response: usize, coded: &[f64]) -> f64 {
+    let height = surface.predict(coded);
+    if Responses::NAMES[response].starts_with("mse") { height.max(0.0) } else { height }
+}
+
 /// A response along each factor, the others where the stage ended.
-fn curves(surface: &Surface, chosen: &[f64]) -> Vec<Curve> {
+fn curves(surface: &Surface, response: usize, chosen: &[f64]) -> Vec<Curve> {
     let curve = |j: usize| {
         let height = |coded: f64| {
             let mut point = chosen.to_vec();
             point[j] = coded;
-            surface.predict(&point)
+            predicted(surface, response, &point)
         };
         Curve { x: coded_steps(CURVE).collect(), y: coded_steps(CURVE).map(height).collect() }
     };

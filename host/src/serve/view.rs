@@ -1,16 +1,20 @@
 //! The state as the page sees it: small, and the same for every tab. Curves are asked for apart.
 
-use super::live::{RigView, ports};
-use super::simulate::{Slider, sliders};
-use super::state::{App, State};
+use super::app::App;
+use super::live::ports;
+use super::rig::RigView;
+use super::simulate::{Slider, sliders, sliders_of};
+use super::state::State;
 use crate::compare::verdict::{Answer, Totals};
 use crate::diagnose::Diagnosis;
 use crate::error::Failure;
 use crate::fit::identify::Identified;
 use crate::formula::effect_of;
 use crate::improve::Step;
-use crate::rigfile::RigFile;
+use crate::rigfile::{Quantity, RigFile};
 use serde::Serialize;
+use shared::effect::Effect;
+use shared::parameters::Parameters;
 use std::sync::Arc;
 
 /// Everything but curves.
@@ -150,4 +154,54 @@ fn fit(state: &State) -> Option<FitView> {
         simulations: fit.n_simulations,
         seconds: fit.seconds,
     })
+}
+
+/// An effect with its explanation, and sliders to try it.
+#[derive(Serialize)]
+pub(super) struct EffectView {
+    name: &'static str,
+    summary: &'static str,
+    formula: &'static str,
+    source: &'static str,
+    experiment: &'static str,
+    base: bool,
+    sliders: Vec<Slider>,
+}
+
+/// Every effect of the list.
+pub(super) fn effects() -> Vec<EffectView> {
+    let view = |effect: &'static Effect<f64>| EffectView {
+        name: effect.name,
+        summary: effect.summary,
+        formula: effect.formula,
+        source: effect.source,
+        experiment: effect.experiment,
+        base: effect.is_base(),
+        sliders: sliders_of(effect),
+    };
+    Effect::<f64>::ALL.iter().map(view).collect()
+}
+
+/// A value on the rig and the one that would take its place.
+#[derive(Serialize)]
+pub(super) struct Replaced {
+    name: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+    old: Option<f64>,
+    new: Option<f64>,
+}
+
+/// All values of both models, the old one's first.
+pub(super) fn replaced(old: &Parameters<f64>, new: &Parameters<f64>) -> Vec<Replaced> {
+    let mut all = Quantity::all(old);
+    all.extend(Quantity::all(new).into_iter().filter(|quantity| quantity.get(old).is_none()));
+    let replaced = |quantity: Quantity| Replaced {
+        name: quantity.owner(),
+        symbol: quantity.symbol(),
+        unit: quantity.unit(),
+        old: quantity.get(old),
+        new: quantity.get(new),
+    };
+    all.into_iter().map(replaced).collect()
 }

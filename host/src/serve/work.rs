@@ -1,11 +1,13 @@
 //! The long things: reading, comparing, fitting, searching, changing the model.
 
+use super::app::App;
 use super::jobs::Progress;
 use super::recordings::{self, Loaded};
-use super::state::{App, Named, State};
+use super::state::{Named, Numbers, State};
 use crate::compare::follow::{Followed, follow};
 use crate::compare::measurement::Measurement;
-use crate::compare::{self, compare};
+use crate::compare::verdict::Answer;
+use crate::compare::{self, Comparison, compare};
 use crate::diagnose::{Wishes, diagnose_counted};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit, Method};
@@ -23,6 +25,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// What a job needs of the state, taken once at its beginning.
 struct Data {
     model: RigFile,
+    numbers: Numbers,
     recordings: Vec<Arc<Loaded>>,
     swings: Vec<Swing>,
     held_out: Vec<Swing>,
@@ -37,8 +40,8 @@ impl Data {
             let wanted = recordings.iter().filter(|recording| recording.held_out == held_out);
             wanted.map(|recording| recording.measurement.swing.clone()).collect::<Vec<Swing>>()
         };
-        let data =
-            Self { model: model.ok_or_else(no_model)?.file, swings: swings(false), held_out: swings(true), recordings };
+        let Named { file, numbers, .. } = model.ok_or_else(no_model)?;
+        let data = Self { model: file, numbers, swings: swings(false), held_out: swings(true), recordings };
         if data.swings.is_empty() {
             let next = "load one, record one, or let one of the list take part again";
             return Err(Failure::wrong_use("there is no recording to work with").next(next));
@@ -64,6 +67,12 @@ impl Data {
         Source::new(method, &fitted.map(|recording| PathBuf::from(&recording.name)).collect::<Vec<_>>())
     }
 
+    /// What a model is called that was fitted to these recordings.
+    fn fitted(&self) -> Numbers {
+        let fitted = self.recordings.iter().filter(|recording| !recording.held_out);
+        Numbers::FittedTo(fitted.map(|recording| recording.id).collect())
+    }
+
     /// Does the state still have the recordings that this began with?
     fn is_current(&self, state: &State) -> bool {
         let same = |(a, b): (&Arc<Loaded>, &Arc<Loaded>)| Arc::ptr_eq(a, b);
@@ -87,34 +96,50 @@ pub(super) fn read_first(app: &Arc<App>, progress: &Progress) -> Result<(), Fail
     failed.map_or(Ok(()), Err)
 }
 
-/// The model beside its recordings: first the curves, then the verdict. A model that is still a guess is fitted first.
+/// The model beside its recordings: first the curves, then the verdict. A model that is still a guess, or that comes
+/// from elsewhere and does not fit, is fitted first.
 pub(super) fn look(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
     let Ok(data) = Data::of(app) else {
         app.change(forget_comparison);
         return Ok(());
     };
     let data = if data.model.is_fresh() { first_fit(app, data, progress)? } else { data };
-    if app.read(|state| state.runs.len() != state.recordings.len()) {
-        progress.say("letting the model run beside each recording", Some(0.3));
-        let runs = runs(&data, data.parameters());
-        app.change(|state| show_runs(state, &data, runs));
-    }
+    show_curves(app, &data, progress);
     if app.jobs.is_pressed() {
         app.jobs.ask_for_a_look();
         return Ok(());
     }
-    progress.say("looking where the model fails", Some(0.5));
-    let (measurements, held_out) = (data.measurements(false), data.measurements(true));
-    let comparison = compare(data.parameters(), &measurements, &held_out, &compare::Options::default());
-    let comparison = Arc::new(comparison.map_err(Failure::failed)?);
+    let mut comparison = compared(&data, progress)?;
+    let mut data = data;
+    if comparison.answer == Answer::NumbersDoNotFit && data.numbers != Numbers::Typed {
+        data = first_fit(app, data, progress)?;
+        show_curves(app, &data, progress);
+        comparison = compared(&data, progress)?;
+    }
     app.change(|state| {
         if data.is_current(state) {
-            state.comparison = Some(comparison);
+            state.comparison = Some(Arc::new(comparison));
             state.drawing += 1;
         }
     });
     get_ready(app, &data, progress);
     Ok(())
+}
+
+fn show_curves(app: &App, data: &Data, progress: &Progress) {
+    if app.read(|state| state.runs.len() != state.recordings.len()) {
+        progress.say("letting the model run beside each recording", Some(0.3));
+        let runs = runs(data, data.parameters());
+        app.change(|state| show_runs(state, data, runs));
+    }
+}
+
+/// Numbers that were just fitted to these recordings are not questioned.
+fn compared(data: &Data, progress: &Progress) -> Result<Comparison, Failure> {
+    progress.say("looking where the model fails", Some(0.5));
+    let (measurements, held_out) = (data.measurements(false), data.measurements(true));
+    let options = compare::Options { fit_first: false, question_numbers: data.numbers != data.fitted() };
+    compare(data.parameters(), &measurements, &held_out, &options).map_err(Failure::failed)
 }
 
 fn forget_comparison(state: &mut State) {
@@ -123,16 +148,17 @@ fn forget_comparison(state: &mut State) {
     state.drawing += 1;
 }
 
-/// A fresh model takes over the base fit.
+/// A model whose numbers are not those of the recordings takes over theirs.
 fn first_fit(app: &Arc<App>, data: Data, progress: &Progress) -> Result<Data, Failure> {
-    progress.say("first fit: friction and inertia are still a guess", Some(0.1));
+    progress.say("first fit: friction and inertia are not those of these recordings yet", Some(0.1));
     let (trial, step) = data.bench(&progress.count).fitted(data.parameters());
     let mut model = data.model.clone();
     model.adopt(&trial.parameters, &step.values, &data.source("least squares"))?;
     app.change(|state| {
-        if let Some(named) = state.model.as_mut().filter(|named| named.file.is_fresh()) {
+        if let Some(named) = state.model.as_mut().filter(|named| named.file.parameters() == data.parameters()) {
             named.file = model.clone();
             named.origin = "fitted to the recordings".to_owned();
+            named.numbers = data.fitted();
         }
         if data.is_current(state) {
             state.trial = Some(trial);
@@ -140,7 +166,7 @@ fn first_fit(app: &Arc<App>, data: Data, progress: &Progress) -> Result<Data, Fa
         }
         state.runs.clear();
     });
-    Ok(Data { model, ..data })
+    Ok(Data { model, numbers: data.fitted(), ..data })
 }
 
 /// Fits the model as it is while nobody waits, so that an added effect need not wait for that.
@@ -207,7 +233,8 @@ fn change_once(app: &Arc<App>, data: &Data, change: Change, progress: &Progress)
     progress.say("letting the model run beside each recording", Some(0.9));
     let runs = runs(data, &trial.parameters);
     app.change(|state| {
-        state.model = Some(Named { file: model, origin: "changed on this page".to_owned() });
+        let origin = "changed on this page".to_owned();
+        state.model = Some(Named { file: model, origin, numbers: data.fitted() });
         if data.is_current(state) {
             state.trial = Some(trial);
             state.staircase.push(step);
@@ -217,11 +244,11 @@ fn change_once(app: &Arc<App>, data: &Data, change: Change, progress: &Progress)
     Ok(())
 }
 
-/// Values set by hand.
-pub(super) fn set_model(app: &App, model: RigFile, origin: &str) {
+/// Another model.
+pub(super) fn set_model(app: &App, model: RigFile, origin: &str, numbers: Numbers) {
     app.change(|state| {
         state.remember();
-        state.model = Some(Named { file: model, origin: origin.to_owned() });
+        state.model = Some(Named { file: model, origin: origin.to_owned(), numbers });
         state.data_changed();
         forget_comparison(state);
     });
@@ -276,7 +303,8 @@ pub(super) fn identify(app: &Arc<App>, progress: &Progress) -> Result<(), Failur
     let runs = runs(&data, &fit.parameters);
     app.change(|state| {
         state.remember();
-        state.model = Some(Named { file: model, origin: "fitted on this page".to_owned() });
+        let origin = "fitted on this page".to_owned();
+        state.model = Some(Named { file: model, origin, numbers: data.fitted() });
         if data.is_current(state) {
             state.trial = None;
             state.staircase.push(step);

@@ -28,7 +28,7 @@ const ALL: [Against; 4] = [
         label: "angle in rad",
         explanation: "If the mean (large dots) bends away from zero at certain angles, suspect the sensor (gain, \
                       nonlinearity) or a torque that depends on the angle (spring, magnet, cable).",
-        coordinate: |judged| judged.modelled_rad.clone(),
+        coordinate: |judged| judged.curves.modelled_rad.clone(),
     },
     Against {
         key: "residual-velocity",
@@ -36,7 +36,7 @@ const ALL: [Against; 4] = [
         label: "velocity in rad/s",
         explanation: "A mean that differs between both directions shows a delay of the sensor, play, or a friction \
                       that is not alike on both sides.",
-        coordinate: |judged| judged.velocities_rad_s.clone(),
+        coordinate: |judged| judged.curves.velocities_rad_s.clone(),
     },
     Against {
         key: "residual-phase",
@@ -69,7 +69,7 @@ fn picture(comparison: &Comparison, against: &Against) -> Picture {
     let mut all: Vec<(f64, f64)> = Vec::new();
     for (k, judged) in comparison.recordings.iter().enumerate() {
         let x = (against.coordinate)(judged);
-        let y: Vec<f64> = judged.residuals_rad.iter().map(|r| milli(*r)).collect();
+        let y: Vec<f64> = judged.curves.residuals_rad.iter().map(|r| milli(*r)).collect();
         curves.push(Curve::new(short_name(&judged.name), Style::Cloud, k, every(&x, &y, n_each)));
         all.extend(x.into_iter().zip(y));
     }
@@ -101,9 +101,9 @@ fn means(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 /// atan2 of the angle over the local amplitude and the velocity over its largest value nearby.
 fn phases(judged: &Judged) -> Vec<f64> {
     let pi = std::f64::consts::PI;
-    let half_swing_s = judged.half_swing_s.unwrap_or(1.0);
+    let half_swing_s = judged.curves.half_swing_s.unwrap_or(1.0);
     let offset_rad = judged.start.offset_rad;
-    let angles = judged.modelled_rad.iter().zip(&judged.velocities_rad_s);
+    let angles = judged.curves.modelled_rad.iter().zip(&judged.curves.velocities_rad_s);
     // For small swings the angle leads the velocity by a quarter; for larger ones nearly so.
     angles.map(|(angle, velocity)| (angle - offset_rad).atan2(velocity * half_swing_s / pi)).collect()
 }
@@ -114,7 +114,7 @@ fn amplitudes(judged: &Judged) -> Vec<f64> {
         let row = judged.swings.partition_point(|row| row.to_s <= *time_s);
         judged.swings.get(row.min(judged.swings.len().saturating_sub(1))).map_or(f64::NAN, |row| row.amplitude_rad)
     };
-    judged.times_s.iter().map(of_time).collect()
+    judged.curves.times_s.iter().map(of_time).collect()
 }
 
 fn autocorrelation(comparison: &Comparison) -> Picture {

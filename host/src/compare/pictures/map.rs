@@ -2,7 +2,8 @@
 
 use super::milli;
 use crate::compare::Comparison;
-use crate::compare::torque::{Bin, N_BINS, TorqueMap};
+use crate::compare::grid::N_BINS;
+use crate::compare::torque::{Bin, TorqueMap};
 use crate::plot::{Axis, Content, Heat, Picture};
 
 pub(super) fn pictures(comparison: &Comparison) -> Vec<Picture> {

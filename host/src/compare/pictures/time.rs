@@ -46,14 +46,14 @@ fn motion(judged: &Judged, suffix: &str, number: usize) -> Picture {
         x: Axis::linear("time since the start of the free swing in s"),
         y: Axis::linear("angle in rad"),
         content: Content::Curves(vec![
-            line("measured", Style::Line, 0, &judged.times_s, &judged.angles_rad),
-            line("modelled", Style::Line, 1, &judged.times_s, &judged.modelled_rad),
+            line("measured", Style::Line, 0, &judged.curves.times_s, &judged.curves.angles_rad),
+            line("modelled", Style::Line, 1, &judged.curves.times_s, &judged.curves.modelled_rad),
         ]),
     }
 }
 
 fn residual(judged: &Judged, suffix: &str, number: usize) -> Picture {
-    let residuals: Vec<f64> = judged.residuals_rad.iter().map(|r| milli(*r)).collect();
+    let residuals: Vec<f64> = judged.curves.residuals_rad.iter().map(|r| milli(*r)).collect();
     let ends = [0.0, judged.duration_s];
     let noise = milli(2.0 * judged.noise.level_rad());
     let limit = |name: &str, value: f64| Curve::new(name, Style::Dashed, 6, ends.map(|t| (t, value)));
@@ -67,7 +67,7 @@ fn residual(judged: &Judged, suffix: &str, number: usize) -> Picture {
         x: Axis::linear("time since the start of the free swing in s"),
         y: Axis::linear("residual in mrad"),
         content: Content::Curves(vec![
-            line("residual", Style::Line, 0, &judged.times_s, &residuals),
+            line("residual", Style::Line, 0, &judged.curves.times_s, &residuals),
             limit("± 2 × noise", noise),
             limit("", -noise),
         ]),
@@ -76,10 +76,10 @@ fn residual(judged: &Judged, suffix: &str, number: usize) -> Picture {
 
 fn last_swings(judged: &Judged, suffix: &str, number: usize) -> Option<Picture> {
     let (measured_rad, modelled_rad) = judged.stop_angles_rad?;
-    let from_s = judged.duration_s - LAST_HALF_SWINGS * judged.half_swing_s?;
-    let from = judged.times_s.partition_point(|t| *t < from_s);
+    let from_s = judged.duration_s - LAST_HALF_SWINGS * judged.curves.half_swing_s?;
+    let from = judged.curves.times_s.partition_point(|t| *t < from_s);
     let part = |values: &[f64]| -> Vec<f64> { values[from..].iter().map(|angle| milli(*angle)).collect() };
-    let times_s = &judged.times_s[from..];
+    let times_s = &judged.curves.times_s[from..];
     Some(Picture {
         key: format!("last-swings-{number}"),
         title: format!("The last swings: {}{suffix}", short_name(&judged.name)),
@@ -93,8 +93,8 @@ fn last_swings(judged: &Judged, suffix: &str, number: usize) -> Option<Picture> 
         x: Axis::linear("time since the start of the free swing in s"),
         y: Axis::linear("angle in mrad"),
         content: Content::Curves(vec![
-            line("measured", Style::Line, 0, times_s, &part(&judged.angles_rad)),
-            line("modelled", Style::Line, 1, times_s, &part(&judged.modelled_rad)),
+            line("measured", Style::Line, 0, times_s, &part(&judged.curves.angles_rad)),
+            line("modelled", Style::Line, 1, times_s, &part(&judged.curves.modelled_rad)),
         ]),
     })
 }
@@ -102,7 +102,7 @@ fn last_swings(judged: &Judged, suffix: &str, number: usize) -> Option<Picture> 
 fn velocity(all: &[(&Judged, String)]) -> Picture {
     let curve = |(k, (judged, suffix)): (usize, &(&Judged, String))| {
         let name = format!("{}{suffix}", short_name(&judged.name));
-        line(&name, Style::Line, k, &judged.times_s, &judged.velocity_residuals_rad_s)
+        line(&name, Style::Line, k, &judged.curves.times_s, &judged.curves.velocity_residuals_rad_s)
     };
     Picture {
         key: "residual-velocity-time".to_owned(),

@@ -6,8 +6,8 @@ use crate::error::Failure;
 use crate::now;
 use crate::record::{Live, Plan, Stage, Watch, in_words, record, unused_path, usable};
 use crate::recording::Existing;
+use crate::serve::app::App;
 use crate::serve::recordings;
-use crate::serve::state::App;
 use shared::wire;
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ impl Owner<'_> {
         match note.and_then(|note| Ok((note, recordings::of_file(&path, &app.settings)?))) {
             Ok((note, loaded)) => {
                 self.show(|rig| rig.note = Some(note));
-                recordings::take_in(&app, loaded)?;
+                app.take_in(loaded)?;
             }
             Err(failure) => app.change(|state| state.failure = Some(failure)),
         }

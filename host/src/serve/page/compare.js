@@ -73,7 +73,7 @@ export function show(now) {
 function showVerdict() {
   const box = byId('verdict');
   const { comparison } = state;
-  box.className = answer ? '' : { 'nothing-missing': 'good', 'no-pattern': 'unsure' }[comparison?.answer] ?? (comparison ? 'bad' : '');
+  box.className = answer ? '' : { 'nothing-missing': 'good', 'no-pattern': 'unsure', 'numbers-do-not-fit': 'unsure' }[comparison?.answer] ?? (comparison ? 'bad' : '');
   const error = errorOf();
   const ratio = error && element('div', { class: 'ratio', id: 'ratio' }, `${times(error.rmse / error.noise)} ×`,
     element('small', {}, `the noise${answer ? ', what if' : ''}: ${mrad(error.rmse)}`));
