@@ -22,7 +22,7 @@ fn two_laws_that_no_free_swing_can_tell_apart_are_both_told() {
         let rig = Rig { noise_rad: 5e-4, rate_hz: 200.0, ..quick(11, &[0.55, -0.45]) };
         let weight_nm = rig.mass_kg * rig.gravity_m_s2 * rig.length_m;
         let size = if name == "sensor-gain" { 1.12_f64.sqrt() - 1.0 } else { 0.12 * weight_nm };
-        let rig = Rig { hidden: vec![Hidden { name, size, shape: [0.0; 2], largest: size }], ..rig };
+        let rig = Rig { hidden: vec![Hidden { name, size, shape: [0.0; 2], largest: size, is_listed: false }], ..rig };
         let (bench, swings) = Workbench::with_recordings(&rig);
         let found = bench.json(&format!("diagnose {swings}"));
         let (verdict, undecided) = (texts(&found, "verdict"), texts(&found, "undecided"));
@@ -45,7 +45,7 @@ fn friction_that_drives_the_pendulum_is_not_claimed() {
     for (name, share) in [("drifting-friction", -1.6), ("asymmetric-coulomb", 1.5)] {
         let rig = quick(21, &[1.2, -0.8]);
         let size = if name == "drifting-friction" { share } else { share * rig.coulomb_nm };
-        let rig = Rig { hidden: vec![Hidden { name, size, shape: [8.0, 0.0], largest: 9.0 }], ..rig };
+        let rig = Rig { hidden: vec![Hidden { name, size, shape: [8.0, 0.0], largest: 9.0, is_listed: false }], ..rig };
         let (bench, swings) = Workbench::with_recordings(&rig);
         host(bench.folder(), &format!("improve {swings} -o improved.toml")).succeeded();
         let improved = bench.model("improved.toml");
