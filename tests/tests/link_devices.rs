@@ -104,7 +104,7 @@ fn what_is_pushed_over_a_serial_port_is_pulled_back() {
 #[test]
 fn undo_brings_back_what_the_rig_had_and_once_more_takes_that_back() {
     let folder = tempfile::tempdir().unwrap();
-    let device = Device::rig("plain", SPEED);
+    let device = Device::rig("plain");
     let on_the_rig = || {
         let run = host(folder.path(), &format!("pull --port {} -o pulled.toml --force --json", device.port));
         let pulled: serde_json::Value = serde_json::from_str(run.succeeded()).unwrap();
