@@ -116,7 +116,13 @@ pub fn carry_out(arguments: Arguments) -> Result<(), Failure> {
     }
     output::keep_a_log(arguments.verbose);
     take_patience()?;
-    match arguments.command {
+    let done = run(arguments.command);
+    // What was done is told first; a result that was not written is a failure all the same.
+    done.and_then(|()| output::finish())
+}
+
+fn run(command: Command) -> Result<(), Failure> {
+    match command {
         Command::Init(options) => init::run(&options),
         Command::Record(options) => record::run(&options),
         Command::Fit(options) => fit::run(&options),

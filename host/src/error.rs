@@ -3,6 +3,7 @@
 //! The parts of the library have errors of their own; the program turns each into a [`Failure`] at the file or port
 //! it belongs to. The hint stays apart from the error, so that messages can be compared and hints improved.
 
+use crate::files::FileError;
 use std::fmt;
 
 /// Whose mistake it is decides the exit code.
@@ -65,6 +66,16 @@ impl fmt::Display for Failure {
 }
 
 impl std::error::Error for Failure {}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        let failure = match error {
+            FileError::Io { .. } => Self::failed(&error),
+            _ => Self::wrong_use(&error),
+        };
+        failure.next(error.next_step())
+    }
+}
 
 #[cfg(test)]
 mod tests {

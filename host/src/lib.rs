@@ -9,6 +9,7 @@ pub mod diagnose;
 pub mod doctor;
 pub mod error;
 pub mod export;
+pub mod files;
 pub mod fit;
 pub mod formula;
 pub mod improve;

@@ -14,6 +14,7 @@ pub use detector::Stage;
 pub use error::RecordError;
 pub use words::{in_words, usable};
 
+use crate::files;
 use crate::link::{LinkError, Session};
 use crate::now;
 use crate::recording::{Existing, WriteError};
@@ -148,8 +149,7 @@ pub fn record(
 }
 
 fn refuse_existing(plan: &Plan) -> Result<(), WriteError> {
-    let in_the_way = plan.existing == Existing::Keep && plan.path.exists();
-    if in_the_way { Err(WriteError::Exists { path: plan.path.to_owned() }) } else { Ok(()) }
+    Ok(files::check(&[plan.path], &[], plan.existing)?)
 }
 
 #[cfg(test)]

@@ -5,22 +5,31 @@
 //! Times in s, angles in rad; 0 = hanging, counter-clockwise positive; never filtered.
 //! This part knows files and samples, but neither models nor the link.
 
+mod angle;
 pub mod check;
+mod circle;
+mod clock;
 mod columns;
 mod error;
+mod foreign;
 mod header;
+mod number;
+pub mod plausible;
 mod read;
 pub mod segment;
 pub(crate) mod smooth;
+mod source;
 mod table;
 pub mod turning;
+mod words;
 mod write;
 
+pub use crate::files::Existing;
 pub use columns::{AngleUnit, ColumnRef, Columns, ColumnsError, TimeUnit};
 pub use error::{Fault, ReadError, WriteError};
 pub use header::{Calibration, FORMAT_NAME, FORMAT_VERSION, Header};
 pub use read::{ReadOptions, read, read_bytes};
-pub use write::{Existing, Writer, save};
+pub use write::{Writer, save};
 
 use std::ops::Range;
 
@@ -210,7 +219,7 @@ fn check_finite(column: &str, values: &[f64]) -> Result<(), Fault> {
 
 fn check_increasing(times_s: &[f64]) -> Result<(), Fault> {
     for (idx, pair) in times_s.windows(2).enumerate() {
-        error::check_step(&format!("sample {}", idx + 1), pair[0], pair[1])?;
+        error::check_step(|| format!("sample {}", idx + 1), pair[0], pair[1])?;
     }
     Ok(())
 }

@@ -16,6 +16,7 @@ pub use error::RigFileError;
 pub use quantity::Quantity;
 
 use crate::error::Failure;
+use crate::files::{self, Existing};
 use shared::effect::CUSTOM_FORMULA_ID;
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
@@ -127,20 +128,13 @@ impl RigFile {
         read::parse(file, text)
     }
 
-    /// Writes the file as a whole or not at all: a power cut leaves the old one.
+    /// Writes the file as a whole or not at all: a power cut leaves the old one. Whether it may be replaced was asked
+    /// before.
     ///
     /// # Errors
     /// The system refuses.
     pub fn save(&self, path: &Path) -> Result<(), RigFileError> {
-        let failed = |source| RigFileError::NotWritten { file: path.display().to_string(), source };
-        let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        if path.exists() && !path.is_file() {
-            // A device or a pipe takes the text as it comes; a rename would put a file in its place.
-            return std::fs::write(path, self.document.to_string()).map_err(failed);
-        }
-        let beside = path.with_extension("toml.new");
-        std::fs::write(&beside, self.document.to_string()).map_err(failed)?;
-        std::fs::rename(&beside, path).map_err(failed)
+        files::write(path, self.document.to_string(), Existing::Overwrite).map_err(RigFileError::NotWritten)
     }
 
     /// The model. Always passes its check.

@@ -58,8 +58,16 @@ fn text_in_a_number_column() {
 
 #[test]
 fn not_a_number_and_infinity() {
-    check_recording(swing(500, "5.00,NaN"), &["line 502", "NaN"]);
+    check_recording(swing(500, "5.00,-inf"), &["line 502", "-inf"]);
     check_recording(swing(500, "5.00,inf"), &["line 502", "inf"]);
+}
+
+#[test]
+fn a_cell_without_a_value_is_a_gap_that_is_told() {
+    let folder = with_file("swing.csv", swing(500, "5.00,NaN").as_bytes());
+    let run = host(folder.path(), "fit swing.csv --method least-squares");
+    run.succeeded();
+    assert!(run.stderr.contains("line 502") && run.stderr.contains("NaN") && run.stderr.contains("gap"), "{run:#?}");
 }
 
 #[test]

@@ -87,10 +87,8 @@ fn a_broken_file_is_refused_with_place_value_and_advice() {
     check_refused("hello\nworld\n", &["no row of numbers in 2 lines"]);
     check_refused("t,theta\n0,1\n1,2\n", &["only 2 samples", "two swings"]);
     check_refused("\x7fELF\x01\x02\x03", &["not text", "0x01"]);
-    check_refused(&with_row("0.095,nan"), &["line 12", "theta", "nan", "delete that row"]);
-    check_refused(&with_row("0.095,inf"), &["line 12", "inf"]);
-    check_refused(&with_row("0.095,"), &["line 12", "\"\""]);
-    check_refused(&with_row("0.095,broken"), &["line 12", "broken"]);
+    check_refused(&with_row("0.095,inf"), &["line 12", "theta", "inf", "delete that row"]);
+    check_refused(&with_row("0.095,broken"), &["line 12", "theta", "broken", "delete that row"]);
     check_refused(&with_row("0.095"), &["line 12 has 1 field"]);
     check_refused(&with_row("0.095,1e999"), &["line 12", "1e999"]);
     check_refused(&with_row("0.05,0.1"), &["line 12", "from 0.09 s to 0.05 s", "split the file"]);
@@ -101,6 +99,23 @@ fn a_broken_file_is_refused_with_place_value_and_advice() {
     check_refused(&table("t,volts\n", |t, a| format!("{t},{a}")), &["no angle column", "t, volts", "--columns"]);
     check_refused(&table("t,theta1,theta2\n", |t, a| format!("{t},{a},{a}")), &["several", "theta1", "theta2"]);
     check_refused(&table("t,code\n", |t, _| format!("{t},2048")), &["no calibration", "zero_code"]);
+}
+
+#[test]
+fn a_row_without_a_value_is_a_gap_that_is_told_with_its_place() {
+    for (row, value) in [("0.095,nan", "nan"), ("0.095,", ""), ("0.095,NA", "NA"), ("nan,0.5", "nan")] {
+        let recording = parse(&with_row(row)).unwrap();
+        assert_eq!(recording.angles_rad(), parse(&plain()).unwrap().angles_rad(), "{row}");
+        let column = if row.starts_with("nan") { "0 (t)" } else { "1 (theta)" };
+        let told = format!("1 rows without a value are gaps, the first at line 12, column {column}: \"{value}\"");
+        assert!(recording.notes().contains(&told), "{:?}", recording.notes());
+    }
+    let holes = table("t,theta\n", |t, a| if (0.1..0.145).contains(&t) { format!("{t},") } else { format!("{t},{a}") });
+    let recording = parse(&holes).unwrap();
+    assert_eq!((recording.len(), recording.gaps().len(), recording.gaps()[0].n_missing), (35, 1, Some(5)));
+    let rate = ReadOptions { rate_hz: Some(100.0), ..ReadOptions::default() };
+    let recording = parse_with(&holes.replace("t,theta", "n,theta"), &rate).unwrap();
+    assert_eq!((recording.len(), recording.gaps()[0].n_missing), (35, Some(5)));
 }
 
 #[test]
@@ -236,7 +251,7 @@ fn an_existing_file_is_only_replaced_when_told() {
     fs::write(&path, "precious").unwrap();
     let refused = Writer::create(&path, &our_header(), Existing::Keep).unwrap_err();
     assert!(matches!(refused, WriteError::Exists { .. }));
-    assert!(refused.to_string().contains("--overwrite"), "{refused}");
+    assert!(refused.to_string().contains("--force"), "{refused}");
     assert_eq!(fs::read_to_string(&path).unwrap(), "precious");
     Writer::create(&path, &our_header(), Existing::Overwrite).unwrap().finish().unwrap();
     assert!(fs::read_to_string(&path).unwrap().starts_with("# format: pendulum-recording 1\n"));

@@ -94,6 +94,37 @@ fn more_noise_and_a_lead_in_of_a_fifth_of_a_second_do_not_hide_a_release_or_a_st
     }
 }
 
+/// A pendulum held at 0.8 rad and let go at 0.6 s, with dry and viscous friction: `α = −70 sin θ − 0.1 ω − 0.4 sgn ω`,
+/// ten small steps a sample.
+fn let_go_at_600_ms(rate_hz: f64) -> Recording {
+    let (mut angle, mut velocity) = (0.8_f64, 0.0_f64);
+    let dt_s = 0.1 / rate_hz;
+    let n_held = (0.6 * rate_hz).round() as usize;
+    let mut read = |idx: usize| {
+        for _ in 0..if idx > n_held { 10 } else { 0 } {
+            let dry = if velocity == 0.0 { 0.0 } else { 0.4 * velocity.signum() };
+            velocity += dt_s * (-70.0 * angle.sin() - 0.1 * velocity - dry);
+            angle += dt_s * velocity;
+        }
+        ((angle + 1e-3 * scramble(idx as u64)) / 3e-4).round() * 3e-4
+    };
+    let angles_rad = (0..(8.0 * rate_hz) as usize).map(&mut read).collect();
+    Recording::uniform(rate_hz, angles_rad).unwrap()
+}
+
+#[test]
+fn a_release_is_found_to_a_few_ms_at_every_rate() {
+    for rate_hz in [100.0, 1000.0, 5000.0, 10_000.0, 20_000.0] {
+        let recording = let_go_at_600_ms(rate_hz);
+        let segments = cut(&recording);
+        let late_s = segments.release_s - 0.6;
+        println!("{rate_hz} Hz: {:+.2} ms", 1e3 * late_s);
+        assert!(late_s.abs() < 0.005, "{rate_hz} Hz: {late_s}");
+        let free_late_s = recording.times_s()[segments.free.start] - 0.6;
+        assert!((0.0..0.03).contains(&free_late_s), "{rate_hz} Hz: {free_late_s}");
+    }
+}
+
 #[test]
 fn the_lead_in_ends_before_every_hidden_release() {
     for Release { name, recording, release_s, .. } in releases() {

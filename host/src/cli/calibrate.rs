@@ -65,6 +65,7 @@ fn angle(text: &str) -> Result<f64, String> {
 #[derive(Serialize)]
 struct Calibrated {
     port: Option<String>,
+    #[serde(serialize_with = "output::lossy")]
     file: PathBuf,
     before: Potentiometer,
     after: Potentiometer,

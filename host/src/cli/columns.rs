@@ -1,7 +1,7 @@
 //! How recordings of others are to be read; shared by every command that reads some.
 
 use super::output;
-use super::values::{finite, positive};
+use super::values::{finite, point, positive};
 use crate::compare::measurement::Measurement;
 use crate::error::Failure;
 use crate::recording::segment::SegmentOptions;
@@ -27,6 +27,12 @@ pub(super) struct Reading {
     /// Samples per second, for files without a time column
     #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
     rate: Option<f64>,
+    /// What the sensor reads while the pendulum hangs, in the file's unit
+    #[arg(long, value_name = "ANGLE", value_parser = finite, allow_negative_numbers = true)]
+    zero: Option<f64>,
+    /// The pivot in the file's x and y, for a point that was followed in a video
+    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    pivot: Option<[f64; 2]>,
     /// The free swing begins here, s
     #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
     from: Option<f64>,
@@ -59,7 +65,13 @@ impl Reading {
             (_, true) => Some(AngleUnit::Radians),
             _ => None,
         };
-        ReadOptions { columns: self.columns.clone(), rate_hz: self.rate, angle_unit }
+        ReadOptions {
+            columns: self.columns.clone(),
+            rate_hz: self.rate,
+            angle_unit,
+            zero: self.zero,
+            pivot: self.pivot,
+        }
     }
 
     /// Where the free swing lies, if the user knows it better.

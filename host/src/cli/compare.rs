@@ -3,7 +3,7 @@
 use super::columns::Reading;
 use super::comparison::text;
 use super::given::Given;
-use super::output;
+use super::{output, rig};
 use crate::compare::measurement::Measurement;
 use crate::compare::pictures::pictures;
 use crate::compare::{self, Comparison, compare};
@@ -29,6 +29,9 @@ pub(super) struct Options {
     /// Write a report for the browser, one file that needs no network
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    /// Replace pictures and a report that exist there
+    #[arg(long)]
+    force: bool,
 }
 
 const EXAMPLE: &str = "\
@@ -39,15 +42,16 @@ Example:
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let model = options.given.model()?;
+    check_outputs(options)?;
     let measurements = measurements(&options.given.reading, &options.given.recordings)?;
     let held_out = self::measurements(&options.given.reading, &options.hold_out)?;
     let settings = compare::Options { fit_first: model.is_fresh(), question_numbers: true };
     let comparison = compare(model.parameters(), &measurements, &held_out, &settings).map_err(Failure::failed)?;
     if let Some(folder) = &options.plot {
-        draw(folder, &comparison)?;
+        draw(folder, &comparison, options.force)?;
     }
     if let Some(path) = &options.report {
-        output::write(path, &report(&comparison))?;
+        output::write(path, &report(&comparison), options.force)?;
     }
     if options.given.json {
         output::json("compare", &comparison)
@@ -61,9 +65,26 @@ fn measurements(reading: &Reading, paths: &[PathBuf]) -> Result<Vec<Measurement>
     paths.par_iter().map(|path| reading.measurement(path)).collect()
 }
 
-fn draw(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|error| output::not_written(folder, &error))?;
+/// Neither what is read nor an earlier report is replaced; nor earlier pictures, known by their ending until it is
+/// known which ones there will be.
+fn check_outputs(options: &Options) -> Result<(), Failure> {
+    let given = &options.given;
+    rig::check_outputs(
+        given.rig.as_deref(),
+        None,
+        options.report.as_deref(),
+        &[&given.recordings, &options.hold_out],
+        options.force,
+    )?;
+    let inside = |folder: &PathBuf| folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
+    let is_picture = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "svg");
+    let earlier: Vec<PathBuf> = options.plot.iter().flat_map(inside).filter(is_picture).take(1).collect();
+    output::check(&earlier.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &[], options.force)
+}
+
+fn draw(folder: &Path, comparison: &Comparison, force: bool) -> Result<(), Failure> {
+    output::make_folder(folder)?;
     pictures(comparison)
         .iter()
-        .try_for_each(|picture| output::write(&folder.join(format!("{}.svg", picture.key)), &svg(picture)))
+        .try_for_each(|picture| output::write(&folder.join(format!("{}.svg", picture.key)), &svg(picture), force))
 }

@@ -4,7 +4,9 @@ use super::{Arguments, output};
 use crate::error::Failure;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
-use std::path::PathBuf;
+use std::ffi::OsString;
+use std::fs::DirEntry;
+use std::path::{Path, PathBuf};
 
 /// Print the completions of a shell.
 #[derive(Debug, Args)]
@@ -28,6 +30,9 @@ pub(super) struct Manual {
     /// The folder; it is made if it is not there
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
+    /// Replace pages that exist there
+    #[arg(long)]
+    force: bool,
 }
 
 const MAN: &str = "\
@@ -41,12 +46,25 @@ pub(super) fn completions(options: &Completions) {
     output::result(String::from_utf8_lossy(&text).trim_end());
 }
 
-/// Writes the pages.
+/// Writes the pages: made in a folder of their own first, so that none of the user's is replaced unasked.
 pub(super) fn manual(options: &Manual) -> Result<(), Failure> {
-    let folder = options.folder.display();
-    let failed = |error| Failure::failed(format!("could not write manual pages to {folder}: {error}"));
-    std::fs::create_dir_all(&options.folder).map_err(failed)?;
-    clap_mangen::generate_to(Arguments::command(), &options.folder).map_err(failed)?;
-    output::result(&format!("wrote the manual pages to {folder}"));
+    let made = made_pages().map_err(|error| Failure::failed(format!("could not make the manual pages: {error}")))?;
+    output::make_folder(&options.folder)?;
+    let pages: Vec<(PathBuf, &String)> = made.iter().map(|(name, page)| (options.folder.join(name), page)).collect();
+    let paths: Vec<&Path> = pages.iter().map(|(path, _)| path.as_path()).collect();
+    output::check(&paths, &[], options.force)?;
+    pages.iter().try_for_each(|(path, page)| output::write(path, page, options.force))?;
+    output::result(&format!("wrote the manual pages to {}", options.folder.display()));
     Ok(())
+}
+
+/// Name and text of every page.
+fn made_pages() -> std::io::Result<Vec<(OsString, String)>> {
+    let folder = tempfile::tempdir()?;
+    clap_mangen::generate_to(Arguments::command(), folder.path())?;
+    let page = |entry: std::io::Result<DirEntry>| {
+        let entry = entry?;
+        Ok((entry.file_name(), std::fs::read_to_string(entry.path())?))
+    };
+    folder.path().read_dir()?.map(page).collect()
 }

@@ -36,6 +36,7 @@ Example:
 
 #[derive(Serialize)]
 struct Shown<'a> {
+    #[serde(serialize_with = "output::all_lossy")]
     recordings: &'a [PathBuf],
     #[serde(flatten)]
     diagnosis: &'a Diagnosis,

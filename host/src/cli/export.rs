@@ -49,6 +49,7 @@ in double precision; no effect is written a second time.";
 
 #[derive(Serialize)]
 struct Exported {
+    #[serde(serialize_with = "output::lossy")]
     file: PathBuf,
     format: Format,
     effects: Vec<&'static str>,
@@ -66,8 +67,9 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         output::result(text.trim_end());
         return Ok(());
     };
-    rig::refuse_existing(path, options.force)?;
-    output::write(path, &text)?;
+    let rig = rig::chosen_path(options.rig.as_deref());
+    output::check(&[path], &rig.as_deref().into_iter().collect::<Vec<_>>(), options.force)?;
+    output::write(path, &text, options.force)?;
     let n_lines = text.lines().count();
     let done = Exported { file: path.clone(), format: options.format, effects: effects(&model), n_lines };
     if options.json {

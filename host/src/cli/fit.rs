@@ -56,7 +56,7 @@ pub(super) struct Options {
     /// Write the model with the found values here
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Replace another model file that exists there
+    /// Replace other files that exist there
     #[arg(long)]
     force: bool,
     /// Draw measured against model
@@ -121,13 +121,13 @@ impl From<Method> for identify::Method {
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if options.paper {
-        return paper::run(options.json, options.plot.as_deref());
+        return paper::run(options.json, options.plot.as_deref(), options.force);
     }
     options.reading.check()?;
     let mut session = options.port.as_deref().map(port::connect).transpose()?;
     let mut model = model(options, session.as_mut())?;
     rig::tell_if_normalised(&model);
-    check_output(options)?;
+    check_outputs(options)?;
     let recordings = match session.as_mut() {
         Some(session) => vec![record(session, options, "")?],
         None => options.recordings.clone(),
@@ -147,7 +147,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         model.save(path)?;
     }
     if let Some(path) = &options.plot {
-        drawing::of_fit(path, &fit, &swings)?;
+        drawing::of_fit(path, &fit, &swings, options.force)?;
     }
     let check = match session.as_mut() {
         Some(session) if !options.no_push => Some(push_and_check(session, options, &fit)?),
@@ -172,12 +172,9 @@ fn model(options: &Options, session: Option<&mut Session>) -> Result<RigFile, Fa
     }
 }
 
-/// The model file may be updated in place; any other file is not replaced unasked.
-fn check_output(options: &Options) -> Result<(), Failure> {
-    let Some(path) = &options.output else { return Ok(()) };
-    let updated = rig::chosen_path(options.rig.as_deref());
-    let same = updated.is_some_and(|updated| path.canonicalize().ok() == updated.canonicalize().ok());
-    rig::refuse_existing(path, options.force || same)
+fn check_outputs(options: &Options) -> Result<(), Failure> {
+    let (rig, model, drawing) = (options.rig.as_deref(), options.output.as_deref(), options.plot.as_deref());
+    rig::check_outputs(rig, model, drawing, &[&options.recordings, &options.hold_out], options.force)
 }
 
 fn record(session: &mut Session, options: &Options, suffix: &str) -> Result<PathBuf, Failure> {

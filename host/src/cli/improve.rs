@@ -37,7 +37,7 @@ pub(super) struct Options {
     /// Write the enlarged model here
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Replace another model file that exists there
+    /// Replace other files that exist there
     #[arg(long)]
     force: bool,
     /// Draw the error after each step here (SVG)
@@ -57,10 +57,7 @@ Example:
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut model = options.given.model()?;
     let changes = changes(options, model.parameters())?;
-    if let Some(path) = &options.output {
-        let updated = rig::chosen_path(options.given.rig.as_deref());
-        rig::refuse_existing(path, options.force || updated.as_deref() == Some(path))?;
-    }
+    check_outputs(options)?;
     let swings = options.given.swings()?;
     let held_out = options.given.reading.swings(&options.hold_out)?;
     let (parameters, values) = if changes.is_empty() {
@@ -88,6 +85,11 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     Ok(())
 }
 
+fn check_outputs(options: &Options) -> Result<(), Failure> {
+    let (rig, model, drawing) = (options.given.rig.as_deref(), options.output.as_deref(), options.plot.as_deref());
+    rig::check_outputs(rig, model, drawing, &[&options.given.recordings, &options.hold_out], options.force)
+}
+
 fn changes(options: &Options, rig: &Parameters<f64>) -> Result<Vec<Change>, Failure> {
     let effect = |name: &String| {
         if name == CUSTOM_FORMULA_NAME {
@@ -110,7 +112,7 @@ fn show(options: &Options, fields: &impl Serialize, words: impl Fn() -> String) 
 
 fn draw(options: &Options, treads: &[Tread], noise_rad: f64) -> Result<(), Failure> {
     let Some(path) = &options.plot else { return Ok(()) };
-    output::write(path, &svg(&staircase(treads, noise_rad)))
+    output::write(path, &svg(&staircase(treads, noise_rad)), options.force)
 }
 
 fn treads(steps: &[Step]) -> Vec<Tread> {

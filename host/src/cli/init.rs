@@ -51,6 +51,7 @@ Friction starts as a guess from the pendulum's size. Next: `host record`, then `
 
 #[derive(Serialize)]
 struct Written {
+    #[serde(serialize_with = "output::lossy")]
     file: PathBuf,
     normalised: bool,
     gravity_torque_nm: f64,
@@ -60,7 +61,7 @@ struct Written {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    rig::refuse_existing(&options.output, options.force)?;
+    output::check(&[&options.output], &[], options.force)?;
     // The numbers were typed just now.
     let file =
         model(options).map_err(|error| Failure::wrong_use(error).next("give a value within the range, in SI units"))?;

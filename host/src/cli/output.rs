@@ -1,20 +1,50 @@
 //! Where words go: results to stdout, everything else to stderr.
 
 use crate::error::Failure;
+use crate::files::{self, Existing, FileError};
 use env_logger::Env;
 use env_logger::fmt::Formatter;
 use log::Record;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use std::borrow::Cow;
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Version of every `--json` object.
 const JSON_FORMAT: u32 = 1;
 
-/// A result for a person. A reader that went away (`| head`) is no failure.
+/// What went wrong with stdout, told when the command is through.
+static LOST: Mutex<Option<String>> = Mutex::new(None);
+
+/// A result for a person.
 pub(super) fn result(text: &str) {
-    let _ = writeln!(io::stdout().lock(), "{text}");
+    let mut stdout = io::stdout().lock();
+    keep_error(writeln!(stdout, "{text}").and_then(|()| stdout.flush()));
+}
+
+/// A reader that went away (`| head`) is no failure; a full disk is.
+fn keep_error(written: io::Result<()>) {
+    if let Err(error) = written
+        && error.kind() != io::ErrorKind::BrokenPipe
+    {
+        lose(&error.to_string());
+    }
+}
+
+fn lose(why: &str) {
+    LOST.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| why.to_owned());
+}
+
+/// Did every result reach stdout?
+pub(super) fn finish() -> Result<(), Failure> {
+    let lost = LOST.lock().unwrap_or_else(PoisonError::into_inner).take();
+    match lost {
+        None => Ok(()),
+        Some(why) => Err(Failure::failed(format!("could not write the result to standard output: {why}"))
+            .next("send it to a file on a disk with space; files that were asked for are written")),
+    }
 }
 
 /// The one object of `--json`: the command's own fields behind its name.
@@ -27,20 +57,54 @@ pub(super) fn json(command: &str, fields: &impl Serialize) {
         fields: &'a T,
     }
     let object = Object { format: JSON_FORMAT, command, fields };
-    let text = serde_json::to_string_pretty(&object).expect("plain numbers and texts");
-    result(&text);
+    match serde_json::to_string_pretty(&object) {
+        Ok(text) => result(&text),
+        Err(error) => lose(&error.to_string()),
+    }
 }
 
-/// Writes a picture, a report or a program that was asked for.
-pub(super) fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|error| not_written(path, &error))
+/// A path in a `--json` object; what is not UTF-8 in it stands there as �.
+pub(super) fn lossy<S: Serializer>(path: &impl AsRef<Path>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(&path.as_ref().display())
 }
 
-/// Why a file or folder that was asked for is not there.
-pub(super) fn not_written(path: &Path, error: &io::Error) -> Failure {
-    Failure::failed(format!("could not write {}: {error}", path.display()))
-        .next("name one in a folder that exists and may be written to")
+/// Several of them.
+pub(super) fn all_lossy<S: Serializer>(paths: &impl AsRef<[PathBuf]>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(paths.as_ref().iter().map(|path| path.to_string_lossy()))
 }
+
+/// Writes a picture, a report or a program that was asked for; replaces a file with `force` only.
+pub(super) fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure> {
+    Ok(files::write(path, text, Existing::forced(force))?)
+}
+
+/// May these files be written by a command that reads those? Asked before anything is computed.
+pub(super) fn check(writes: &[&Path], reads: &[&Path], force: bool) -> Result<(), Failure> {
+    Ok(files::check(writes, reads, Existing::forced(force))?)
+}
+
+/// Makes a folder for pictures or pages that were asked for.
+pub(super) fn make_folder(path: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(path).map_err(|source| FileError::Io { path: path.to_owned(), source }.into())
+}
+
+/// A command line for a person to copy, its words quoted where a shell would take them apart.
+pub(super) fn command(words: &[&str]) -> String {
+    words.iter().map(|word| shlex::try_quote(word).unwrap_or(Cow::Borrowed(word))).collect::<Vec<_>>().join(" ")
+}
+
+/// Recordings in such a line; of many only the first, and their number.
+pub(super) fn recordings(paths: &[PathBuf]) -> String {
+    let names: Vec<_> = paths.iter().map(|path| path.to_string_lossy()).collect();
+    let words: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+    match words.len() {
+        n if n > MOST_NAMED => format!("{} … (the same {n} recordings)", command(&words[..1])),
+        _ => command(&words),
+    }
+}
+
+/// More recordings than so many are counted in a line to copy.
+const MOST_NAMED: usize = 8;
 
 /// Set once, before the command begins.
 static QUIET: AtomicBool = AtomicBool::new(false);

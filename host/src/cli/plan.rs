@@ -27,6 +27,7 @@ when a wrong model moves its parameters as far as the recordings allow.";
 
 #[derive(Serialize)]
 struct Planned<'a> {
+    #[serde(serialize_with = "output::all_lossy")]
     recordings: &'a [PathBuf],
     models: Vec<String>,
     undecided: &'a [&'static str],

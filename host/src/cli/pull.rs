@@ -34,12 +34,13 @@ Example:
 struct Pulled {
     port: String,
     firmware: String,
+    #[serde(serialize_with = "output::lossy")]
     file: PathBuf,
     parameters: Vec<rig::Value>,
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    rig::refuse_existing(&options.output, options.force)?;
+    output::check(&[&options.output], &[], options.force)?;
     let mut session = port::connect(&options.port)?;
     let file = if options.output.exists() { updated(options, &mut session)? } else { session.model_file()? };
     file.save(&options.output)?;

@@ -62,6 +62,7 @@ Ctrl-C ends a recording early and keeps it. The file holds raw, unfiltered angle
 
 #[derive(Serialize)]
 struct Recorded {
+    #[serde(serialize_with = "output::lossy")]
     file: PathBuf,
     rate_hz: f32,
     n_samples: usize,
@@ -75,10 +76,9 @@ struct Recorded {
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut session = port::connect(&options.port)?;
-    let existing = if options.force { Existing::Overwrite } else { Existing::Keep };
     let before = options.rate.map(|rate_hz| sample_at(&mut session, rate_hz)).transpose()?;
     let rate_hz = session.settings()?.rate_hz;
-    let taken = take(&mut session, &options.output, existing, &options.patience);
+    let taken = take(&mut session, &options.output, Existing::forced(options.force), &options.patience);
     if let Some(before) = before {
         // The link may be what broke.
         let _ = session.tell(&Command::SetSettings(before));

@@ -3,6 +3,7 @@
 use super::number::with_spread;
 use super::output;
 use crate::error::Failure;
+use crate::files::are_one;
 use crate::link::Session;
 use crate::rigfile::{Quantity, RigFile, Source, USUAL_NAME};
 use serde::Serialize;
@@ -37,13 +38,22 @@ pub(super) fn source(session: &Session) -> Source {
     Source { method: format!("read from {}", session.rig().name), recordings: Vec::new() }
 }
 
-/// Refuses to write over a file that was not meant.
-pub(super) fn refuse_existing(path: &Path, force: bool) -> Result<(), Failure> {
-    if force || !path.exists() {
-        return Ok(());
-    }
-    Err(Failure::wrong_use(format!("{} exists already", path.display()))
-        .next("choose another name with -o, or replace it with --force"))
+/// May a command that reads a model file and recordings write its own model and drawing? The model file that it reads
+/// may be updated in place.
+pub(super) fn check_outputs(
+    rig: Option<&Path>,
+    model: Option<&Path>,
+    drawing: Option<&Path>,
+    recordings: &[&[PathBuf]],
+    force: bool,
+) -> Result<(), Failure> {
+    let rig = chosen_path(rig);
+    let recordings = || recordings.iter().flat_map(|paths| paths.iter()).map(PathBuf::as_path);
+    let all: Vec<&Path> = model.into_iter().chain(drawing).collect();
+    output::check(&all, &recordings().collect::<Vec<_>>(), true)?;
+    let is_update = |path: &&Path| rig.as_deref().is_some_and(|rig| are_one(path, rig));
+    let new: Vec<&Path> = model.filter(|path| !is_update(path)).into_iter().chain(drawing).collect();
+    output::check(&new, &recordings().chain(rig.as_deref()).collect::<Vec<_>>(), force)
 }
 
 /// A number of the model, as `--json` shows it.

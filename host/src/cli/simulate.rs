@@ -82,6 +82,7 @@ Example:
 
 #[derive(Serialize)]
 struct Simulated {
+    #[serde(serialize_with = "output::lossy")]
     file: PathBuf,
     n_samples: usize,
     rate_hz: f64,
@@ -156,7 +157,8 @@ fn check(options: &Options, path: &Path) -> Result<(), Failure> {
         let what = format!("{} s at {} Hz is too much", options.seconds, options.rate);
         return Err(Failure::wrong_use(what).next(format!("stay within {LONGEST_S} s and {HIGHEST_RATE_HZ} Hz")));
     }
-    rig::refuse_existing(path, options.force)
+    let rig = rig::chosen_path(options.rig.as_deref()).filter(|_| options.scenario.is_none());
+    output::check(&[path], &rig.as_deref().into_iter().collect::<Vec<_>>(), options.force)
 }
 
 fn with(
@@ -188,8 +190,7 @@ fn write(
     parameters: &Parameters<f64>,
     converter: Option<Potentiometer>,
 ) -> Result<Simulated, WriteError> {
-    let existing = if options.force { Existing::Overwrite } else { Existing::Keep };
-    let mut writer = Writer::create(path, &header(options, converter), existing)?;
+    let mut writer = Writer::whole(path, &header(options, converter), Existing::forced(options.force))?;
     let model = Model::new(parameters);
     let mut state = model.release(options.start, 0.0);
     let mut sensor = model.sensor_at_rest(&state);

@@ -24,6 +24,12 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Two numbers, such as `320,40`.
+pub(super) fn point(text: &str) -> Result<[f64; 2], String> {
+    let (x, y) = text.split_once(',').ok_or("expected X,Y, such as 320,40")?;
+    Ok([finite(x.trim())?, finite(y.trim())?])
+}
+
 /// A formula, such as `torque = -k*omega; k in 0..1e-3 N·m`.
 pub(super) fn custom_effect(text: &str) -> Result<&'static Effect<f64>, String> {
     // The command line's own sentence comes first; the formula with its mark begins on a line of its own.

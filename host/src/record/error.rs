@@ -1,6 +1,7 @@
 //! What leaves no recording.
 
 use crate::error::Failure;
+use crate::files::FileError;
 use crate::link::LinkError;
 use crate::recording::WriteError;
 use thiserror::Error;
@@ -45,10 +46,7 @@ impl From<RecordError> for Failure {
     fn from(error: RecordError) -> Self {
         let hint = match error {
             RecordError::Link(error) => return error.into(),
-            RecordError::Write(WriteError::Exists { path }) => {
-                return Self::wrong_use(format!("{} exists already", path.display()))
-                    .next("choose another name with -o, or replace it with --force");
-            }
+            RecordError::Write(WriteError::Exists { path }) => return FileError::Exists { path }.into(),
             RecordError::Write(_) => return Self::failed(error),
             RecordError::Disconnected { .. } => {
                 "check the potentiometer's three wires, and that the pendulum hangs in the middle of its travel"

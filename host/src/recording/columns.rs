@@ -1,9 +1,10 @@
 //! Which column of a table is time, which is angle, and in what unit.
 //!
-//! By the words of the column names, or as told: `t=0,theta=2`, `t=time,theta=angle`, with units `t=0:ms,theta=2:deg`.
+//! By the words of the column names, in five languages (`words.rs`), or as told: `t=0,theta=2`, `t=time,theta=angle`,
+//! with units `t=0:ms,theta=2:deg`. A point on the pendulum, followed in a video, is told as `t=0,x=1,y=2`.
 
+use super::words::{self, angle_unit, time_unit};
 use std::str::FromStr;
-
 use thiserror::Error;
 
 /// The user's choice of columns; what is not named is looked for.
@@ -15,6 +16,12 @@ pub struct Columns {
     pub angle: Option<(ColumnRef, Option<AngleUnit>)>,
     /// Converter code column.
     pub code: Option<ColumnRef>,
+    /// Columns of a point on the pendulum: to the right, and up or down.
+    pub x: Option<ColumnRef>,
+    /// See `x`.
+    pub y: Option<ColumnRef>,
+    /// Angular velocity column and its unit.
+    pub rate: Option<(ColumnRef, Option<AngleUnit>)>,
 }
 
 /// A column by place or by name.
@@ -37,6 +44,10 @@ pub enum TimeUnit {
     Microseconds,
     /// min
     Minutes,
+    /// ns
+    Nanoseconds,
+    /// days, as spreadsheets count them
+    Days,
 }
 
 /// Unit of an angle column.
@@ -46,6 +57,12 @@ pub enum AngleUnit {
     Radians,
     /// degrees
     Degrees,
+    /// thousandths of a radian
+    Milliradians,
+    /// gon, 400 to a turn
+    Gradians,
+    /// turns
+    Turns,
 }
 
 /// What is wrong with a choice of columns.
@@ -58,7 +75,7 @@ pub enum ColumnsError {
         part: String,
     },
     /// A left side that is not known.
-    #[error("--columns: \"{role}\" is not known; expected t, theta or code, such as t=0,theta=2")]
+    #[error("--columns: \"{role}\" is not known; expected t, theta or code, or x and y, such as t=0,theta=2")]
     UnknownRole {
         /// As written.
         role: String,
@@ -70,7 +87,9 @@ pub enum ColumnsError {
         role: String,
     },
     /// A unit that does not fit.
-    #[error("--columns: \"{unit}\" is no unit of {role}; expected s, ms, us or min for t, rad or deg for theta")]
+    #[error(
+        "--columns: \"{unit}\" is no unit of {role}; expected s, ms, us, ns, min or day for t, rad, deg, mrad, gon or turn for theta, rad/s or deg/s for rate"
+    )]
     UnknownUnit {
         /// Left side.
         role: String,
@@ -87,6 +106,8 @@ impl TimeUnit {
             Self::Milliseconds => 1e-3,
             Self::Microseconds => 1e-6,
             Self::Minutes => 60.0,
+            Self::Nanoseconds => 1e-9,
+            Self::Days => 86_400.0,
         }
     }
 }
@@ -97,6 +118,9 @@ impl AngleUnit {
         match self {
             Self::Radians => 1.0,
             Self::Degrees => 1f64.to_radians(),
+            Self::Milliradians => 1e-3,
+            Self::Gradians => std::f64::consts::TAU / 400.0,
+            Self::Turns => std::f64::consts::TAU,
         }
     }
 }
@@ -131,6 +155,11 @@ impl Columns {
                 parse_unit(role, unit, |_| None::<()>)?;
                 put(&mut self.code, role, column)
             }
+            "x" | "y" => {
+                parse_unit(role, unit, |_| None::<()>)?;
+                put(if role.eq_ignore_ascii_case("x") { &mut self.x } else { &mut self.y }, role, column)
+            }
+            "rate" | "omega" => put(&mut self.rate, role, (column, parse_unit(role, unit, rate_unit)?)),
             _ => Err(ColumnsError::UnknownRole { role: role.to_owned() }),
         }
     }
@@ -155,141 +184,13 @@ impl From<&str> for ColumnRef {
     }
 }
 
-/// What a column name says about its content.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Meaning {
-    /// Time, with the unit if the name has one; `strength` orders several candidates.
-    Time { unit: Option<TimeUnit>, strength: u8 },
-    /// Angle, likewise.
-    Angle { unit: Option<AngleUnit>, strength: u8 },
-    /// Converter code.
-    Code,
-    /// Something else, such as a velocity.
-    Other,
-}
-
-const NAMES_THE_THING: u8 = 2;
-const NAMES_A_UNIT: u8 = 1;
-
-/// Words after which a column is not the angle itself, whatever else it says.
-const DERIVED: &[&str] = &[
-    "omega",
-    "velocity",
-    "vel",
-    "speed",
-    "acceleration",
-    "acc",
-    "accel",
-    "alpha",
-    "rate",
-    "dot",
-    "target",
-    "setpoint",
-];
-const TIME: &[&str] = &["t", "time", "times", "timestamp", "zeit", "elapsed"];
-const ANGLE: &[&str] = &["theta", "angle", "position", "pos", "phi", "winkel", "θ", "φ"];
-const CODE: &[&str] = &["code", "codes", "adc"];
-
-/// Reads the words of a column name: `Time [s]`, `time_ms`, `angle (deg)`, `thetaRad`, `Winkel / °`.
-pub(super) fn meaning(name: &str) -> Meaning {
-    let words = words(name);
-    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
-    let time = words.iter().rev().find_map(|word| time_unit(word));
-    let angle = words.iter().rev().find_map(|word| angle_unit(word));
-    // rad/s, deg/s: an angle and a time unit in one name is a velocity.
-    if has(DERIVED) || (angle.is_some() && time.is_some()) {
-        return Meaning::Other;
-    }
-    if has(TIME) {
-        return Meaning::Time { unit: time, strength: NAMES_THE_THING };
-    }
-    if has(ANGLE) {
-        return Meaning::Angle { unit: angle, strength: NAMES_THE_THING };
-    }
-    match (has(CODE), time, angle) {
-        (true, ..) => Meaning::Code,
-        (_, Some(_), _) => Meaning::Time { unit: time, strength: NAMES_A_UNIT },
-        (.., Some(_)) => Meaning::Angle { unit: angle, strength: NAMES_A_UNIT },
-        _ => Meaning::Other,
-    }
-}
-
-/// Whether a cell is nothing but a unit, as in a second header line.
-pub(super) fn is_unit(cell: &str) -> bool {
-    let cell = cell.trim_matches(['[', ']', '(', ')', ' ']).to_lowercase();
-    time_unit(&cell).is_some() || angle_unit(&cell).is_some() || matches!(cell.as_str(), "rad/s" | "deg/s" | "°/s")
-}
-
-fn time_unit(word: &str) -> Option<TimeUnit> {
-    match word {
-        "s" | "sec" | "secs" | "second" | "seconds" => Some(TimeUnit::Seconds),
-        "ms" | "msec" | "millis" | "millisecond" | "milliseconds" => Some(TimeUnit::Milliseconds),
-        "us" | "µs" | "μs" | "usec" | "micros" | "microsecond" | "microseconds" => Some(TimeUnit::Microseconds),
-        "min" | "minute" | "minutes" => Some(TimeUnit::Minutes),
-        _ => None,
-    }
-}
-
-fn angle_unit(word: &str) -> Option<AngleUnit> {
-    match word {
-        "rad" | "rads" | "radian" | "radians" => Some(AngleUnit::Radians),
-        "deg" | "degs" | "degree" | "degrees" | "°" => Some(AngleUnit::Degrees),
-        _ => None,
-    }
-}
-
-/// Lower-case words of a name, split at signs and where a small letter meets a capital; digits at the end fall off.
-fn words(name: &str) -> Vec<String> {
-    let mut spaced = String::new();
-    let mut before_is_small = false;
-    for letter in name.chars() {
-        if before_is_small && letter.is_uppercase() {
-            spaced.push(' ');
-        }
-        before_is_small = letter.is_lowercase();
-        spaced.push(letter);
-    }
-    spaced
-        .to_lowercase()
-        .split(|letter: char| !letter.is_alphanumeric() && letter != '°')
-        .map(|word| word.trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned())
-        .filter(|word| !word.is_empty())
-        .collect()
+fn rate_unit(unit: &str) -> Option<AngleUnit> {
+    unit.strip_suffix("/s").and_then(words::angle_unit)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_of_many_labs_are_understood() {
-        let time = |unit| Meaning::Time { unit, strength: NAMES_THE_THING };
-        let angle = |unit| Meaning::Angle { unit, strength: NAMES_THE_THING };
-        let cases = [
-            ("t", time(None)),
-            ("Time [s]", time(Some(TimeUnit::Seconds))),
-            ("time_ms", time(Some(TimeUnit::Milliseconds))),
-            ("timestamp_us", time(Some(TimeUnit::Microseconds))),
-            ("timeMs", time(Some(TimeUnit::Milliseconds))),
-            ("ms", Meaning::Time { unit: Some(TimeUnit::Milliseconds), strength: NAMES_A_UNIT }),
-            ("seconds", Meaning::Time { unit: Some(TimeUnit::Seconds), strength: NAMES_A_UNIT }),
-            ("theta", angle(None)),
-            ("THETA1", angle(None)),
-            ("angle (deg)", angle(Some(AngleUnit::Degrees))),
-            ("Winkel / °", angle(Some(AngleUnit::Degrees))),
-            ("position_rad", angle(Some(AngleUnit::Radians))),
-            ("deg", Meaning::Angle { unit: Some(AngleUnit::Degrees), strength: NAMES_A_UNIT }),
-            ("omega", Meaning::Other),
-            ("angle rate", Meaning::Other),
-            ("theta_dot", Meaning::Other),
-            ("v (rad/s)", Meaning::Other),
-            ("adc_code", Meaning::Code),
-            ("voltage", Meaning::Other),
-        ];
-        for (name, expected) in cases {
-            assert_eq!(meaning(name), expected, "{name}");
-        }
-    }
 
     #[test]
     fn columns_by_number_name_and_unit_are_parsed() {
@@ -305,7 +206,7 @@ mod tests {
             ("", "has no column"),
             ("t", "has no column"),
             ("t=", "has no column"),
-            ("x=1", "expected t, theta or code"),
+            ("z=1", "expected t, theta or code"),
             ("t=0,t=1", "given twice"),
             ("theta=0:furlong", "expected s, ms"),
             ("code=0:deg", "no unit of code"),

@@ -6,7 +6,8 @@ use thiserror::Error;
 
 use super::columns::ColumnsError;
 use super::header::{FORMAT_NAME, FORMAT_VERSION};
-use super::{LARGEST_RAD, MIN_SAMPLES, read};
+use super::{LARGEST_RAD, MIN_SAMPLES, angle, read};
+use crate::files::FileError;
 
 /// A file that could not be read as a recording.
 #[derive(Debug, Error)]
@@ -57,7 +58,7 @@ pub enum Fault {
     },
     /// Text, nothing, NaN or infinity where a number belongs.
     #[error(
-        "{place}, column {column}: \"{value}\" is not a finite number; correct or delete that row, \
+        "{place}, column {column}: \"{value}\" is not a finite number; correct or delete that row (an empty cell is a gap), \
          or choose other columns with --columns"
     )]
     NotANumber {
@@ -134,7 +135,7 @@ pub enum Fault {
     #[error(
         "angles reach {largest}, expected at most {limit} rad for a pendulum; if they are degrees say --degrees, \
          if it really turned over say --radians",
-        limit = read::LARGEST_UNSTATED_RAD
+        limit = angle::LARGEST_UNSTATED_RAD
     )]
     LooksLikeDegrees {
         /// Largest magnitude in the column.
@@ -199,6 +200,107 @@ pub enum Fault {
         /// What stands there.
         value: String,
     },
+    /// A format of another program that is not read as it is.
+    #[error("this is a {format}: {problem}")]
+    Foreign {
+        /// What it is.
+        format: &'static str,
+        /// What is in the way, and what to do.
+        problem: String,
+    },
+    /// Decimal commas between commas.
+    #[error(
+        "the rows have twice as many fields as there are names: commas stand for decimals and between columns; \
+         export it with semicolons or tabs between the columns, or with decimal points"
+    )]
+    BareCommas,
+    /// Thousands marks after numbers that would have to be read anew.
+    #[error(
+        "line {line}: \"{value}\" has a mark for thousands, but the same mark was read as the decimal one before; \
+         export the file without marks for thousands"
+    )]
+    ThousandsTooLate {
+        /// Line, counted from 1.
+        line: usize,
+        /// What stands there.
+        value: String,
+    },
+    /// Rates are not fitted.
+    #[error(
+        "column {column} is an angular velocity (a gyroscope, a tachometer); what is fitted is the angle, so name a \
+         column of angles with --columns theta=..., or record the angle"
+    )]
+    RateColumn {
+        /// Name or number of the column.
+        column: String,
+    },
+    /// More than one swing can be.
+    #[error(
+        "more than {} samples, which is more than a free swing has; cut the file, or thin it to 1000 samples a second",
+        read::MOST_SAMPLES
+    )]
+    TooManySamples,
+    /// More bytes than any recording has.
+    #[error("the file is too large: a table may have 4 GB, any other format 256 MB, a line 1 MB; cut it into parts")]
+    TooLarge,
+    /// A swing too fast or too slow for the unit of time that was assumed.
+    #[error(
+        "it swings there and back in {period_s:.3e} s; expected {shortest_s} to {longest_s} s for a pendulum, so the unit of \
+         the time is not what it seems: say it, --columns t=0:ms,theta=1 (s, ms, us, ns, min, day)"
+    )]
+    ImpossiblePeriod {
+        /// As read, s.
+        period_s: f64,
+        /// Limits, s.
+        shortest_s: f64,
+        /// Limits, s.
+        longest_s: f64,
+    },
+    /// The period does not depend on the amplitude as it would if the angles were radians.
+    #[error(
+        "read as radians the angles reach {largest_rad:.3}, and the period should be {predicted_percent:.1} % longer in the \
+         largest swings than in the smallest, but is {found_percent:.1} %: these are degrees (say --degrees) or angular \
+         velocities (a column of angles is needed); if they are radians all the same, say --radians"
+    )]
+    NotRadians {
+        /// Largest angle as read, rad.
+        largest_rad: f64,
+        /// By the pendulum's law, percent.
+        predicted_percent: f64,
+        /// As measured, percent.
+        found_percent: f64,
+    },
+    /// The period depends on the amplitude as it would for angles many times as large.
+    #[error(
+        "read in {unit} the angles reach {largest_rad:.4} rad, but the period grows with the amplitude as it does for \
+         angles {factor:.0} times as large: these are radians; say --radians, or --degrees if they are degrees all the same"
+    )]
+    NotDegrees {
+        /// The unit as stated.
+        unit: &'static str,
+        /// Largest angle as read, rad.
+        largest_rad: f64,
+        /// How many times too small.
+        factor: f64,
+    },
+    /// x and y that lie on no circle.
+    #[error(
+        "x and y lie {off_percent:.1} % of the radius off a circle; expected a point on the pendulum: film square to the \
+         plane of the swing and from far away, or choose other columns with --columns t=0,x=1,y=2"
+    )]
+    NoCircle {
+        /// Typical distance from the circle, percent of the radius.
+        off_percent: f64,
+    },
+    /// An arc too short to tell where the pivot is.
+    #[error(
+        "x and y cover too short an arc to tell where the pivot is: its distance is known to {spread_percent:.0} % only; say \
+         where it is, --pivot X,Y in the units of the file, or release from a larger angle"
+    )]
+    ShortArc {
+        /// Standard deviation of the radius, percent.
+        spread_percent: f64,
+    },
     /// `--columns` could not be understood.
     #[error(transparent)]
     Columns(#[from] ColumnsError),
@@ -218,7 +320,7 @@ pub enum Fault {
 #[derive(Debug, Error)]
 pub enum WriteError {
     /// The file is there already.
-    #[error("{} exists already; choose another name, or allow it to be replaced with --overwrite", path.display())]
+    #[error("{} exists already; choose another name, or allow it to be replaced with --force", path.display())]
     Exists {
         /// The file.
         path: PathBuf,
@@ -245,13 +347,24 @@ pub enum WriteError {
     },
 }
 
+impl From<FileError> for WriteError {
+    fn from(error: FileError) -> Self {
+        match error {
+            FileError::Io { path, source } => Self::Io { path, source },
+            FileError::Exists { path } | FileError::IsRead { path } | FileError::Twice { path } => {
+                Self::Exists { path }
+            }
+        }
+    }
+}
+
 /// Time must increase from one sample to the next.
-pub(super) fn check_step(place: &str, before_s: f64, after_s: f64) -> Result<(), Fault> {
+pub(super) fn check_step(place: impl Fn() -> String, before_s: f64, after_s: f64) -> Result<(), Fault> {
     if after_s < before_s {
-        return Err(Fault::TimeBackwards { place: place.to_owned(), before_s, after_s });
+        return Err(Fault::TimeBackwards { place: place(), before_s, after_s });
     }
     if after_s == before_s {
-        return Err(Fault::TimeRepeats { place: place.to_owned(), time_s: after_s });
+        return Err(Fault::TimeRepeats { place: place(), time_s: after_s });
     }
     Ok(())
 }

@@ -1,33 +1,46 @@
-//! Bytes of any CSV-like file → lines, separator, column names and where the numbers begin.
+//! Lines of any CSV-like file → separator, column names, and rows one after the other.
 //!
-//! Understands `,` `;` tab and spaces, decimal commas (unless `,` separates), comment and header lines of any number,
-//! byte order marks, CRLF, UTF-16 and Latin-1. Rows are split here but judged in `read.rs`.
+//! Understands `,` `;` tab and spaces, quoted fields, comment and header lines of any number. The layout is found from the
+//! first lines; rows are split here but judged in `read.rs`.
 
-use super::columns::{Meaning, is_unit, meaning};
+use super::clock;
 use super::error::Fault;
+use super::number::{Cell, Numerals, is_missing};
+use super::source::Lines;
+use super::words::{Meaning, is_unit, meaning};
+use std::collections::VecDeque;
 
-/// How many lines are looked at to find the separator.
+/// How many lines are looked at to find the layout.
 const N_LINES_LOOKED_AT: usize = 200;
 
+/// Comments and blank lines above the table may be more.
+const MOST_LINES_HELD: usize = 5000;
+
 /// A text with its lines counted from 1 and its layout found.
-pub(super) struct Table {
-    text: String,
+pub(super) struct Table<'a> {
+    lines: Lines<'a>,
+    /// Lines read to find the layout, from the first row of numbers on.
+    held: VecDeque<Line>,
     separator: Separator,
-    /// Index of the first line of numbers.
-    first_row_idx: usize,
     /// Column names, when a line above the numbers has them.
     pub(super) names: Option<Vec<String>>,
     /// Columns of the first row.
     pub(super) n_columns: usize,
+    /// What the first rows tell of the decimal mark.
+    pub(super) numerals: Numerals,
+    comments: Vec<(usize, String)>,
+    row: Line,
+    n_lines: usize,
 }
 
-/// One row of the table.
-pub(super) struct Row<'a> {
-    /// Line, counted from 1.
-    pub(super) line: usize,
-    pub(super) fields: Vec<&'a str>,
+/// One line.
+#[derive(Debug, Clone, Default)]
+struct Line {
+    /// Counted from 1.
+    number: usize,
+    text: String,
     /// Whether a line end follows; without one the row may be cut off.
-    pub(super) is_complete: bool,
+    is_complete: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,41 +53,72 @@ enum Separator {
 
 const SEPARATORS: [Separator; 4] = [Separator::Semicolon, Separator::Tab, Separator::Comma, Separator::Space];
 
-impl Table {
+impl<'a> Table<'a> {
     /// Finds the layout of a file.
-    pub(super) fn new(bytes: &[u8]) -> Result<Self, Fault> {
-        let text = decode(bytes)?;
-        if text.trim().is_empty() {
+    pub(super) fn new(mut lines: Lines<'a>) -> Result<Self, Fault> {
+        let held = first_lines(&mut lines)?;
+        if held.iter().all(|line| line.text.trim().is_empty()) {
             return Err(Fault::Empty);
         }
-        let separator = find_separator(&text);
-        let lines: Vec<&str> = text.lines().collect();
-        let n_typical = typical_n_numbers(&text, separator);
-        let is_row = |line: &&str| !is_comment(line) && n_numbers(line, separator) >= n_typical;
-        let no_numbers = Fault::NoNumbers { n_lines: lines.len() };
-        let first_row_idx = lines.iter().position(is_row).ok_or(no_numbers)?;
-        let n_columns = split(lines[first_row_idx], separator).len();
-        let names = find_names(&lines[..first_row_idx], separator, n_columns);
-        Ok(Self { separator, first_row_idx, names, n_columns, text })
+        let n_lines = held.len();
+        let texts: Vec<&str> = held.iter().map(|line| line.text.as_str()).collect();
+        let separator = find_separator(&texts);
+        let typical = Typical::of(&texts, separator);
+        let is_row = |line: &&str| !is_comment(line) && typical.is_row(line, separator);
+        let first_row_idx = texts.iter().position(is_row).ok_or(Fault::NoNumbers { n_lines })?;
+        let n_columns = split(texts[first_row_idx], separator).len();
+        let names = find_names(&texts[..first_row_idx], separator, n_columns);
+        if separator == Separator::Comma && names_fit_pairs(texts[..first_row_idx].last(), n_columns) {
+            return Err(Fault::BareCommas);
+        }
+        let numerals = learnt(&texts[first_row_idx..], separator);
+        let comments = held.iter().filter(|line| is_comment(&line.text)).map(|line| (line.number, line.text.clone()));
+        let comments = comments.collect();
+        let held = held.into_iter().skip(first_row_idx).collect();
+        Ok(Self { lines, held, separator, names, n_columns, numerals, comments, row: Line::default(), n_lines })
     }
 
-    /// Comment lines with their numbers from 1.
+    /// Comment lines among the first lines, with their numbers from 1.
     pub(super) fn comments(&self) -> impl Iterator<Item = (usize, &str)> {
-        self.text.lines().enumerate().filter(|(_, line)| is_comment(line)).map(|(idx, line)| (idx + 1, line))
+        self.comments.iter().map(|(number, text)| (*number, text.as_str()))
     }
 
-    /// Rows from the first one of numbers on, without comments and blank lines.
-    pub(super) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
-        self.text
-            .split_inclusive('\n')
-            .enumerate()
-            .skip(self.first_row_idx)
-            .filter(|(_, line)| !line.trim().is_empty() && !is_comment(line))
-            .map(|(idx, line)| Row {
-                line: idx + 1,
-                fields: split(line.trim_end_matches(['\n', '\r']), self.separator),
-                is_complete: line.ends_with('\n'),
-            })
+    /// Goes on to the next row, past comments and blank lines; false behind the last.
+    pub(super) fn advance(&mut self) -> Result<bool, Fault> {
+        loop {
+            match self.held.pop_front() {
+                Some(line) => self.row = line,
+                None => {
+                    let Some(is_complete) = self.lines.next_into(&mut self.row.text)? else { return Ok(false) };
+                    self.n_lines += 1;
+                    self.row.number = self.n_lines;
+                    self.row.is_complete = is_complete;
+                }
+            }
+            if !self.row.text.trim().is_empty() && !is_comment(&self.row.text) {
+                return Ok(true);
+            }
+        }
+    }
+
+    /// The fields of the row.
+    pub(super) fn fields(&self) -> Vec<&str> {
+        split(&self.row.text, self.separator)
+    }
+
+    /// Line of the row, counted from 1.
+    pub(super) fn line(&self) -> usize {
+        self.row.number
+    }
+
+    /// Whether a line end follows the row; without one it may be cut off.
+    pub(super) fn is_complete(&self) -> bool {
+        self.row.is_complete
+    }
+
+    /// The fields of the first row, before any was read.
+    pub(super) fn first_fields(&self) -> Vec<&str> {
+        self.held.front().map(|line| split(&line.text, self.separator)).unwrap_or_default()
     }
 
     /// What a message calls column `idx`.
@@ -92,39 +136,34 @@ impl Table {
             None => format!("{} columns without names, counted from 0", self.n_columns),
         }
     }
-
-    /// The field as a number. NaN and infinity parse here; the caller refuses them.
-    pub(super) fn number(&self, field: &str) -> Option<f64> {
-        number(field, self.separator)
-    }
 }
 
-fn decode(bytes: &[u8]) -> Result<String, Fault> {
-    match bytes {
-        [0xff, 0xfe, rest @ ..] => return refuse_control(utf16(rest, u16::from_le_bytes)),
-        [0xfe, 0xff, rest @ ..] => return refuse_control(utf16(rest, u16::from_be_bytes)),
-        _ => {}
+fn first_lines(lines: &mut Lines) -> Result<Vec<Line>, Fault> {
+    let mut held = Vec::new();
+    let mut n_filled = 0;
+    let mut line = Line::default();
+    while n_filled < N_LINES_LOOKED_AT && held.len() < MOST_LINES_HELD {
+        let Some(is_complete) = lines.next_into(&mut line.text)? else { break };
+        n_filled += usize::from(!line.text.trim().is_empty() && !is_comment(&line.text));
+        held.push(Line { number: held.len() + 1, text: std::mem::take(&mut line.text), is_complete });
     }
-    let bytes = bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes);
-    // A power cut can leave zero bytes behind the last block written.
-    let n_kept = bytes.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
-    let bytes = &bytes[..n_kept];
-    let latin_1 = || bytes.iter().map(|byte| char::from(*byte)).collect();
-    refuse_control(std::str::from_utf8(bytes).map_or_else(|_| latin_1(), str::to_owned))
+    Ok(held)
 }
 
-fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
-    let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
-    String::from_utf16_lossy(&units)
+/// The marks of the numbers in the first rows.
+fn learnt(texts: &[&str], separator: Separator) -> Numerals {
+    let mut numerals = Numerals::new();
+    let cells = texts.iter().filter(|line| !is_comment(line)).flat_map(|line| split(line, separator));
+    for cell in cells {
+        numerals.read(cell);
+    }
+    numerals.without_doubts()
 }
 
-/// Text has no control characters except tab, line ends and form feed.
-fn refuse_control(text: String) -> Result<String, Fault> {
-    let is_foreign = |byte: u8| byte < 0x20 && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0c);
-    match text.bytes().position(is_foreign) {
-        None => Ok(text),
-        Some(position) => Err(Fault::NotText { byte: text.as_bytes()[position], position }),
-    }
+/// Half as many names as fields: commas that are decimal marks as well as separators.
+fn names_fit_pairs(line: Option<&&str>, n_columns: usize) -> bool {
+    let names = line.map_or(0, |line| split(line, Separator::Comma).len());
+    names >= 2 && n_columns == 2 * names
 }
 
 fn is_comment(line: &str) -> bool {
@@ -133,30 +172,55 @@ fn is_comment(line: &str) -> bool {
 }
 
 /// The separator with which the first lines give the most numbers and the least else.
-fn find_separator(text: &str) -> Separator {
-    let score = |separator: Separator| -> usize {
-        let lines = text.lines().filter(|line| !is_comment(line)).take(N_LINES_LOOKED_AT);
-        lines.map(|line| score_of_line(line, separator)).sum()
-    };
+fn find_separator(texts: &[&str]) -> Separator {
+    let lines = || texts.iter().filter(|line| !is_comment(line));
+    let score = |separator: Separator| lines().map(|line| score_of_line(line, separator)).sum::<usize>();
     let mut best = (Separator::Comma, 0);
     for separator in SEPARATORS {
-        if score(separator) > best.1 {
-            best = (separator, score(separator));
+        let score = score(separator);
+        if score > best.1 {
+            best = (separator, score);
         }
     }
     best.0
 }
 
 fn score_of_line(line: &str, separator: Separator) -> usize {
-    let n_fields = split(line, separator).len();
+    // Beside tabs a space parts thousands or words.
+    if separator == Separator::Space && line.contains('\t') && n_numbers(line, Separator::Tab) >= 2 {
+        return 0;
+    }
+    let n_filled = split(line, separator).iter().filter(|field| !field.is_empty()).count();
     let n_numbers = n_numbers(line, separator);
-    if n_numbers < 2 { 0 } else { 2 * n_numbers - n_fields }
+    if n_numbers < 2 { 0 } else { 2 * n_numbers - n_filled }
 }
 
-/// How many numbers most lines have, at least 1: a line such as `serial;7` above the table is no row.
-fn typical_n_numbers(text: &str, separator: Separator) -> usize {
-    let lines = text.lines().filter(|line| !is_comment(line)).take(N_LINES_LOOKED_AT);
-    let mut counts: Vec<usize> = lines.map(|line| n_numbers(line, separator)).filter(|n| *n > 0).collect();
+/// What most lines with numbers are like: a line such as `serial;7` above the table is no row.
+struct Typical {
+    n_numbers: usize,
+    n_fields: usize,
+}
+
+impl Typical {
+    fn of(texts: &[&str], separator: Separator) -> Self {
+        let lines = || texts.iter().filter(|line| !is_comment(line) && n_numbers(line, separator) > 0);
+        let n_numbers = most_frequent(lines().map(|line| n_numbers(line, separator)));
+        let n_fields = most_frequent(lines().map(|line| split(line, separator).len()));
+        Self { n_numbers, n_fields }
+    }
+
+    /// As many numbers as usual, or as many fields, all of them numbers or gaps.
+    fn is_row(&self, line: &str, separator: Separator) -> bool {
+        let fields = split(line, separator);
+        let n = fields.iter().filter(|field| looks_like_number(field, separator)).count();
+        let all = || fields.iter().all(|field| is_missing(field) || looks_like_number(field, separator));
+        n_numbers(line, separator) >= self.n_numbers || (n > 0 && fields.len() == self.n_fields && all())
+    }
+}
+
+/// At least 1.
+fn most_frequent(counts: impl Iterator<Item = usize>) -> usize {
+    let mut counts: Vec<usize> = counts.collect();
     counts.sort_unstable();
     counts.chunk_by(|a, b| a == b).max_by_key(|run| run.len()).map_or(1, |run| run[0])
 }
@@ -164,21 +228,21 @@ fn typical_n_numbers(text: &str, separator: Separator) -> usize {
 /// How many numbers a line has; 0 when fewer than half of its fields are numbers.
 fn n_numbers(line: &str, separator: Separator) -> usize {
     let fields = split(line, separator);
-    let n = fields.iter().filter(|field| number(field, separator).is_some()).count();
+    let n = fields.iter().filter(|field| looks_like_number(field, separator)).count();
     if 2 * n >= fields.len() { n } else { 0 }
 }
 
-fn number(field: &str, separator: Separator) -> Option<f64> {
-    if separator == Separator::Comma || !field.contains(',') {
-        return field.parse().ok();
-    }
-    field.replacen(',', ".", 1).parse().ok()
+/// A number, NaN too, or a clock time. Between commas a space does not part thousands.
+fn looks_like_number(field: &str, separator: Separator) -> bool {
+    let is_number = || field.parse::<f64>().is_ok() || matches!(Numerals::new().read(field), Cell::Number(_));
+    let parts_thousands = separator != Separator::Comma || !field.contains(' ');
+    (parts_thousands && is_number()) || clock::read(field).is_some()
 }
 
 fn split(line: &str, separator: Separator) -> Vec<&str> {
     let line = line.trim_end_matches(['\r', ' ']);
     match separator {
-        Separator::Space => line.split_whitespace().map(bare).collect(),
+        Separator::Space => line.split_ascii_whitespace().map(bare).collect(),
         Separator::Semicolon => split_outside_quotes(line, ';'),
         Separator::Tab => split_outside_quotes(line, '\t'),
         Separator::Comma => split_outside_quotes(line, ','),
@@ -235,9 +299,13 @@ fn split_names(line: &str, separator: Separator) -> Vec<String> {
 mod tests {
     use super::*;
 
+    fn table(bytes: &[u8]) -> Result<Table<'_>, Fault> {
+        Table::new(Lines::of(bytes, &mut Vec::new())?)
+    }
+
     fn layout(text: &str) -> (Separator, Option<Vec<String>>, usize) {
-        let table = Table::new(text.as_bytes()).unwrap();
-        (table.separator, table.names, table.first_row_idx)
+        let table = table(text.as_bytes()).unwrap();
+        (table.separator, table.names.clone(), table.held[0].number - 1)
     }
 
     fn names(names: &[&str]) -> Option<Vec<String>> {
@@ -266,18 +334,19 @@ mod tests {
     #[test]
     fn utf_16_and_latin_1_are_read() {
         let utf_16: Vec<u8> = "\u{feff}t,angle (°)\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
-        assert_eq!(Table::new(&utf_16).unwrap().names, names(&["t", "angle (°)"]));
+        assert_eq!(table(&utf_16).unwrap().names, names(&["t", "angle (°)"]));
         let latin_1 = b"t,angle (\xb0)\n0,1\n";
-        assert_eq!(Table::new(latin_1).unwrap().names, names(&["t", "angle (°)"]));
+        assert_eq!(table(latin_1).unwrap().names, names(&["t", "angle (°)"]));
     }
 
     #[test]
     fn binary_garbage_is_named_as_such() {
-        assert!(matches!(Table::new(b"\x7fELF\x02\x01\x01\0\0\x03"), Err(Fault::NotText { byte: 2, .. })));
+        assert!(matches!(table(b"\x7fELF\x02\x01\x01\0\0\x03"), Err(Fault::NotText { byte: 2, .. })));
     }
 
     #[test]
     fn zero_bytes_left_by_a_power_cut_are_dropped() {
-        assert_eq!(Table::new(b"t,theta\n0,1\n\0\0\0\0").unwrap().rows().count(), 1);
+        let mut table = table(b"t,theta\n0,1\n\0\0\0\0").unwrap();
+        assert!(table.advance().unwrap() && !table.advance().unwrap());
     }
 }

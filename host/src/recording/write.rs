@@ -3,13 +3,13 @@
 //! What was taken reaches the file at least once per second of recorded time, and every line ends with a line end: a
 //! program killed in the middle leaves a file that reads back up to its last second.
 
-use std::fs::{File, OpenOptions};
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, Write};
+use std::path::Path;
 
 use super::Recording;
 use super::error::WriteError;
 use super::header::{FORMAT_VERSION, Header};
+use crate::files::{Existing, NewFile};
 
 /// Recorded time after which samples are handed to the system, s.
 const FLUSH_EVERY_S: f64 = 1.0;
@@ -17,20 +17,10 @@ const FLUSH_EVERY_S: f64 = 1.0;
 /// Times are written to the microsecond.
 const TICKS_PER_S: f64 = 1e6;
 
-/// What to do when the file is there already.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Existing {
-    /// Refuse.
-    Keep,
-    /// Replace it.
-    Overwrite,
-}
-
 /// An open recording.
 #[derive(Debug)]
 pub struct Writer {
-    path: PathBuf,
-    file: BufWriter<File>,
+    file: NewFile,
     has_codes: bool,
     n_samples: usize,
     last_tick: Option<i64>,
@@ -43,16 +33,20 @@ impl Writer {
     /// # Errors
     /// The file exists and may not be replaced, or the system refuses.
     pub fn create(path: &Path, header: &Header, existing: Existing) -> Result<Self, WriteError> {
-        let file = open(path, existing)?;
+        Self::begin(NewFile::growing(path, existing)?, header)
+    }
+
+    /// The same for a recording that is made at once: it appears when it is finished.
+    ///
+    /// # Errors
+    /// As [`Writer::create`].
+    pub fn whole(path: &Path, header: &Header, existing: Existing) -> Result<Self, WriteError> {
+        Self::begin(NewFile::whole(path, existing)?, header)
+    }
+
+    fn begin(file: NewFile, header: &Header) -> Result<Self, WriteError> {
         let has_codes = header.calibration.is_some();
-        let mut writer = Self {
-            path: path.to_owned(),
-            file: BufWriter::new(file),
-            has_codes,
-            n_samples: 0,
-            last_tick: None,
-            flushed_s: f64::NEG_INFINITY,
-        };
+        let mut writer = Self { file, has_codes, n_samples: 0, last_tick: None, flushed_s: f64::NEG_INFINITY };
         let names = if has_codes { "t,theta,code" } else { "t,theta" };
         let header = Header { version: Some(FORMAT_VERSION), ..header.clone() };
         writer.line(format_args!("{header}{names}"))?;
@@ -87,8 +81,8 @@ impl Writer {
     ///
     /// # Errors
     /// The system refuses (disk full).
-    pub fn finish(mut self) -> Result<(), WriteError> {
-        self.file.flush().and_then(|()| self.file.get_ref().sync_all()).map_err(|source| self.io(source))
+    pub fn finish(self) -> Result<(), WriteError> {
+        Ok(self.file.finish()?)
     }
 
     fn objection(&self, time_s: f64, angle_rad: f64, code: Option<u16>, tick: i64) -> Option<&'static str> {
@@ -114,7 +108,7 @@ impl Writer {
     }
 
     fn io(&self, source: io::Error) -> WriteError {
-        WriteError::Io { path: self.path.clone(), source }
+        self.file.failed(source).into()
     }
 }
 
@@ -127,23 +121,10 @@ pub fn save(recording: &Recording, path: &Path, existing: Existing) -> Result<()
     if recording.codes().is_none() {
         header.calibration = None;
     }
-    let mut writer = Writer::create(path, &header, existing)?;
+    let mut writer = Writer::whole(path, &header, existing)?;
     for idx in 0..recording.len() {
         let code = recording.codes().map(|codes| codes[idx]);
         writer.write(recording.times_s()[idx], recording.angles_rad()[idx], code)?;
     }
     writer.finish()
-}
-
-fn open(path: &Path, existing: Existing) -> Result<File, WriteError> {
-    let mut options = OpenOptions::new();
-    options.write(true);
-    match existing {
-        Existing::Keep => options.create_new(true),
-        Existing::Overwrite => options.create(true).truncate(true),
-    };
-    options.open(path).map_err(|source| match source.kind() {
-        io::ErrorKind::AlreadyExists => WriteError::Exists { path: path.to_owned() },
-        _ => WriteError::Io { path: path.to_owned(), source },
-    })
 }

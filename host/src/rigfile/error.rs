@@ -1,6 +1,7 @@
 //! What can be wrong with a model file.
 
 use super::FORMAT_VERSION;
+use crate::files::FileError;
 use shared::parameters::ParameterError;
 use thiserror::Error;
 
@@ -65,13 +66,8 @@ pub enum RigFileError {
     #[error("{0}")]
     Model(ParameterError),
     /// The system refused.
-    #[error("could not write {file}: {source}")]
-    NotWritten {
-        /// The file.
-        file: String,
-        /// The reason.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    NotWritten(FileError),
 }
 
 impl RigFileError {
@@ -89,7 +85,7 @@ impl RigFileError {
             Self::Missing { file, key, .. } => format!("add {key} to {file}"),
             Self::Newer { .. } => "update this program".into(),
             Self::Model(_) => "give a value within the range, in SI units".into(),
-            Self::NotWritten { .. } => "check that the folder exists, may be written to and has space".into(),
+            Self::NotWritten(error) => error.next_step().into(),
         }
     }
 }

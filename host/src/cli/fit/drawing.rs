@@ -14,7 +14,7 @@ use shared::parameters::Parameters;
 use std::path::Path;
 
 /// Draws all fitted swings.
-pub(super) fn of_fit(path: &Path, fit: &Fit, swings: &[Swing]) -> Result<(), Failure> {
+pub(super) fn of_fit(path: &Path, fit: &Fit, swings: &[Swing], force: bool) -> Result<(), Failure> {
     let rows: Vec<Row> =
         swings.iter().zip(&fit.starts).map(|(swing, start)| row(swing, start, &fit.parameters)).collect();
     let title = match swings {
@@ -22,11 +22,11 @@ pub(super) fn of_fit(path: &Path, fit: &Fit, swings: &[Swing]) -> Result<(), Fai
         _ => format!("Measured against model: {} swings", swings.len()),
     };
     let overlay = Overlay { title, subtitle: numbers(fit), rows };
-    output::write(path, &overlay.svg())
+    output::write(path, &overlay.svg(), force)
 }
 
 /// Draws the paper's simulation at its three optima over the rebuilt recording, as in its Figs 6, 7 and 9.
-pub(super) fn of_paper(path: &Path) -> Result<(), Failure> {
+pub(super) fn of_paper(path: &Path, force: bool) -> Result<(), Failure> {
     let published = Published::embedded();
     let replay = Replay::new(&published);
     let simulation = replay.simulation();
@@ -49,7 +49,7 @@ pub(super) fn of_paper(path: &Path) -> Result<(), Failure> {
         ),
         rows: published.optima.iter().map(row).collect(),
     };
-    output::write(path, &overlay.svg())
+    output::write(path, &overlay.svg(), force)
 }
 
 fn row(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Row {

@@ -18,10 +18,11 @@ use std::path::Path;
 /// Stands behind what the table contradicts.
 const FLAG: &str = " ◄";
 
-pub(super) fn run(json: bool, plot: Option<&Path>) -> Result<(), Failure> {
+pub(super) fn run(json: bool, plot: Option<&Path>, force: bool) -> Result<(), Failure> {
+    output::check(&plot.into_iter().collect::<Vec<_>>(), &[], force)?;
     let comparison = compare(&output::say);
     if let Some(path) = plot {
-        drawing::of_paper(path)?;
+        drawing::of_paper(path, force)?;
         output::say(&format!("wrote {}", path.display()));
     }
     if json {

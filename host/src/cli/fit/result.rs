@@ -24,9 +24,13 @@ const MOST_CORRELATIONS: usize = 3;
 /// An error on held-out swings up to so many times that on the fitted ones is as good.
 const AS_GOOD: f64 = 1.1;
 
+/// No model is that much better than the noise.
+const BELOW_NOISE: f64 = 0.7;
+
 /// How well the rig's observer follows a fresh swing, before and after.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Check {
+    #[serde(serialize_with = "output::lossy")]
     pub(super) recording: PathBuf,
     pub(super) bandwidth_rad_s: f64,
     pub(super) innovation_before_rad: f64,
@@ -44,6 +48,7 @@ pub(super) struct Outcome<'a> {
 
 #[derive(Serialize)]
 struct Object<'a> {
+    #[serde(serialize_with = "output::all_lossy")]
     recordings: &'a [PathBuf],
     method: &'static str,
     parameters: &'a [Identified],
@@ -170,6 +175,10 @@ fn sentences(outcome: &Outcome) -> Vec<String> {
 fn error_against_noise(fit: &Fit) -> String {
     let ratio = fit.rmse_rad / fit.noise_rad;
     let meaning = match fit.left {
+        _ if ratio < BELOW_NOISE => {
+            "far below the noise, which was therefore estimated too large: look for jumps, gaps or wraps of the angle"
+                .to_owned()
+        }
         Left::Noise => "the model explains all but the noise".to_owned(),
         Left::Nearly => "the model explains nearly all but the noise".to_owned(),
         Left::Missing => format!("that is {ratio:.2} times the noise, so the model does not explain everything"),
@@ -243,8 +252,9 @@ fn ending(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> Strin
 
 /// The next command to try, and what it is good for.
 fn next(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> (&'static str, String) {
-    let names = recordings.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(" ");
-    let rig = options.rig.as_deref().map_or(String::new(), |path| format!(" --rig {}", path.display()));
+    let names = output::recordings(recordings);
+    let quoted = |path: &Path| output::command(&[&path.to_string_lossy()]);
+    let rig = options.rig.as_deref().map_or(String::new(), |path| format!(" --rig {}", quoted(path)));
     let is_pushed = outcome.check.is_some();
     match (&options.port, &options.output) {
         (Some(port), None) if is_pushed => {
@@ -256,14 +266,14 @@ fn next(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> (&'stat
         }
         (_, None) => ("keeps the model in a file", format!("host fit {names}{rig} -o {USUAL_NAME}")),
         (_, Some(path)) if physics_is_missing(outcome.fit) => {
-            ("names the effect that is missing", format!("host diagnose {names} --rig {}", path.display()))
+            ("names the effect that is missing", format!("host diagnose {names} --rig {}", quoted(path)))
         }
         (port, Some(path)) if !is_pushed => {
             let port = port.as_deref().unwrap_or("PORT");
-            ("gives the model to the rig", format!("host push --rig {} --port {port}", path.display()))
+            ("gives the model to the rig", format!("host push --rig {} --port {port}", quoted(path)))
         }
         (_, Some(path)) => {
-            ("draws measured against model", format!("host fit {names} --rig {} --plot fit.svg", path.display()))
+            ("draws measured against model", format!("host fit {names} --rig {} --plot fit.svg", quoted(path)))
         }
     }
 }

@@ -15,7 +15,8 @@ const RELEASE_FALL_RAD: f64 = 0.15;
 /// … and at least this many noise rms.
 const RELEASE_FALL_NOISE: f64 = 30.0;
 
-/// Moments tried for the release at most, whatever the steps of the recording.
+/// Moments tried for the release at most, however short the steps of the recording: they then lie further apart, which
+/// over three widths is less than 0.2 ms.
 const MAX_RELEASES_TRIED: usize = 4000;
 
 /// How the free swing begins.
@@ -91,8 +92,9 @@ impl Cut<'_> {
         let fall_rad = RELEASE_FALL_RAD.max(RELEASE_FALL_NOISE * self.noise_rms_rad);
         let has_fallen = |idx: &usize| (self.angles_rad()[*idx] - held_rad).abs() > fall_rad;
         let range = earliest..(held.end..latest).find(has_fallen).unwrap_or(latest);
-        let grid_s = self.recording.step_s() / 4.0;
-        let n_grid = ((3.0 * self.width_s / grid_s) as usize).min(MAX_RELEASES_TRIED);
+        let searched_s = 3.0 * self.width_s;
+        let grid_s = (self.recording.step_s() / 4.0).max(searched_s / MAX_RELEASES_TRIED as f64);
+        let n_grid = (searched_s / grid_s) as usize;
         let candidates = (0..n_grid).map(|idx| still_s - 1.5 * self.width_s + idx as f64 * grid_s);
         let off = |release_s: f64| self.misfit_of_release(&range, held_rad, release_s);
         let release_s = candidates.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(still_s);

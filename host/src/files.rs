@@ -1,0 +1,365 @@
+//! The one place where files are written, so that nothing is lost: no file is replaced unasked, none that is being read
+//! at all, and whoever looks sees the old file or the new one, never half of it.
+//!
+//! What is complete at once goes into a file beside its place and is renamed ([`write`], [`NewFile::whole`]). A
+//! recording grows in its place ([`NewFile::growing`]): killed in the middle, the program leaves the beginning of it.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+use thiserror::Error;
+
+/// What to do when the file is there already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Existing {
+    /// Refuse.
+    Keep,
+    /// Replace it.
+    Overwrite,
+}
+
+impl Existing {
+    /// As `--force` says.
+    pub fn forced(force: bool) -> Self {
+        if force { Self::Overwrite } else { Self::Keep }
+    }
+}
+
+/// Why a file is not written.
+#[derive(Debug, Error)]
+pub enum FileError {
+    /// The file is there already.
+    #[error("{} exists already", path.display())]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// What would be lost is what the result is made from.
+    #[error("{} is being read", path.display())]
+    IsRead {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Two results, one file.
+    #[error("{} is asked for twice", path.display())]
+    Twice {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The system refused.
+    #[error("could not write {}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: io::Error,
+    },
+}
+
+impl FileError {
+    /// What to do next.
+    pub fn next_step(&self) -> &'static str {
+        match self {
+            Self::Exists { .. } => "choose another name with -o, or replace it with --force",
+            Self::IsRead { .. } => "choose another name: a file that is read is not replaced, with --force neither",
+            Self::Twice { .. } => "give each result a name of its own",
+            Self::Io { .. } => "name one in a folder that exists, may be written to and has space",
+        }
+    }
+}
+
+/// May these files be written by a command that reads those? Asked before anything is computed.
+///
+/// # Errors
+/// A file that is read or named twice, whatever `existing` says; one that exists, if it is to be kept.
+pub fn check(writes: &[&Path], reads: &[&Path], existing: Existing) -> Result<(), FileError> {
+    for (idx, path) in writes.iter().enumerate() {
+        let path = path.to_path_buf();
+        if reads.iter().any(|read| are_one(&path, read)) {
+            return Err(FileError::IsRead { path });
+        }
+        if writes[..idx].iter().any(|other| are_one(&path, other)) {
+            return Err(FileError::Twice { path });
+        }
+        if existing == Existing::Keep && path.exists() {
+            return Err(FileError::Exists { path });
+        }
+    }
+    Ok(())
+}
+
+/// Do two names lead to one file, through links too? Devices may be named as often as one likes.
+pub fn are_one(a: &Path, b: &Path) -> bool {
+    if a.exists() && !a.is_file() {
+        return false;
+    }
+    let same_name = || match (whole_path(a), whole_path(b)) {
+        (Some(a), Some(b)) => a == b,
+        _ => a == b,
+    };
+    same_inode(a, b) || same_name()
+}
+
+/// The path without links and dots, also of a file that is not there yet.
+fn whole_path(path: &Path) -> Option<PathBuf> {
+    let there = || path.canonicalize().ok();
+    let beside = || {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(folder.canonicalize().ok()?.join(path.file_name()?))
+    };
+    there().or_else(beside)
+}
+
+#[cfg(unix)]
+fn same_inode(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let inode = |path: &Path| path.metadata().map(|data| (data.dev(), data.ino())).ok();
+    inode(a).is_some_and(|of_a| inode(b) == Some(of_a))
+}
+
+#[cfg(not(unix))]
+fn same_inode(_: &Path, _: &Path) -> bool {
+    false
+}
+
+/// Writes a whole file or none.
+///
+/// # Errors
+/// The file exists and is to be kept, or the system refuses; what was there stays.
+pub fn write(path: &Path, content: impl AsRef<[u8]>, existing: Existing) -> Result<(), FileError> {
+    let mut file = NewFile::whole(path, existing)?;
+    file.write_all(content.as_ref()).map_err(|source| file.failed(source))?;
+    file.finish()
+}
+
+/// A file that is being written.
+#[derive(Debug)]
+pub struct NewFile {
+    path: PathBuf,
+    existing: Existing,
+    place: Place,
+}
+
+#[derive(Debug)]
+enum Place {
+    /// Where it belongs.
+    Itself(BufWriter<File>),
+    /// Beside it, until it is complete.
+    Beside(BufWriter<NamedTempFile>),
+}
+
+impl NewFile {
+    /// A file that appears when it is complete; one that is not finished is taken away again.
+    ///
+    /// # Errors
+    /// As [`write`].
+    pub fn whole(path: &Path, existing: Existing) -> Result<Self, FileError> {
+        if is_device(path) {
+            return Self::in_its_place(path, existing);
+        }
+        Self::beside(path, existing)
+    }
+
+    /// A file that is there from its first line on. One that replaces another grows beside it, as `NAME.XXXXXX.new`, and
+    /// takes its place at the end; if it never comes to that, both are there.
+    ///
+    /// # Errors
+    /// As [`write`].
+    pub fn growing(path: &Path, existing: Existing) -> Result<Self, FileError> {
+        if existing == Existing::Keep || is_device(path) || !path.exists() {
+            return Self::in_its_place(path, existing);
+        }
+        let mut file = Self::beside(path, existing)?;
+        if let Place::Beside(beside) = &mut file.place {
+            beside.get_mut().disable_cleanup(true);
+        }
+        Ok(file)
+    }
+
+    fn in_its_place(path: &Path, existing: Existing) -> Result<Self, FileError> {
+        let mut options = OpenOptions::new();
+        options.write(true);
+        match existing {
+            Existing::Keep => options.create_new(true),
+            Existing::Overwrite => options.create(true).truncate(true),
+        };
+        let file = options.open(path).map_err(|source| why(path, source))?;
+        Ok(Self { path: path.to_owned(), existing, place: Place::Itself(BufWriter::new(file)) })
+    }
+
+    fn beside(path: &Path, existing: Existing) -> Result<Self, FileError> {
+        check(&[path], &[], existing)?;
+        // A link stays a link: what it leads to is replaced.
+        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut name = target.file_name().unwrap_or_default().to_owned();
+        name.push(".");
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&name).suffix(".new");
+        set_permissions(&mut builder, &target);
+        let file = builder.tempfile_in(folder).map_err(|source| why(path, source))?;
+        Ok(Self { path: path.to_owned(), existing, place: Place::Beside(BufWriter::new(file)) })
+    }
+
+    /// Hands everything to the disk and, if it is beside its place, puts it there.
+    ///
+    /// # Errors
+    /// The system refuses (disk full), or another file has come into its place that is to be kept.
+    pub fn finish(mut self) -> Result<(), FileError> {
+        let path = self.path.clone();
+        self.flush().map_err(|source| why(&path, source))?;
+        match self.place {
+            Place::Itself(file) if is_device(&path) => drop(file),
+            Place::Itself(file) => file.get_ref().sync_all().map_err(|source| why(&path, source))?,
+            Place::Beside(file) => {
+                let file = file.into_inner().map_err(|error| why(&path, error.into_error()))?;
+                file.as_file().sync_all().map_err(|source| why(&path, source))?;
+                put(file, &path, self.existing).map_err(|source| why(&path, source))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// An error of the system with the file's name.
+    pub fn failed(&self, source: io::Error) -> FileError {
+        why(&self.path, source)
+    }
+}
+
+impl Write for NewFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.place {
+            Place::Itself(file) => file.write(bytes),
+            Place::Beside(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.place {
+            Place::Itself(file) => file.flush(),
+            Place::Beside(file) => file.flush(),
+        }
+    }
+}
+
+/// A device or a pipe takes the text as it comes; a rename would put a file in its place.
+fn is_device(path: &Path) -> bool {
+    path.exists() && !path.is_file()
+}
+
+fn put(file: NamedTempFile, path: &Path, existing: Existing) -> io::Result<()> {
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    if existing == Existing::Overwrite {
+        return file.persist(target).map(drop).map_err(|error| error.error);
+    }
+    match file.persist_noclobber(&target) {
+        Ok(_) => Ok(()),
+        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists || target.exists() => Err(error.error),
+        // Memory sticks know neither links nor a rename that refuses.
+        Err(error) => error.file.persist(target).map(drop).map_err(|error| error.error),
+    }
+}
+
+/// A new file may be read by whom the system usually allows, a replaced one by whom it could be read before.
+#[cfg(unix)]
+fn set_permissions(builder: &mut tempfile::Builder, target: &Path) {
+    use std::os::unix::fs::PermissionsExt;
+    let usual = || std::fs::Permissions::from_mode(0o666);
+    builder.permissions(target.metadata().map_or_else(|_| usual(), |data| data.permissions()));
+}
+
+#[cfg(not(unix))]
+fn set_permissions(_: &mut tempfile::Builder, _: &Path) {}
+
+fn why(path: &Path, source: io::Error) -> FileError {
+    let path = path.to_owned();
+    match source.kind() {
+        io::ErrorKind::AlreadyExists => FileError::Exists { path },
+        _ => FileError::Io { path, source },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn listing(folder: &Path) -> Vec<String> {
+        let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+        let mut names: Vec<String> = names.map(|name| name.into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_is_written_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write(&path, "old", Existing::Keep).unwrap();
+        assert!(matches!(write(&path, "new", Existing::Keep), Err(FileError::Exists { .. })));
+        let mut half = NewFile::whole(&path, Existing::Overwrite).unwrap();
+        half.write_all(b"half").unwrap();
+        half.flush().unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+        drop(half);
+        assert_eq!(listing(folder.path()), ["a.txt"]);
+        write(&path, "new", Existing::Overwrite).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
+        assert_eq!(listing(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_file_that_came_meanwhile_is_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        let ours = NewFile::whole(&path, Existing::Keep).unwrap();
+        std::fs::write(&path, "theirs").unwrap();
+        assert!(matches!(ours.finish(), Err(FileError::Exists { .. })));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "theirs");
+    }
+
+    #[test]
+    fn what_grows_in_the_place_of_another_leaves_both_until_it_is_finished() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        std::fs::write(&path, "old").unwrap();
+        let mut new = NewFile::growing(&path, Existing::Overwrite).unwrap();
+        new.write_all(b"new").unwrap();
+        new.flush().unwrap();
+        drop(new);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+        let names = listing(folder.path());
+        assert!(names.len() == 2 && names[1].starts_with("a.csv.") && names[1].ends_with(".new"), "{names:?}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_is_known_by_all_its_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("a.csv"), "1").unwrap();
+        std::fs::hard_link(at("a.csv"), at("hard.csv")).unwrap();
+        std::os::unix::fs::symlink(at("a.csv"), at("soft.csv")).unwrap();
+        for name in ["a.csv", "hard.csv", "soft.csv", "./a.csv"] {
+            let refused = check(&[&at(name)], &[&at("a.csv")], Existing::Overwrite);
+            assert!(matches!(refused, Err(FileError::IsRead { .. })), "{name}");
+        }
+        assert!(matches!(check(&[&at("n"), &at("./n")], &[], Existing::Keep), Err(FileError::Twice { .. })));
+        check(&[&at("b.csv")], &[&at("a.csv")], Existing::Keep).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link_and_a_mode_its_mode() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("a.toml"), "old").unwrap();
+        std::fs::set_permissions(at("a.toml"), PermissionsExt::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(at("a.toml"), at("soft.toml")).unwrap();
+        write(&at("soft.toml"), "new", Existing::Overwrite).unwrap();
+        assert!(at("soft.toml").is_symlink());
+        assert_eq!(std::fs::read_to_string(at("a.toml")).unwrap(), "new");
+        assert_eq!(at("a.toml").metadata().unwrap().permissions().mode() & 0o777, 0o640);
+    }
+}

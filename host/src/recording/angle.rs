@@ -1,0 +1,168 @@
+//! From the numbers of a file to angles of a pendulum that hangs at 0: unit, wraps, zero, and whether that can be.
+//!
+//! Whatever is assumed or changed is noted; what would be wrong is refused with the option that cures it.
+
+use super::circle::Circle;
+use super::columns::AngleUnit;
+use super::error::Fault;
+use super::plausible::{self, Scale, Swings};
+use super::read::ReadOptions;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Angles of unstated unit beyond this are refused: a pendulum that only swings stays within a turn (2π), with margin.
+pub(super) const LARGEST_UNSTATED_RAD: f64 = 7.0;
+
+/// Angles of unstated unit beyond this leave a note: more than half a turn is rare.
+const NOTED_UNSTATED_RAD: f64 = 3.3;
+
+/// A middle of the swings further off than this is no error of the sensor's zero, rad (20°).
+const FAR_OFF_RAD: f64 = 0.35;
+
+/// So near to a quarter or half turn it is measured from the horizontal or from upright, rad (12°).
+const NEAR_QUARTER_RAD: f64 = 0.2;
+
+/// A lever on a stiff spring swings with a constant period too, but not as far as this, rad (69°).
+const SPRING_RAD: f64 = 1.2;
+
+/// Angles that seem this much larger than read as degrees are radians, 57 times; magnets make them seem a few times.
+const RADIANS_AS_DEGREES: f64 = 20.0;
+
+/// What the numbers of a file need to become angles.
+pub(super) struct Angles<'a> {
+    pub(super) times_s: &'a [f64],
+    /// Our own files say what they are.
+    pub(super) is_ours: bool,
+    pub(super) options: &'a ReadOptions,
+    pub(super) notes: &'a mut Vec<String>,
+}
+
+impl Angles<'_> {
+    /// From a column of angles.
+    pub(super) fn of_column(mut self, angles: &[f64], unit: Option<AngleUnit>) -> Result<Vec<f64>, Fault> {
+        let factor = unit.unwrap_or(AngleUnit::Radians).radians();
+        let zero = self.options.zero.unwrap_or(0.0);
+        let mut angles_rad: Vec<f64> = angles.iter().map(|angle| (angle - zero) * factor).collect();
+        if self.is_ours {
+            return Ok(angles_rad);
+        }
+        if unit.is_none() {
+            self.judge_unstated_unit(angles)?;
+        }
+        self.unwrap(&mut angles_rad);
+        let swings = Swings::of(self.times_s, &angles_rad);
+        if let Some(swings) = &swings {
+            self.judge_period(swings)?;
+            self.judge_unit(swings, unit)?;
+            self.set_zero(swings, &mut angles_rad);
+        }
+        Ok(angles_rad)
+    }
+
+    /// From a point on the pendulum.
+    pub(super) fn of_point(self, x: &[f64], y: &[f64]) -> Result<Vec<f64>, Fault> {
+        let circle = Circle::through(x, y, self.options.pivot)?;
+        self.notes.push(circle.in_words());
+        let mut angles_rad = circle.angles_rad(x, y);
+        plausible::unwrap(&mut angles_rad);
+        let zero_rad = self.options.zero.unwrap_or(0.0).to_radians();
+        angles_rad.iter_mut().for_each(|angle| *angle -= zero_rad);
+        if let Some(swings) = Swings::of(self.times_s, &angles_rad) {
+            self.judge_period(&swings)?;
+        }
+        Ok(angles_rad)
+    }
+
+    fn judge_unstated_unit(&mut self, angles: &[f64]) -> Result<(), Fault> {
+        let largest = angles.iter().fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+        if largest > LARGEST_UNSTATED_RAD {
+            return Err(Fault::LooksLikeDegrees { largest });
+        }
+        if largest > NOTED_UNSTATED_RAD {
+            self.notes.push(format!("angles reach {largest:.2}, read as radians; if they are degrees say --degrees"));
+        }
+        Ok(())
+    }
+
+    fn unwrap(&mut self, angles_rad: &mut [f64]) {
+        let n_wraps = plausible::unwrap(angles_rad);
+        if n_wraps > 0 {
+            self.notes
+                .push(format!("the angle wraps around {n_wraps} times: full turns added so that it goes on evenly"));
+        }
+    }
+
+    fn judge_period(&self, swings: &Swings) -> Result<(), Fault> {
+        match swings.impossible_period_s() {
+            Some(period_s) => Err(Fault::ImpossiblePeriod {
+                period_s,
+                shortest_s: plausible::SHORTEST_PERIOD_S,
+                longest_s: plausible::LONGEST_PERIOD_S,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// By how the period grows with the amplitude; what the user told is only doubted.
+    fn judge_unit(&mut self, swings: &Swings, unit: Option<AngleUnit>) -> Result<(), Fault> {
+        let is_told = self.options.angle_unit.is_some()
+            || self
+                .options
+                .columns
+                .as_ref()
+                .is_some_and(|columns| columns.angle.as_ref().is_some_and(|(_, unit)| unit.is_some()));
+        let fault = match swings.scale() {
+            Scale::TooLarge { predicted_percent, found_percent } => {
+                Fault::NotRadians { largest_rad: swings.largest_rad, predicted_percent, found_percent }
+            }
+            Scale::TooSmall { factor } if unit == Some(AngleUnit::Degrees) && factor > RADIANS_AS_DEGREES => {
+                Fault::NotDegrees { unit: "degrees", largest_rad: swings.largest_rad, factor }
+            }
+            Scale::TooSmall { factor } if unit.is_none() => {
+                self.notes.push(format!(
+                    "doubtful: read as radians, but the period grows with the amplitude as for angles {factor:.1} times as \
+                     large; say the unit, --columns theta=1:turn (rad, deg, mrad, gon, turn)"
+                ));
+                return Ok(());
+            }
+            Scale::Unknown if unit.is_none() => {
+                let largest = swings.largest_rad;
+                self.notes.push(format!(
+                    "the unit of the angle is not stated: read as radians, up to {largest:.3}; if they are degrees say --degrees"
+                ));
+                return Ok(());
+            }
+            _ => return Ok(()),
+        };
+        let may_be_spring = swings.largest_rad < SPRING_RAD && unit.is_none();
+        if is_told || may_be_spring {
+            self.notes.push(format!("doubtful: {fault}"));
+            return Ok(());
+        }
+        Err(fault)
+    }
+
+    /// Where it hangs is 0: angles from the horizontal or from upright are turned, whole turns taken off.
+    fn set_zero(&mut self, swings: &Swings, angles_rad: &mut [f64]) {
+        let middle_rad = swings.middle_rad;
+        let off_rad = (middle_rad / FRAC_PI_2).round() * FRAC_PI_2;
+        if middle_rad.abs() < FAR_OFF_RAD {
+            return;
+        }
+        if self.options.zero.is_some() || (middle_rad - off_rad).abs() > NEAR_QUARTER_RAD {
+            self.notes.push(format!(
+                "it swings about {middle_rad:.3} rad ({:.1}°), but should hang at 0: say with --zero what the sensor reads \
+                 while it hangs",
+                middle_rad.to_degrees()
+            ));
+            return;
+        }
+        angles_rad.iter_mut().for_each(|angle| *angle -= off_rad);
+        let from = match (off_rad / FRAC_PI_2).round().rem_euclid(4.0) as u8 {
+            0 => "whole turns",
+            2 => "it is measured from upright",
+            _ => "it is measured from the horizontal",
+        };
+        let turns = off_rad / TAU * 360.0;
+        self.notes.push(format!("it swings about {:.1}°: {from}, {turns:.0}° taken off", middle_rad.to_degrees()));
+    }
+}

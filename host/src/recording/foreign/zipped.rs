@@ -1,0 +1,69 @@
+//! An archive with one table in it, as phyphox exports it: `Raw Data.csv` beside `meta/device.csv` and `meta/time.csv`.
+
+use super::{Kind, refused};
+use crate::recording::error::Fault;
+use crate::recording::source::MOST_BYTES_WHOLE;
+use std::io::{Cursor, Read};
+use zip::ZipArchive;
+
+pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Fault> {
+    let unreadable = |error: zip::result::ZipError| refused("zip archive", &format!("it can't be unpacked ({error})"));
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(unreadable)?;
+    let names: Vec<String> = archive.file_names().filter_map(|name| Some(name.ok()?.into_owned())).collect();
+    if names.iter().any(|name| name.starts_with("xl/") || name == "content.xml") {
+        return Err(refused("workbook of a spreadsheet", "save the sheet as CSV in that program"));
+    }
+    let is_table = |name: &&String| {
+        let lower = name.to_lowercase();
+        [".csv", ".txt", ".tsv"].iter().any(|end| lower.ends_with(end))
+            && !lower.contains("meta/")
+            && !lower.contains("__macosx")
+    };
+    let tables: Vec<&String> = names.iter().filter(is_table).collect();
+    let [name] = tables[..] else {
+        let listed = if tables.is_empty() {
+            names.join(", ")
+        } else {
+            tables.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(", ")
+        };
+        return Err(refused(
+            "zip archive",
+            &format!("it has {} tables (of {listed}): unpack it and name one of them", tables.len()),
+        ));
+    };
+    let mut text = Vec::new();
+    let file = archive.by_name(name).map_err(unreadable)?;
+    file.take(MOST_BYTES_WHOLE).read_to_end(&mut text)?;
+    if text.len() as u64 == MOST_BYTES_WHOLE {
+        return Err(Fault::TooLarge);
+    }
+    if Kind::of(&text).is_some() {
+        return Err(refused("zip archive", &format!("{name} in it is no table: unpack it and name the file")));
+    }
+    notes.push(format!("{name} read from the archive"));
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    fn archive(files: &[(&str, &str)]) -> Vec<u8> {
+        let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, text) in files {
+            writer.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+            writer.write_all(text.as_bytes()).unwrap();
+        }
+        writer.finish().unwrap().into_inner()
+    }
+
+    #[test]
+    fn the_one_table_of_an_archive_is_read_and_of_several_one_must_be_named() {
+        let read = |files: &[(&str, &str)]| table(&archive(files), &mut Vec::new()).map_err(|fault| fault.to_string());
+        assert_eq!(read(&[("Raw Data.csv", "t,theta"), ("meta/device.csv", "x,y")]).unwrap(), b"t,theta");
+        assert!(read(&[("a.csv", "1"), ("b.csv", "2")]).unwrap_err().contains("2 tables (of a.csv, b.csv)"));
+        assert!(read(&[("xl/workbook.xml", "")]).unwrap_err().contains("save the sheet as CSV"));
+        assert!(table(b"PK\x03\x04rubbish", &mut Vec::new()).unwrap_err().to_string().contains("can't be unpacked"));
+    }
+}

@@ -1,0 +1,276 @@
+//! Can these be the angles of a pendulum? One check for command line, page and library.
+//!
+//! The period of a pendulum grows with its amplitude, `T(A) = T0 · 2 K(sin A/2) / π`, by 1.7 % at 30° and 18 % at 90°,
+//! whatever its size. Degrees or angular velocities taken as radians do not show the growth that their size would bring;
+//! radians taken as degrees show thousands of times as much. Springs and magnets change the growth by some factor, but
+//! not by such ones. The period itself tells whether the unit of time can be right.
+
+use super::median;
+use super::turning::{self, TurningPoint};
+use crate::noise;
+use std::f64::consts::{PI, TAU};
+
+/// Nobody swings a pendulum of less than 2.5 mm …
+pub(super) const SHORTEST_PERIOD_S: f64 = 0.1;
+
+/// … or of more than 900 m; a gate on slightly leaning hinges takes 17 s.
+pub(super) const LONGEST_PERIOD_S: f64 = 60.0;
+
+/// So many samples a second are enough to see turning points.
+const MOST_SAMPLES: usize = 20_000;
+
+/// Fewer periods tell nothing about their growth.
+const MIN_PERIODS: usize = 6;
+
+/// Swings below this share of the largest say little: play, stiction and noise act there.
+const SMALLEST_SHARE: f64 = 0.15;
+
+/// The measured growth is that of radians if it may be this share of what is predicted: on seven real pendulums it was
+/// 0.98 to 1.26 of it. Degrees show 1/3283, rates of a
+/// pendulum with a period of 2 s 1/10, of 1 s 1/40; a spring as stiff as gravity halves the growth.
+const LEAST_GROWTH: f64 = 0.2;
+
+/// And this many times: turns taken for radians show 39, radians taken for degrees 3283; a hand or a magnet some.
+const MOST_GROWTH: f64 = 4.0;
+
+/// Standard errors that a verdict wants.
+const SURE: f64 = 4.0;
+
+/// The swings of a recording, as far as they can be seen.
+#[derive(Debug)]
+pub struct Swings {
+    /// Largest distance from the middle, rad.
+    pub largest_rad: f64,
+    /// About what it swings, rad.
+    pub middle_rad: f64,
+    /// Typical period, s.
+    pub period_s: f64,
+    /// Amplitude (rad) and period (s) of each swing.
+    periods: Vec<(f64, f64)>,
+}
+
+/// Is the unit of the angle right?
+#[derive(Debug, PartialEq)]
+pub enum Scale {
+    /// The period grows as it should.
+    Right,
+    /// Too little is seen of the growth.
+    Unknown,
+    /// It grows far less than angles of this size make it grow, percent from the smallest to the largest swing.
+    TooLarge {
+        /// By the pendulum's law.
+        predicted_percent: f64,
+        /// As measured.
+        found_percent: f64,
+    },
+    /// It grows as for angles so many times as large.
+    TooSmall {
+        /// How many times.
+        factor: f64,
+    },
+}
+
+impl Swings {
+    /// Looks for swings in angles (rad) of a whole recording; `None` when there are not three turning points.
+    pub fn of(times_s: &[f64], angles_rad: &[f64]) -> Option<Self> {
+        if times_s.len() < super::MIN_SAMPLES {
+            return None;
+        }
+        let every = times_s.len().div_ceil(MOST_SAMPLES);
+        let thin = |values: &[f64]| values.iter().copied().step_by(every).collect::<Vec<f64>>();
+        let (times_s, angles_rad) = (thin(times_s), thin(angles_rad));
+        let noise_rad = noise::of_samples(&times_s, &angles_rad, None).total_rms;
+        let turns = turning::turning_points(&times_s, &angles_rad, noise_rad);
+        let mut middles: Vec<f64> =
+            turns.windows(2).map(|pair| (pair[0].angle_rad + pair[1].angle_rad) / 2.0).collect();
+        let mut steps: Vec<f64> = turns.windows(2).map(|pair| 2.0 * (pair[1].time_s - pair[0].time_s)).collect();
+        if middles.len() < 2 {
+            return None;
+        }
+        let middle_rad = median(&mut middles);
+        let largest_rad = turns.iter().map(|turn| (turn.angle_rad - middle_rad).abs()).fold(0.0, f64::max);
+        let periods = periods(&turns);
+        Some(Self { largest_rad, middle_rad, period_s: median(&mut steps), periods })
+    }
+
+    /// A period that no pendulum has, s.
+    pub fn impossible_period_s(&self) -> Option<f64> {
+        let is_possible = (SHORTEST_PERIOD_S..LONGEST_PERIOD_S).contains(&self.period_s);
+        (!is_possible).then_some(self.period_s)
+    }
+
+    /// Compares the growth of the period with the amplitude with that of a pendulum.
+    pub fn scale(&self) -> Scale {
+        // There and back over more than half a turn to either side: no pendulum does that.
+        if self.periods.iter().filter(|(amplitude, _)| *amplitude > PI).count() >= MIN_PERIODS {
+            return Scale::TooLarge { predicted_percent: f64::INFINITY, found_percent: 0.0 };
+        }
+        let least_rad = SMALLEST_SHARE * self.largest_rad;
+        let points: Vec<(f64, f64, f64)> = self
+            .periods
+            .iter()
+            .filter(|(amplitude, _)| *amplitude > least_rad && *amplitude < 0.98 * PI)
+            .map(|(amplitude, period_s)| (lengthening(*amplitude) - 1.0, *period_s, amplitude.powi(2)))
+            .collect();
+        let Some((growth, spread, span)) = growth(&points) else { return Scale::Unknown };
+        log::debug!("period grows by {growth:.3} ± {spread:.3} of what is predicted, over {:.2} %", 100.0 * span);
+        if growth + SURE * spread < LEAST_GROWTH {
+            return Scale::TooLarge { predicted_percent: 100.0 * span, found_percent: 100.0 * span * growth };
+        }
+        match growth - SURE * spread > MOST_GROWTH {
+            true => Scale::TooSmall { factor: growth.sqrt() },
+            false if growth - SURE * spread > LEAST_GROWTH => Scale::Right,
+            false => Scale::Unknown,
+        }
+    }
+}
+
+/// Amplitude and period from every turning point to the next but one, in rising order of time.
+fn periods(turns: &[TurningPoint]) -> Vec<(f64, f64)> {
+    let amplitude = |three: &[TurningPoint]| {
+        let (first, middle, last) = (three[0].angle_rad, three[1].angle_rad, three[2].angle_rad);
+        ((first - middle).abs() + (last - middle).abs()) / 4.0
+    };
+    let alternate = |three: &&[TurningPoint]| {
+        three[0].is_maximum == three[2].is_maximum && three[0].is_maximum != three[1].is_maximum
+    };
+    turns.windows(3).filter(alternate).map(|three| (amplitude(three), three[2].time_s - three[0].time_s)).collect()
+}
+
+/// Growth of the period as a share of the prediction, its standard error, and the predicted growth from the smallest to
+/// the largest swing: weighted least squares of `T = T0 + b (f − 1)`, twice without what is far off.
+fn growth(points: &[(f64, f64, f64)]) -> Option<(f64, f64, f64)> {
+    let mut kept = points.to_vec();
+    let mut found = None;
+    for _ in 0..3 {
+        if kept.len() < MIN_PERIODS {
+            return None;
+        }
+        let sum = |term: &dyn Fn(&(f64, f64, f64)) -> f64| kept.iter().map(term).sum::<f64>();
+        let weight = sum(&|p| p.2);
+        let (mean_f, mean_t) = (sum(&|p| p.2 * p.0) / weight, sum(&|p| p.2 * p.1) / weight);
+        let across = sum(&|p| p.2 * (p.0 - mean_f).powi(2));
+        let slope = sum(&|p| p.2 * (p.0 - mean_f) * (p.1 - mean_t)) / across;
+        let t0 = mean_t - slope * mean_f;
+        let off = |p: &(f64, f64, f64)| p.1 - t0 - slope * p.0;
+        let variance = sum(&|p| p.2 * off(p).powi(2)) / (kept.len() - 2) as f64;
+        if !(across > 0.0 && t0 > 0.0) {
+            return None;
+        }
+        // Neighbouring periods share a turning point.
+        let spread = 1.5 * (variance / across).sqrt() / t0;
+        let (low, high) = kept.iter().fold((f64::MAX, 0.0_f64), |(low, high), p| (low.min(p.0), high.max(p.0)));
+        found = Some((slope / t0, spread, high - low));
+        let mut sizes: Vec<f64> = kept.iter().map(|p| off(p).abs() * p.2.sqrt()).collect();
+        let limit = 6.0 * median(&mut sizes);
+        let near: Vec<_> = kept.iter().copied().filter(|p| off(p).abs() * p.2.sqrt() <= limit).collect();
+        kept = near;
+    }
+    found
+}
+
+/// Period at an amplitude (rad, below π) over that of small swings, by the arithmetic-geometric mean.
+fn lengthening(amplitude_rad: f64) -> f64 {
+    let (mut a, mut b) = (1.0, (amplitude_rad / 2.0).cos());
+    for _ in 0..6 {
+        (a, b) = ((a + b) / 2.0, (a * b).sqrt());
+    }
+    a.recip()
+}
+
+/// Adds full turns where the angle (rad) jumps by nearly one between neighbours; gives how often. Only where everything
+/// lies within one turn, and only where that makes it even.
+pub fn unwrap(angles_rad: &mut [f64]) -> usize {
+    let (low, high) = angles_rad.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+    let is_jump = |pair: &[f64]| (pair[1] - pair[0]).abs() > PI;
+    if high - low > TAU * 1.001 || !angles_rad.windows(2).any(is_jump) {
+        return 0;
+    }
+    let mut turns = 0.0;
+    let mut n_wraps = 0;
+    let mut evened = angles_rad.to_vec();
+    for idx in 1..angles_rad.len() {
+        let step = angles_rad[idx] - angles_rad[idx - 1];
+        if step.abs() > PI {
+            turns -= step.signum();
+            n_wraps += 1;
+        }
+        evened[idx] += turns * TAU;
+    }
+    let largest = |angles: &[f64]| angles.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    if largest(&evened) > PI / 2.0 {
+        return 0;
+    }
+    angles_rad.copy_from_slice(&evened);
+    n_wraps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pendulum of `ω0² = 40 /s²` with a little friction, by small steps, at 100 Hz; angles in rad, velocities in rad/s.
+    fn swing(start_rad: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let (mut angle, mut velocity) = (start_rad, 0.0_f64);
+        let (mut times, mut angles, mut velocities) = (Vec::new(), Vec::new(), Vec::new());
+        for idx in 0..3000_u32 {
+            times.push(f64::from(idx) * 0.01);
+            let noise = f64::from(idx.wrapping_mul(2_654_435_761) >> 16) / 65536.0 - 0.5;
+            angles.push(angle + 1e-3 * start_rad * noise);
+            velocities.push(velocity + 1e-3 * start_rad * noise);
+            for _ in 0..20 {
+                velocity += 5e-4 * (-40.0 * angle.sin() - 0.15 * velocity);
+                angle += 5e-4 * velocity;
+            }
+        }
+        (times, angles, velocities)
+    }
+
+    fn scale(times: &[f64], angles: &[f64]) -> Scale {
+        Swings::of(times, angles).unwrap().scale()
+    }
+
+    #[test]
+    fn the_period_tells_radians_from_degrees_and_rates() {
+        for start_rad in [0.5, 1.0, 2.0, 2.8] {
+            let (times, angles, velocities) = swing(start_rad);
+            assert_eq!(scale(&times, &angles), Scale::Right, "{start_rad}");
+            let in_small: Vec<f64> = angles.iter().map(|angle| angle.to_radians()).collect();
+            assert!(
+                matches!(scale(&times, &in_small), Scale::TooSmall { factor } if (50.0..200.0).contains(&factor)),
+                "{start_rad}"
+            );
+            if start_rad < 1.5 {
+                assert!(matches!(scale(&times, &velocities), Scale::TooLarge { .. }), "{start_rad}");
+            }
+        }
+        // Two degrees, read as radians.
+        let (times, angles, _) = swing(2_f64.to_radians());
+        let degrees: Vec<f64> = angles.iter().map(|angle| angle.to_degrees()).collect();
+        assert!(matches!(scale(&times, &degrees), Scale::TooLarge { .. }));
+        assert_eq!(scale(&times, &angles), Scale::Unknown);
+    }
+
+    #[test]
+    fn a_period_at_ninety_degrees_is_a_sixth_longer() {
+        // K(sin 45°) · 2/π = 1.18034 (Abramowitz and Stegun, table 17.1).
+        assert!((lengthening(PI / 2.0) - 1.180_340_6).abs() < 1e-6);
+    }
+
+    #[test]
+    fn wraps_are_taken_out_and_jumps_of_other_sizes_are_left() {
+        let (_, angles, _) = swing(2.0);
+        for begin in [-PI, 0.0] {
+            let mut wrapped: Vec<f64> =
+                angles.iter().map(|angle| (angle - begin + 0.3).rem_euclid(TAU) + begin).collect();
+            let as_read = wrapped.clone();
+            let n_wraps = unwrap(&mut wrapped);
+            let whole = ((wrapped[0] - angles[0] - 0.3) / TAU).round() * TAU;
+            assert!(n_wraps > 0 || wrapped == as_read);
+            assert!(wrapped.iter().zip(&angles).all(|(w, a)| (w - whole - a - 0.3).abs() < 1e-9));
+        }
+        let mut broken = angles.clone();
+        broken[700] += 3.0;
+        assert_eq!(unwrap(&mut broken), 0);
+    }
+}

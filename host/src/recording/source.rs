@@ -1,0 +1,109 @@
+//! A file of whatever dress as lines of text, one after the other, so that a large one is never in memory as a whole.
+//!
+//! Text is passed on line by line: UTF-8 with or without a mark, Latin-1 where a line is no UTF-8, UTF-16 by its mark.
+//! Files of other programs that are no tables of text become one first (`foreign.rs`).
+
+use super::error::Fault;
+use super::foreign;
+use std::io::{self, BufRead, Cursor, Read};
+
+/// So much of a file is looked at to tell what it is.
+const N_LOOKED_AT: usize = 4096;
+
+/// A line of a table is shorter.
+const LONGEST_LINE: u64 = 1 << 20;
+
+/// A text file is read up to here: ten hours at 1 kHz have 1 GB.
+const MOST_BYTES: u64 = 4 << 30;
+
+/// What must be in memory as a whole (archives, MATLAB files, UTF-16) has at most so many bytes.
+pub(super) const MOST_BYTES_WHOLE: u64 = 256 << 20;
+
+/// Lines of a file.
+pub(super) struct Lines<'a> {
+    reader: Box<dyn BufRead + 'a>,
+    bytes: Vec<u8>,
+    n_read: u64,
+}
+
+impl<'a> Lines<'a> {
+    /// Recognises the file and begins with its first line; notes go to `notes`.
+    pub(super) fn of(mut reader: impl BufRead + 'a, notes: &mut Vec<String>) -> Result<Self, Fault> {
+        let mut head = Vec::new();
+        reader.by_ref().take(N_LOOKED_AT as u64).read_to_end(&mut head)?;
+        let whole = |head: Vec<u8>, reader| all_of(Cursor::new(head).chain(reader));
+        let reader: Box<dyn BufRead + 'a> = match (&head[..], foreign::Kind::of(&head)) {
+            ([0xff, 0xfe, ..], _) => Box::new(Cursor::new(utf16(&whole(head, reader)?[2..], u16::from_le_bytes))),
+            ([0xfe, 0xff, ..], _) => Box::new(Cursor::new(utf16(&whole(head, reader)?[2..], u16::from_be_bytes))),
+            (_, Some(kind)) => Box::new(Cursor::new(kind.table(&whole(head, reader)?, notes)?)),
+            ([0xef, 0xbb, 0xbf, rest @ ..], _) => Box::new(Cursor::new(rest.to_vec()).chain(reader)),
+            _ => Box::new(Cursor::new(head).chain(reader)),
+        };
+        Ok(Self { reader, bytes: Vec::new(), n_read: 0 })
+    }
+
+    /// The next line without its end, and whether it has one; `None` behind the last.
+    pub(super) fn next_into(&mut self, line: &mut String) -> Result<Option<bool>, Fault> {
+        self.bytes.clear();
+        let n = self.reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.bytes)?;
+        if n == 0 {
+            return Ok(None);
+        }
+        let begin = self.n_read;
+        self.n_read += n as u64;
+        let is_complete = self.bytes.ends_with(b"\n");
+        if let Some(at) = self.bytes.iter().position(|byte| is_foreign(*byte)) {
+            let fault = Fault::NotText { byte: self.bytes[at], position: (begin as usize) + at };
+            // A power cut can leave zero bytes behind the last block written.
+            if self.bytes[at] != 0 || !self.only_zeros_follow(at)? {
+                return Err(fault);
+            }
+            self.bytes.truncate(at);
+            if self.bytes.is_empty() {
+                return Ok(None);
+            }
+        } else if self.n_read > MOST_BYTES || n as u64 == LONGEST_LINE {
+            return Err(Fault::TooLarge);
+        }
+        line.clear();
+        let kept = self.bytes.strip_suffix(b"\n").unwrap_or(&self.bytes);
+        let kept = kept.strip_suffix(b"\r").unwrap_or(kept);
+        match std::str::from_utf8(kept) {
+            Ok(text) => line.push_str(text),
+            Err(_) => line.extend(kept.iter().map(|byte| char::from(*byte))),
+        }
+        Ok(Some(is_complete && self.bytes.ends_with(b"\n")))
+    }
+
+    fn only_zeros_follow(&mut self, at: usize) -> Result<bool, Fault> {
+        /// Blocks of a disk are smaller.
+        const MOST_ZEROS: u64 = 16 << 20;
+        let mut rest = Vec::new();
+        self.reader.by_ref().take(MOST_ZEROS).read_to_end(&mut rest)?;
+        let is_all = (rest.len() as u64) < MOST_ZEROS;
+        Ok(is_all && self.bytes[at..].iter().chain(&rest).all(|byte| *byte == 0))
+    }
+}
+
+/// Text has no control characters except tab, line ends and form feed.
+fn is_foreign(byte: u8) -> bool {
+    byte < 0x20 && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0c)
+}
+
+/// Everything, up to a limit.
+fn all_of(reader: impl Read) -> Result<Vec<u8>, Fault> {
+    let mut bytes = Vec::new();
+    let n = reader.take(MOST_BYTES_WHOLE).read_to_end(&mut bytes)?;
+    if n as u64 == MOST_BYTES_WHOLE { Err(Fault::TooLarge) } else { Ok(bytes) }
+}
+
+fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Vec<u8> {
+    let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
+    String::from_utf16_lossy(&units).into_bytes()
+}
+
+impl From<io::Error> for Fault {
+    fn from(error: io::Error) -> Self {
+        Self::Unreadable(error)
+    }
+}

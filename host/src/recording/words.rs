@@ -1,0 +1,320 @@
+//! What the words of a column name mean, in English, German, French, Spanish and Italian.
+//!
+//! `Time [s]`, `time_ms`, `thetaRad`, `Winkel / °`, `Temps (s)`. A name with a word of motion (`omega`, `vitesse`,
+//! `theta_punkt`) is no angle, nor is one with a unit that no angle has (`position (m)`).
+
+use super::columns::{AngleUnit, TimeUnit};
+
+/// What a column name says about its content.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Meaning {
+    /// Time, with the unit if the name has one; `strength` orders several candidates.
+    Time { unit: Option<TimeUnit>, strength: u8 },
+    /// Angle, likewise.
+    Angle { unit: Option<AngleUnit>, strength: u8 },
+    /// Converter code.
+    Code,
+    /// A coordinate of a point: to the right.
+    X,
+    /// And up or down.
+    Y,
+    /// An angular velocity.
+    Rate,
+    /// Something else.
+    Other,
+}
+
+const NAMES_THE_THING: u8 = 2;
+const NAMES_A_UNIT: u8 = 1;
+
+/// Words after which a column is not the angle itself, whatever else it says.
+const DERIVED: &[&str] = &[
+    "omega",
+    "ω",
+    "velocity",
+    "vel",
+    "velo",
+    "speed",
+    "acceleration",
+    "acc",
+    "accel",
+    "alpha",
+    "α",
+    "rate",
+    "dot",
+    "target",
+    "setpoint",
+    "reference",
+    "ref",
+    "v",
+    "gyro",
+    "gyr",
+    "gyroscope",
+    "gyroskop",
+    "tacho",
+    "tachometer",
+    "rpm",
+    "derivative",
+    "error",
+    "residual",
+    "model",
+    "fit",
+    "std",
+    "sigma",
+    "noise",
+    "punkt",
+    "geschwindigkeit",
+    "winkelgeschwindigkeit",
+    "drehrate",
+    "beschleunigung",
+    "winkelbeschleunigung",
+    "drehzahl",
+    "sollwert",
+    "ableitung",
+    "vitesse",
+    "accélération",
+    "consigne",
+    "gyromètre",
+    "gyroscope",
+    "velocidad",
+    "aceleración",
+    "aceleracion",
+    "giroscopio",
+    "consigna",
+    "derivada",
+    "velocità",
+    "velocita",
+    "accelerazione",
+];
+
+/// Words of an angular velocity among them, if the unit does not say it.
+const RATE: &[&str] = &[
+    "omega",
+    "ω",
+    "gyro",
+    "gyr",
+    "gyroscope",
+    "gyroskop",
+    "gyromètre",
+    "giroscopio",
+    "tacho",
+    "tachometer",
+    "rate",
+    "drehrate",
+    "winkelgeschwindigkeit",
+    "rpm",
+    "drehzahl",
+];
+
+const TIME: &[&str] = &[
+    "t",
+    "time",
+    "times",
+    "timestamp",
+    "datetime",
+    "elapsed",
+    "clock",
+    "epoch",
+    "zeit",
+    "zeitpunkt",
+    "zeitstempel",
+    "uhrzeit",
+    "messzeit",
+    "temps",
+    "heure",
+    "horodatage",
+    "tiempo",
+    "hora",
+    "tempo",
+    "ora",
+];
+const ANGLE: &[&str] = &[
+    "theta",
+    "angle",
+    "position",
+    "pos",
+    "phi",
+    "θ",
+    "φ",
+    "ϑ",
+    "winkel",
+    "auslenkwinkel",
+    "pendelwinkel",
+    "drehwinkel",
+    "ángulo",
+    "angulo",
+    "angolo",
+];
+const TILT: &[&str] =
+    &["tilt", "inclination", "neigung", "neigungswinkel", "inclinaison", "inclinación", "inclinazione"];
+const CODE: &[&str] = &["code", "codes", "adc"];
+
+/// Units that no angle and no time has.
+const OTHER_UNITS: &[&str] = &[
+    "m", "cm", "mm", "px", "pixel", "pixels", "in", "inch", "volt", "volts", "mv", "hz", "percent", "counts", "count",
+    "ticks", "raw",
+];
+
+/// Reads the words of a column name.
+pub(super) fn meaning(name: &str) -> Meaning {
+    let words = words(name);
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let time = words.iter().rev().find_map(|word| time_unit(word));
+    let angle = words.iter().rev().find_map(|word| angle_unit(word));
+    // rad/s, deg/s: an angle and a time unit in one name is a velocity; with s² it is an acceleration.
+    let is_per_time = angle.is_some() && time.is_some();
+    if has(DERIVED) || is_per_time || words.iter().any(|word| is_derivative(word)) || has_derivative_sign(name) {
+        let is_rate = (is_per_time || has(RATE)) && !name.contains(['²', '^']) && !has(&["acceleration", "alpha"]);
+        return if is_rate { Meaning::Rate } else { Meaning::Other };
+    }
+    if has(TIME) {
+        return Meaning::Time { unit: time, strength: NAMES_THE_THING };
+    }
+    let is_angle =
+        angle.is_some() || words.iter().any(|word| ANGLE.contains(&word.as_str()) && !word.starts_with("pos"));
+    match (has(&["x"]), has(&["y"])) {
+        (true, false) if !is_angle => return Meaning::X,
+        (false, true) if !is_angle => return Meaning::Y,
+        _ => {}
+    }
+    if has(OTHER_UNITS) {
+        return Meaning::Other;
+    }
+    if has(ANGLE) {
+        return Meaning::Angle { unit: angle, strength: NAMES_THE_THING };
+    }
+    match (has(CODE), time, angle) {
+        (true, ..) => Meaning::Code,
+        (_, Some(_), _) => Meaning::Time { unit: time, strength: NAMES_A_UNIT },
+        (.., Some(_)) => Meaning::Angle { unit: angle, strength: NAMES_A_UNIT },
+        _ if has(TILT) => Meaning::Angle { unit: None, strength: NAMES_A_UNIT },
+        _ => Meaning::Other,
+    }
+}
+
+/// `thetadot`, `phipunkt`, `dtheta`: one word for a derivative.
+fn is_derivative(word: &str) -> bool {
+    let is_angle = |rest: Option<&str>| rest.is_some_and(|rest| ANGLE.contains(&rest));
+    ["dot", "punkt", "ddot", "p"].iter().any(|end| is_angle(word.strip_suffix(end)))
+        || ["d", "dd", "delta"].iter().any(|begin| is_angle(word.strip_prefix(begin)))
+        || word.ends_with("geschwindigkeit")
+        || word.ends_with("velocity")
+}
+
+/// `θ'`, `dθ/dt`, `θ̇`.
+fn has_derivative_sign(name: &str) -> bool {
+    name.contains("/dt") || name.trim_end().ends_with('\'') || name.contains('\u{307}') || name.contains('\u{308}')
+}
+
+/// Whether a cell is nothing but a unit, as in a second header line.
+pub(super) fn is_unit(cell: &str) -> bool {
+    let cell = cell.trim_matches(['[', ']', '(', ')', ' ']).to_lowercase();
+    time_unit(&cell).is_some()
+        || angle_unit(&cell).is_some()
+        || OTHER_UNITS.contains(&cell.as_str())
+        || matches!(cell.as_str(), "rad/s" | "deg/s" | "°/s" | "v" | "g" | "m/s" | "m/s²" | "m/s^2")
+}
+
+pub(super) fn time_unit(word: &str) -> Option<TimeUnit> {
+    match word {
+        "s" | "sec" | "secs" | "second" | "seconds" | "sek" | "sekunde" | "sekunden" | "seconde" | "secondes"
+        | "segundo" | "segundos" | "secondo" | "secondi" => Some(TimeUnit::Seconds),
+        "ms" | "msec" | "millis" | "millisecond" | "milliseconds" | "millisekunden" | "millisecondes"
+        | "milisegundos" | "millisecondi" => Some(TimeUnit::Milliseconds),
+        "us" | "µs" | "μs" | "usec" | "micros" | "microsecond" | "microseconds" | "mikrosekunden" => {
+            Some(TimeUnit::Microseconds)
+        }
+        "ns" | "nsec" | "nanoseconds" | "nanosecond" | "nanosekunden" => Some(TimeUnit::Nanoseconds),
+        "min" | "minute" | "minutes" | "minuten" | "minuto" | "minutos" | "minuti" => Some(TimeUnit::Minutes),
+        "day" | "days" => Some(TimeUnit::Days),
+        _ => None,
+    }
+}
+
+/// `grad` is the German degree; who counts 400 to a turn writes gon or gradians.
+pub(super) fn angle_unit(word: &str) -> Option<AngleUnit> {
+    match word {
+        "rad" | "rads" | "radian" | "radians" | "radiant" | "bogenmaß" | "radianes" | "radianti" | "radián" => {
+            Some(AngleUnit::Radians)
+        }
+        "deg" | "degs" | "degree" | "degrees" | "°" | "grad" | "degré" | "degrés" | "degre" | "degres" | "grado"
+        | "grados" | "gradi" => Some(AngleUnit::Degrees),
+        "mrad" | "milliradian" | "milliradians" => Some(AngleUnit::Milliradians),
+        "gon" | "gradian" | "gradians" => Some(AngleUnit::Gradians),
+        "turn" | "turns" | "rev" | "revs" | "revolutions" => Some(AngleUnit::Turns),
+        _ => None,
+    }
+}
+
+/// Lower-case words of a name, split at signs and where a small letter meets a capital; digits at the end fall off.
+fn words(name: &str) -> Vec<String> {
+    let mut spaced = String::new();
+    let mut before_is_small = false;
+    for letter in name.chars() {
+        if before_is_small && letter.is_uppercase() {
+            spaced.push(' ');
+        }
+        before_is_small = letter.is_lowercase();
+        spaced.push(letter);
+    }
+    spaced
+        .to_lowercase()
+        .split(|letter: char| !letter.is_alphanumeric() && letter != '°')
+        .map(|word| word.trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned())
+        .filter(|word| !word.is_empty())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_many_labs_are_understood() {
+        let time = |unit| Meaning::Time { unit, strength: NAMES_THE_THING };
+        let angle = |unit| Meaning::Angle { unit, strength: NAMES_THE_THING };
+        let cases = [
+            ("t", time(None)),
+            ("Time [s]", time(Some(TimeUnit::Seconds))),
+            ("time_ms", time(Some(TimeUnit::Milliseconds))),
+            ("timestamp_us", time(Some(TimeUnit::Microseconds))),
+            ("timeMs", time(Some(TimeUnit::Milliseconds))),
+            ("ms", Meaning::Time { unit: Some(TimeUnit::Milliseconds), strength: NAMES_A_UNIT }),
+            ("seconds", Meaning::Time { unit: Some(TimeUnit::Seconds), strength: NAMES_A_UNIT }),
+            ("theta", angle(None)),
+            ("THETA1", angle(None)),
+            ("angle (deg)", angle(Some(AngleUnit::Degrees))),
+            ("Winkel / °", angle(Some(AngleUnit::Degrees))),
+            ("position_rad", angle(Some(AngleUnit::Radians))),
+            ("deg", Meaning::Angle { unit: Some(AngleUnit::Degrees), strength: NAMES_A_UNIT }),
+            ("omega", Meaning::Rate),
+            ("angle rate", Meaning::Rate),
+            ("theta_dot", Meaning::Other),
+            ("phi_punkt", Meaning::Other),
+            ("theta_v", Meaning::Other),
+            ("thetadot", Meaning::Other),
+            ("dθ/dt", Meaning::Other),
+            ("Gyroscope x (rad/s)", Meaning::Rate),
+            ("Winkelgeschwindigkeit [°/s]", Meaning::Rate),
+            ("Vitesse angulaire (rad/s)", Meaning::Rate),
+            ("Angular acceleration (rad/s²)", Meaning::Other),
+            ("Position (m)", Meaning::Other),
+            ("x (m)", Meaning::X),
+            ("y_px", Meaning::Y),
+            ("Winkel [Grad]", angle(Some(AngleUnit::Degrees))),
+            ("Ángulo (°)", angle(Some(AngleUnit::Degrees))),
+            ("Angolo [gradi]", angle(Some(AngleUnit::Degrees))),
+            ("Angle (degrés)", angle(Some(AngleUnit::Degrees))),
+            ("Zeit in Sekunden", time(Some(TimeUnit::Seconds))),
+            ("Temps (s)", time(Some(TimeUnit::Seconds))),
+            ("Tiempo [ms]", time(Some(TimeUnit::Milliseconds))),
+            ("Tempo (s)", time(Some(TimeUnit::Seconds))),
+            ("v (rad/s)", Meaning::Rate),
+            ("adc_code", Meaning::Code),
+            ("voltage", Meaning::Other),
+        ];
+        for (name, expected) in cases {
+            assert_eq!(meaning(name), expected, "{name}");
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Nothing is lost: no output replaces a file unasked, none replaces what is read, and a result that could not be
+//! written is a failure.
+
+use std::fs;
+use std::path::Path;
+use tests::program::{self, host, host_with};
+
+const INIT: &str = "init --mass 0.1466084 --length 0.1562177 --inertia 0.00270676";
+
+/// A model, a recording, and a file of the user's that must stay.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), INIT).succeeded();
+    host(folder.path(), "simulate --seconds 10 --rate 100 -o swing.csv").succeeded();
+    fs::write(folder.path().join("mine.html"), "mine").unwrap();
+    folder
+}
+
+fn listing(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// Refused before anything is computed, and the folder is as it was.
+#[track_caller]
+fn check_refused(folder: &Path, arguments: &str, words: &[&str]) {
+    let content = || listing(folder).iter().map(|name| fs::read(folder.join(name)).ok()).collect::<Vec<_>>();
+    let before = (listing(folder), content());
+    host(folder, arguments).failed(2, words);
+    assert!(before == (listing(folder), content()), "{arguments} changed a file");
+}
+
+#[test]
+fn no_drawing_and_no_report_replaces_a_file_unasked() {
+    let folder = folder();
+    let path = folder.path();
+    fs::create_dir(path.join("pictures")).unwrap();
+    fs::write(path.join("pictures/old.svg"), "old").unwrap();
+    fs::create_dir(path.join("pages")).unwrap();
+    fs::write(path.join("pages/host-fit.1"), "old").unwrap();
+    for arguments in [
+        "compare swing.csv --report mine.html",
+        "fit swing.csv --plot mine.html",
+        "fit swing.csv -o mine.html",
+        "fit --paper --plot mine.html",
+        "improve swing.csv --plot mine.html",
+        "improve swing.csv -o mine.html",
+        "simulate -o mine.html",
+        "export --format c -o mine.html",
+    ] {
+        check_refused(path, arguments, &["mine.html exists already", "--force"]);
+    }
+    check_refused(path, "compare swing.csv --plot pictures", &["old.svg exists already", "--force"]);
+    check_refused(path, "man pages", &["host-fit.1 exists already", "--force"]);
+    host(path, "compare swing.csv --report mine.html --force").succeeded();
+    assert!(fs::read_to_string(path.join("mine.html")).unwrap().contains("<html"));
+    host(path, "man pages --force").succeeded();
+    assert!(fs::read_to_string(path.join("pages/host-fit.1")).unwrap().contains("host"));
+}
+
+#[test]
+fn what_is_read_is_never_replaced_by_any_name() {
+    let folder = folder();
+    let path = folder.path();
+    fs::hard_link(path.join("swing.csv"), path.join("also.csv")).unwrap();
+    for arguments in [
+        "compare swing.csv --report swing.csv --force",
+        "compare also.csv --report ./swing.csv --force",
+        "compare also.csv --hold-out swing.csv --report swing.csv --force",
+        "compare also.csv --report rig.toml --force",
+        "fit swing.csv --plot swing.csv --force",
+        "fit swing.csv -o also.csv --force",
+        "fit swing.csv --plot rig.toml --force",
+        "improve swing.csv --plot swing.csv --force",
+        "simulate -o rig.toml --force",
+        "export --format c -o rig.toml --force",
+    ] {
+        check_refused(path, arguments, &["is being read", "choose another name"]);
+    }
+    check_refused(path, "fit swing.csv -o new.toml --plot ./new.toml", &["asked for twice"]);
+    // The model file that is read is what gets better.
+    host(path, "fit swing.csv --method least-squares -o ./rig.toml").succeeded();
+    assert!(fs::read_to_string(path.join("rig.toml")).unwrap().contains("least squares"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_result_that_does_not_reach_standard_output_is_a_failure() {
+    let folder = folder();
+    for arguments in ["compare swing.csv --json", "export --format c", "effects", "simulate plain -o new.csv --json"] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let output = std::process::Command::new(program::path())
+            .args(arguments.split_whitespace())
+            .current_dir(folder.path())
+            .stdout(full)
+            .output()
+            .unwrap();
+        let words = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{arguments}: {words}");
+        assert!(words.contains("standard output") && words.contains("No space left"), "{arguments}: {words}");
+    }
+    assert!(folder.path().join("new.csv").exists(), "a file that was asked for is written all the same");
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let mut process = std::process::Command::new(program::path());
+    let status = process.args(["effects"]).stdout(writer).status().unwrap();
+    assert!(status.success(), "a reader that went away is no failure: {status}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_name_that_is_not_utf_8_is_as_good_as_any() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = folder();
+    let name = std::ffi::OsStr::from_bytes(b"schwung-\xe4.csv");
+    fs::rename(folder.path().join("swing.csv"), folder.path().join(name)).unwrap();
+    let copy = std::ffi::OsStr::from_bytes(b"kopie-\xf6.csv");
+    let run = |arguments: &[&std::ffi::OsStr]| {
+        let mut process = std::process::Command::new(program::path());
+        let output = process.args(arguments).current_dir(folder.path()).output().unwrap();
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let words = |words: &'static str| words.split_whitespace().map(std::ffi::OsStr::new).collect::<Vec<_>>();
+    for command in ["fit --method least-squares --json", "compare --json", "diagnose --json"] {
+        let object: serde_json::Value = serde_json::from_str(&run(&[&words(command)[..], &[name]].concat())).unwrap();
+        assert!(object.to_string().contains("schwung-"), "{command}");
+    }
+    run(&[&words("simulate --seconds 1 --json -o")[..], &[copy]].concat());
+    assert!(folder.path().join(copy).exists());
+}
+
+#[test]
+fn the_next_command_can_be_copied_whatever_the_names() {
+    let folder = folder();
+    let path = folder.path();
+    fs::rename(path.join("swing.csv"), path.join("my first swing.csv")).unwrap();
+    let run = host_with(path, &["fit", "my first swing.csv", "--method", "least-squares", "-o", "my rig.toml"]);
+    let text = run.succeeded();
+    assert!(text.contains("'my rig.toml'"), "{text}");
+    let many: Vec<String> = (0..10).map(|idx| format!("copy{idx}.csv")).collect();
+    for name in &many {
+        fs::copy(path.join("my first swing.csv"), path.join(name)).unwrap();
+    }
+    let arguments = [&["fit", "--method", "least-squares"][..], &many.iter().map(String::as_str).collect::<Vec<_>>()];
+    let text = host_with(path, &arguments.concat()).stdout;
+    let next = text.lines().find(|line| line.starts_with("next")).unwrap_or_default();
+    assert!(next.contains("copy0.csv") && next.contains("10 recordings") && !next.contains("copy9.csv"), "{text}");
+}

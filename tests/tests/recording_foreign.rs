@@ -1,0 +1,190 @@
+//! Files of phones, cameras, encoders, spreadsheets and other programs: each is read rightly, or refused with the cure.
+//!
+//! `corpus/foreign` holds one swing in the dress of many; `make.py` there integrates and writes it.
+
+use host::recording::{ReadOptions, Recording, read, read_bytes};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/foreign")
+}
+
+fn open(name: &str, options: &ReadOptions) -> Result<Recording, String> {
+    read(&folder().join(name), options).map_err(|error| error.to_string())
+}
+
+fn columns(text: &str) -> ReadOptions {
+    ReadOptions { columns: Some(text.parse().unwrap()), ..ReadOptions::default() }
+}
+
+fn zero(zero: f64) -> ReadOptions {
+    ReadOptions { zero: Some(zero), ..ReadOptions::default() }
+}
+
+/// What a file must give: the swing of truth.csv within so many rad, and a note with these words if any.
+struct Read {
+    name: &'static str,
+    options: ReadOptions,
+    within_rad: f64,
+    /// Of the 600 samples so many are gaps.
+    n_missing: usize,
+    note: &'static str,
+}
+
+fn good(name: &'static str, within_rad: f64, note: &'static str) -> Read {
+    Read { name, options: ReadOptions::default(), within_rad, n_missing: 0, note }
+}
+
+/// The digits that are printed: half of the last one, and as much again.
+const FIVE_OF_DEGREES: f64 = 2e-7;
+const SEVEN: f64 = 1e-7;
+
+fn read_rightly() -> Vec<Read> {
+    let with = |name, options| Read { options, ..good(name, SEVEN, "") };
+    vec![
+        good("truth.csv", 1e-9, ""),
+        good("phyphox_tilt.csv", 1e-8, ""),
+        good("phyphox_semicolon.csv", 1e-8, ""),
+        good("phyphox_tilt.zip", 1e-8, "Raw Data.csv read from the archive"),
+        good("tracker_xy.txt", 2e-4, "angles from x and y, y counting up"),
+        good("tracker_theta.txt", 1e-6, "from the horizontal"),
+        good("tracker_multi.txt", 1e-6, ""),
+        good("pixels.csv", 2e-3, "y counting down: pivot at (3"),
+        Read { options: columns("t=time,x=x_px,y=2"), ..good("pixels.csv", 2e-3, "y counting down") },
+        Read {
+            options: ReadOptions { pivot: Some([320.0, 60.0]), ..ReadOptions::default() },
+            ..good("pixels.csv", 1e-4, "pivot at (320.0000, 60.0000)")
+        },
+        good("labview_one.lvm", 1e-7, ""),
+        good("labview_no_x.lvm", 1e-7, ""),
+        good("matlab_v6.mat", 1e-9, ""),
+        good("matlab_v7.mat", 1e-9, ""),
+        good("lines.jsonl", 2e-8, ""),
+        good("arrays.json", SEVEN, ""),
+        good("iso.csv", SEVEN, ""),
+        good("iso_space.txt", SEVEN, ""),
+        good("german_dates.csv", FIVE_OF_DEGREES, ""),
+        good("midnight.csv", SEVEN, "midnight"),
+        good("epoch_ms.csv", SEVEN, "from 1970"),
+        good("epoch_s.csv", SEVEN, "from 1970"),
+        good("quoted_commas.csv", SEVEN, ""),
+        good("grad.csv", FIVE_OF_DEGREES, ""),
+        good("french.csv", FIVE_OF_DEGREES, ""),
+        good("spanish.csv", FIVE_OF_DEGREES, ""),
+        good("italian.csv", FIVE_OF_DEGREES, ""),
+        good("thousands.csv", SEVEN, ""),
+        good("thousands_german.csv", SEVEN, ""),
+        good("thousands_swiss.csv", SEVEN, ""),
+        Read { n_missing: 7, ..good("empty_cells.csv", SEVEN, "7 rows without a value are gaps, the first at line 7") },
+        Read { n_missing: 7, ..good("nan_cells.csv", SEVEN, "column 1 (theta): \"NaN\"") },
+        good("two_time_bases.csv", SEVEN, "0 (Time A (s)) taken"),
+        good("two_rates_merged.csv", SEVEN, "600 rows without a value"),
+        good("from_horizontal.csv", 2e-7, "from the horizontal"),
+        good("from_upright.csv", 2e-7, "from upright"),
+        good("wrapped_180.csv", 2e-7, "wraps around"),
+        good("wrapped_360.csv", 2e-7, "wraps around"),
+        with("odd_zero.csv", zero(0.7)),
+        with("minutes_unsaid.csv", columns("t=0:min,theta=1")),
+        with("milliseconds_unsaid.csv", columns("t=0:ms,theta=1")),
+        Read {
+            options: ReadOptions { angle_unit: Some(host::recording::AngleUnit::Radians), ..ReadOptions::default() },
+            ..good("radians_named_degrees.csv", SEVEN, "")
+        },
+    ]
+}
+
+/// Files that are refused, each with words of the reason and of the cure.
+const REFUSED: [(&str, &[&str]); 14] = [
+    ("phyphox_gyroscope.csv", &["angular velocit", "--columns theta="]),
+    ("bare_gyroscope.csv", &["angular", "--radians"]),
+    ("phi_punkt.csv", &["no angle column", "--columns theta="]),
+    ("position_in_metres.csv", &["no angle column", "Position (m)"]),
+    ("small_degrees.csv", &["--degrees", "period"]),
+    ("radians_named_degrees.csv", &["--radians", "times as large"]),
+    ("bare_commas.csv", &["twice as many fields", "semicolons"]),
+    ("pixels_slanting.csv", &["off a circle", "square to the plane"]),
+    ("pixels_short_arc.csv", &["--pivot", "short an arc"]),
+    ("matlab_v73.mat", &["HDF5", "-v7"]),
+    ("two_tables.zip", &["2 tables", "unpack it"]),
+    ("workbook.xlsx", &["workbook", "save the sheet as CSV"]),
+    ("minutes_unsaid.csv", &["unit of the time", "--columns t=0:ms"]),
+    ("milliseconds_unsaid.csv", &["--columns t=0:ms"]),
+];
+
+/// Files that are read with a word of doubt.
+const DOUBTED: [(&str, &str); 2] = [("odd_zero.csv", "--zero"), ("small_radians.csv", "--degrees")];
+
+#[test]
+fn each_file_is_the_swing_that_it_shows() {
+    let truth = open("truth.csv", &ReadOptions::default()).unwrap();
+    for Read { name, options, within_rad, n_missing, note } in read_rightly() {
+        let recording = open(name, &options).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(recording.len(), truth.len() - n_missing, "{name}: {:?}", recording.notes());
+        let begin_s = recording.times_s()[0];
+        for (time_s, angle_rad) in recording.times_s().iter().zip(recording.angles_rad()) {
+            let since_s = if name == "pixels.csv" { *time_s } else { time_s - begin_s };
+            let idx = (since_s * 50.0).round() as usize;
+            assert!((since_s - truth.times_s()[idx]).abs() < 2e-6, "{name}: {since_s} s");
+            let off_rad = angle_rad - truth.angles_rad()[idx];
+            assert!(off_rad.abs() <= within_rad, "{name} at {since_s} s: {angle_rad} rad, {off_rad:e} off");
+        }
+        let notes = recording.notes().join("; ");
+        assert!(notes.contains(note), "{name}: {notes}");
+        assert!(!note.is_empty() || notes.is_empty() || !options.eq_default(), "{name}: {notes}");
+    }
+}
+
+trait EqDefault {
+    fn eq_default(&self) -> bool;
+}
+
+impl EqDefault for ReadOptions {
+    fn eq_default(&self) -> bool {
+        format!("{self:?}") == format!("{:?}", Self::default())
+    }
+}
+
+#[test]
+fn what_would_be_read_wrongly_is_refused_with_the_cure() {
+    for (name, words) in REFUSED {
+        let message = open(name, &ReadOptions::default()).expect_err(name);
+        assert!(message.contains(name), "{message}");
+        for word in words {
+            assert!(message.contains(word), "{name}: {word:?} is not in\n{message}");
+        }
+    }
+}
+
+#[test]
+fn what_may_be_read_wrongly_is_said() {
+    for (name, word) in DOUBTED {
+        let recording = open(name, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let notes = recording.notes().join("; ");
+        assert!(notes.contains(word), "{name}: {notes}");
+    }
+}
+
+#[test]
+fn every_file_of_the_folder_has_its_say() {
+    let known: BTreeSet<String> = read_rightly()
+        .iter()
+        .map(|read| read.name)
+        .chain(REFUSED.iter().map(|(name, _)| *name))
+        .chain(DOUBTED.iter().map(|(name, _)| *name))
+        .map(str::to_owned)
+        .collect();
+    let there = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let there: BTreeSet<String> = there.filter(|name| name != "make.py").collect();
+    assert_eq!(there, known);
+    assert!(known.len() >= 40);
+}
+
+#[test]
+fn an_endless_file_ends_at_a_named_limit() {
+    let zeros = read(Path::new("/dev/zero"), &ReadOptions::default()).unwrap_err().to_string();
+    assert!(zeros.contains("/dev/zero") && zeros.contains("not text"), "{zeros}");
+    let line = [b"t,theta\n0,".as_slice(), &vec![b'1'; 3 << 20]].concat();
+    let message = read_bytes("line.csv", &line, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(message.contains("too large") && message.contains("1 MB"), "{message}");
+}
