@@ -2,33 +2,31 @@
 //!
 //! The base model is fitted first. If it leaves more than the noise, every effect of the list is tried: a score test
 //! ([`score`]) tells in one linearised step what each could gain, the promising ones are fitted in earnest
-//! ([`trial`]), and [`mod@search`] goes on with pairs until nothing significant is left. `verdict` says what may be
+//! ([`crate::fit::refine`]), and [`mod@search`] goes on with pairs until nothing significant is left. `verdict` says what may be
 //! claimed, what can't be told apart ([`replacement`]), what is only a shifted zero of the sensor ([`zero`]), and what
 //! stays unexplained; for that, [`formulas`] searches small laws if somebody wishes.
 
+mod doubt;
 pub mod evidence;
-pub mod excess;
 mod extension;
 pub mod formulas;
-mod level;
+mod models;
 pub mod physical;
 pub mod replacement;
 pub mod score;
 pub mod search;
 mod summary;
-pub mod trial;
+pub mod value;
 mod verdict;
 pub mod zero;
 
 pub use evidence::Evidence;
-pub use summary::{Candidate, Diagnosis, Step, Suggestion};
-pub use trial::Value;
+pub use summary::{Candidate, Diagnosis, NotTried, SpecialCase, Step, Suggestion};
+pub use value::Value;
 
-use crate::fit::descent::Patience;
-use crate::fit::identify::{problem_of, smooth};
+use crate::fit::by_least_squares::fitted_as_it_is;
+use crate::fit::identify::problem_of;
 use crate::fit::problem::Problem;
-use crate::fit::stiction::{self, Settled, Stiction, with_stiction};
-use crate::fit::{start, windows};
 use crate::formula::effect_of;
 use crate::swing::Swing;
 use search::search;
@@ -38,7 +36,7 @@ use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 use summary::Summary;
 use verdict::{INDISTINGUISHABLE, Judge};
-use zero::{ANGLE_OFFSET, ASYMMETRIC, Zero};
+use zero::Zero;
 
 /// Finds what is missing from the base model of a rig.
 pub fn diagnose(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>) -> Diagnosis {
@@ -69,11 +67,11 @@ pub fn diagnose_counted(
 ) -> Diagnosis {
     let began = Instant::now();
     let problem = base_problem(swings, rig, count);
-    let base = fit_base(&problem);
-    let mut candidates = candidates(swings);
+    let base = fitted_as_it_is(&problem);
+    let (mut candidates, not_tried) = candidates(swings);
     candidates.extend(wishes.typed.or(effect_of(rig, CUSTOM_FORMULA_ID)));
-    let sketches = problem.sketches();
-    let rough = problem.on(&sketches);
+    let decimated = problem.decimated();
+    let rough = problem.on(&decimated);
     let found = search(&problem, &rough, &base, &candidates);
     let judge = Judge { problem: &problem, rough: &rough, found: &found, candidates: &candidates };
     let (claimed, others) = judge.refined(judge.claimed());
@@ -81,38 +79,49 @@ pub fn diagnose_counted(
     let n_claimed = claimed.effects.len();
     let Zero { model, offset_is_missing, alike } = zero::decide(&problem, claimed, INDISTINGUISHABLE * judge.unit());
     // What the asymmetry explains, another effect may have imitated.
-    let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, Some(ASYMMETRIC)) } else { model };
+    let resembling = zero::resembling().map(|rival| rival.name);
+    let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, resembling) } else { model };
     undecided.extend(alike);
-    Summary { judge, claimed, undecided, offset_is_missing, held_out, began, count }.build(wishes.formulas)
-}
-
-/// The effects that may be found missing: all but the base effects and the offset, which is fitted anyway. In a single
-/// swing the amplitude falls as time goes by, so that no drift can be told from a law of speed or angle.
-fn candidates(swings: &[Swing]) -> Vec<&'static Effect<f64>> {
-    let is_candidate = |effect: &&Effect<f64>| {
-        let needs_more = effect.name == DRIFTING && swings.len() < 2;
-        !effect.is_base() && effect.name != ANGLE_OFFSET && !needs_more
+    let claimed = judge.beyond_their_errors(claimed);
+    let special_cases = judge.special_cases(&claimed, &others, &mut undecided);
+    let (claimed, vetoed) = judge.not_contradicted(claimed, held_out, count);
+    let carries = judge.carries(&claimed, held_out, count);
+    let parts = Summary {
+        judge,
+        claimed,
+        undecided,
+        not_tried,
+        vetoed,
+        carries,
+        special_cases,
+        offset_is_missing,
+        held_out,
+        began,
+        count,
     };
-    Effect::ALL.iter().filter(is_candidate).collect()
+    parts.build(wishes.formulas)
 }
 
-/// Only several releases tell it from the rest.
-const DRIFTING: &str = "drifting-friction";
+/// The effects that may be found missing: all but the base effects and what is fitted anyway; and those that these
+/// swings could not tell, with the reason.
+fn candidates(swings: &[Swing]) -> (Vec<&'static Effect<f64>>, Vec<NotTried>) {
+    let (mut tried, mut not_tried) = (Vec::new(), Vec::new());
+    for effect in Effect::ALL.iter().filter(|effect| !effect.is_base() && !effect.rules.is_free_offset) {
+        if effect.rules.needs_several_releases && swings.len() < 2 {
+            let reason = "needs several releases: within one swing the amplitude falls as time goes by, so that it \
+                          can't be told from a law of speed or angle";
+            not_tried.push(NotTried { effect: effect.name, reason: reason.to_owned() });
+        } else {
+            tried.push(effect);
+        }
+    }
+    (tried, not_tried)
+}
 
+/// The rig without any added effect.
 fn base_problem<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a AtomicUsize) -> Problem<'a> {
     let mut bare = rig.clone();
     bare.effects.retain(|effect| effect.id <= base::STICTION);
     bare.formula = None;
-    let mut problem = smooth(&problem_of(swings, &bare, count));
-    for (unknown, start) in problem.unknowns.clone().iter().zip(problem.template_values()) {
-        if unknown.name != "inertia" && start <= unknown.low {
-            unknown.set(&mut problem.template, unknown.scale);
-        }
-    }
-    with_stiction(&problem, Stiction { level_nm: 0.0, velocity_band: 0.0 })
-}
-
-fn fit_base(problem: &Problem) -> Settled {
-    let grown = windows::grow(problem, &start::guess(problem));
-    stiction::settle(problem, &grown.point, Patience::JUDGE)
+    problem_of(swings, &bare, count)
 }

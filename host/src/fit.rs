@@ -4,24 +4,30 @@
 //! by letting the time window grow, [`stiction`] and [`stop_level`] search the two parameters in which the error is not smooth, and
 //! [`covariance`] tells how well each is known.
 
-mod by_least_squares;
+pub mod by_least_squares;
 mod by_surfaces;
 pub mod covariance;
 pub mod descent;
+pub mod fitted;
 pub mod found;
 pub mod held_out;
 pub mod identify;
 pub mod linear;
-pub mod outcome;
 pub mod problem;
 pub mod proposal;
 pub mod quality;
 pub mod ranges;
+pub mod refine;
 pub mod region;
 mod report;
 pub mod runs;
 pub mod sequential;
+pub mod solve;
 pub mod start;
 pub mod stiction;
 pub mod stop_level;
+pub mod uncertainty;
 pub mod windows;
+
+#[cfg(test)]
+mod tests;

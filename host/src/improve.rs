@@ -1,17 +1,17 @@
 //! Adding and removing effects by hand, one step at a time, with the error before and after each.
 
-use crate::diagnose::score::promises;
-use crate::diagnose::trial::{Trial, Value, finish, finish_with_band, fit_from, values};
-use crate::fit::descent::Patience;
-use crate::fit::identify::{held_out_rmse, problem_of, smooth};
-use crate::fit::problem::{Point, Problem, Quantity};
-use crate::fit::stiction::{self, Stiction, with_stiction};
-use crate::fit::{start, windows};
-use crate::formula::effect_of;
-use crate::swing::{Swing, Window};
+use crate::diagnose::score::predictions;
+use crate::diagnose::value::{Value, values};
+use crate::fit::by_least_squares::fitted_as_it_is;
+use crate::fit::descent::Tolerance;
+use crate::fit::fitted::Fitted;
+use crate::fit::identify::{Carries, HeldOut, problem_of};
+use crate::fit::problem::Problem;
+use crate::fit::refine::Band;
+use crate::swing::Swing;
 use serde::Serialize;
 use shared::effect::Effect;
-use shared::parameters::{Parameters, base};
+use shared::parameters::Parameters;
 use std::sync::atomic::AtomicUsize;
 
 /// What to do.
@@ -32,6 +32,8 @@ pub struct Step {
     pub rmse: f64,
     /// The same on held-out swings, rad.
     pub held_out: Option<f64>,
+    /// What the held-out swings say to this step.
+    pub carries: Option<Carries>,
     /// Noise, rad.
     pub noise: f64,
     /// All numbers of the model but Ms and DV.
@@ -74,11 +76,11 @@ pub fn change(
     changes: &[Change],
 ) -> Result<Vec<Step>, ChangeError> {
     let bench = Bench { swings, held_out, count: &AtomicUsize::new(0) };
-    let (mut trial, first) = bench.fitted(rig);
+    let (mut model, first) = bench.fitted(rig);
     let mut steps = vec![first];
     for change in changes {
-        let (next, step) = bench.changed(&trial, *change)?;
-        trial = next;
+        let (next, step) = bench.changed(&model, *change)?;
+        model = next;
         steps.push(step);
     }
     Ok(steps)
@@ -96,73 +98,64 @@ pub struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// The model as it is, refitted; further changes go on from the trial.
-    pub fn fitted(&self, rig: &Parameters<f64>) -> (Trial, Step) {
-        let problem = smooth(&problem_of(self.swings, rig, self.count));
-        let trial = fitted_as_it_is(&problem);
-        let step = self.step("as it is".to_owned(), &problem, &trial);
-        (trial, step)
+    /// The model as it is, refitted; further changes go on from the model.
+    pub fn fitted(&self, rig: &Parameters<f64>) -> (Fitted, Step) {
+        let problem = problem_of(self.swings, rig, self.count);
+        let model = fitted_as_it_is(&problem);
+        let step = self.step("as it is".to_owned(), &problem, &model, None);
+        (model, step)
     }
 
     /// The model after one more change, refitted from where it was.
     ///
     /// # Errors
     /// The effect is in already, is not in, or nothing with it could be fitted.
-    pub fn changed(&self, trial: &Trial, change: Change) -> Result<(Trial, Step), ChangeError> {
-        let problem = smooth(&problem_of(self.swings, &trial.parameters, self.count));
-        let (words, trial) = match change {
-            Change::Add(effect) => (format!("+ {}", effect.name), added(&problem, trial, effect)?),
-            Change::Remove(effect) => (format!("- {}", effect.name), removed(&problem, trial, effect)?),
+    pub fn changed(&self, model: &Fitted, change: Change) -> Result<(Fitted, Step), ChangeError> {
+        let problem = problem_of(self.swings, &model.parameters, self.count);
+        let (words, next) = match change {
+            Change::Add(effect) => (format!("+ {}", effect.name), added(&problem, model, effect)?),
+            Change::Remove(effect) => (format!("- {}", effect.name), removed(&problem, model, effect)?),
         };
-        let step = self.step(words, &problem, &trial);
-        Ok((trial, step))
+        let step = self.step(words, &problem, &next, Some(model));
+        Ok((next, step))
     }
 
-    fn step(&self, words: String, problem: &Problem, trial: &Trial) -> Step {
-        let held_out = |parameters| held_out_rmse(self.held_out, parameters, self.count);
+    fn step(&self, words: String, problem: &Problem, model: &Fitted, before: Option<&Fitted>) -> Step {
+        let of = |model: &Fitted| HeldOut::of(self.held_out, &model.parameters, self.count);
+        let held_out = of(model);
+        let before = before.filter(|_| held_out.is_some()).and_then(of);
         Step {
             words,
-            rmse: (trial.cost / problem.n_samples(Window::Whole) as f64).sqrt(),
-            held_out: (!self.held_out.is_empty()).then(|| held_out(&trial.parameters)),
+            rmse: problem.rmse_rad(model.cost),
+            held_out: held_out.as_ref().map(|held_out| held_out.rmse_rad),
+            carries: held_out.zip(before).map(|(after, before)| after.after(&before)),
             noise: problem.noise_rad(),
-            values: values(problem, trial),
-            parameters: trial.parameters.clone(),
+            values: values(problem, model),
+            parameters: model.parameters.clone(),
         }
     }
 }
 
-fn fitted_as_it_is(problem: &Problem) -> Trial {
-    let effects = problem.template.effects.iter().filter(|effect| effect.id > base::STICTION);
-    let effects: Vec<&'static Effect<f64>> =
-        effects.filter_map(|effect| effect_of(&problem.template, effect.id)).collect();
-    let free = with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
-    let grown = windows::grow(&free, &start::guess(&free));
-    Trial::settled(&free, effects, stiction::settle(&free, &grown.point, Patience::JUDGE))
-}
-
-fn added(problem: &Problem, trial: &Trial, effect: &'static Effect<f64>) -> Result<Trial, ChangeError> {
+fn added(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Result<Fitted, ChangeError> {
     let name = effect.name;
-    if trial.parameters.values(effect.id).is_some() {
+    if model.parameters.values(effect.id).is_some() {
         return Err(ChangeError::Present { name });
     }
-    let fits = promises(problem, trial, &[effect]).into_iter().take(STARTS).filter_map(|promise| {
-        let n_before = trial.unknowns.len();
-        let (unknowns, template) = trial.with(problem, effect, &promise.point.values[n_before..])?;
-        let effects = [trial.effects.as_slice(), &[effect]].concat();
-        Some(fit_from(&Problem { unknowns, template, ..problem.clone() }, effects, &promise.point, trial.stiction))
-    });
+    let predictions = predictions(problem, &model.evaluated(problem), &[effect]);
+    let fits = predictions.iter().take(STARTS).map(|prediction| prediction.fitted(problem));
     let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or(ChangeError::Failed { name })?;
-    Ok(finished(problem, best))
+    // Far above the noise the last swings tell nothing of a velocity band, whose search costs the most.
+    let finished =
+        if is_near_noise(problem, &best) { best } else { best.refined(problem, Band::Level, Tolerance::JUDGE) };
+    Ok(if is_near_noise(problem, &finished) {
+        finished.refined(problem, Band::Searched, Tolerance::JUDGE)
+    } else {
+        finished
+    })
 }
 
-/// Far above the noise the last swings tell nothing of a velocity band, whose search costs the most.
-fn finished(problem: &Problem, trial: Trial) -> Trial {
-    let trial = if is_near_noise(problem, &trial) { trial } else { finish(problem, &trial) };
-    if is_near_noise(problem, &trial) { finish_with_band(problem, &trial) } else { trial }
-}
-
-fn is_near_noise(problem: &Problem, trial: &Trial) -> bool {
-    trial.cost < (NEAR_NOISE * problem.noise_rad()).powi(2) * problem.n_samples(Window::Whole) as f64
+fn is_near_noise(problem: &Problem, model: &Fitted) -> bool {
+    problem.rmse_rad(model.cost) < NEAR_NOISE * problem.noise_rad()
 }
 
 /// An error of so many times the noise is near it.
@@ -171,20 +164,10 @@ const NEAR_NOISE: f64 = 5.0;
 /// Starts of an effect that are fitted.
 const STARTS: usize = 3;
 
-fn removed(problem: &Problem, trial: &Trial, effect: &'static Effect<f64>) -> Result<Trial, ChangeError> {
-    let belongs = |quantity: Quantity| matches!(quantity, Quantity::Effect { id, .. } if id == effect.id);
-    if trial.parameters.values(effect.id).is_none() {
+fn removed(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Result<Fitted, ChangeError> {
+    if model.parameters.values(effect.id).is_none() {
         return Err(ChangeError::Absent { name: effect.name });
     }
-    let kept: Vec<usize> = (0..trial.unknowns.len()).filter(|j| !belongs(trial.unknowns[*j].quantity)).collect();
-    let mut template = trial.parameters.clone();
-    template.remove(effect.id);
-    let unknowns = kept.iter().map(|j| trial.unknowns[*j].clone()).collect();
-    let values = kept.iter().map(|j| trial.point.values[*j]).collect();
-    let point = Point { values, starts: trial.point.starts.clone() };
-    let effects = trial.effects.iter().copied().filter(|other| other.id != effect.id).collect();
-    let stiction =
-        if effect.id == base::STICTION { Stiction { level_nm: 0.0, velocity_band: 0.0 } } else { trial.stiction };
-    let smaller = Problem { unknowns, template, ..problem.clone() };
-    Ok(finish(problem, &fit_from(&smaller, effects, &point, stiction)))
+    let smaller = model.without(effect.id).refined(problem, Band::Held, Tolerance::SCREEN);
+    Ok(smaller.refined(problem, Band::Level, Tolerance::JUDGE))
 }

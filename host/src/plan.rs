@@ -6,7 +6,7 @@
 //! min over δ of |d − J·δ|²/σ² + δᵀ·P·δ, with d the difference, J the derivatives of the imitating model in the new
 //! experiment, and P the precision (inverse covariance) of its parameters from the present recordings.
 
-use crate::diagnose::trial::Trial;
+use crate::fit::fitted::Fitted;
 use crate::fit::linear::{Linear, Steps, linearise};
 use crate::fit::problem::{PER_SWING, Point, Problem, Start, Unknown};
 use crate::swing::{Swing, Window};
@@ -71,16 +71,16 @@ pub struct Prospect {
 
 /// What is known of a model.
 struct Known<'a> {
-    trial: &'a Trial,
+    fitted: &'a Fitted,
     name: String,
     precision: DMatrix<f64>,
 }
 
 /// Experiments by what they would tell about fitted models, the best first. With `changes` the pendulum itself may be
 /// changed too.
-pub fn plan(swings: &[Swing], models: &[Trial], changes: bool) -> Vec<Prospect> {
+pub fn plan(swings: &[Swing], models: &[Fitted], changes: bool) -> Vec<Prospect> {
     let count = AtomicUsize::new(0);
-    let known: Vec<Known> = models.iter().map(|trial| Known::new(swings, trial, &count)).collect();
+    let known: Vec<Known> = models.iter().map(|fitted| Known::new(swings, fitted, &count)).collect();
     let noise_rad = problem(swings, &models[0].unknowns, &models[0].parameters, &count).noise_rad();
     let prospect = |experiment: Experiment| {
         let pairs = (0..known.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
@@ -114,34 +114,32 @@ fn problem<'a>(
     template: &Parameters<f64>,
     count: &'a AtomicUsize,
 ) -> Problem<'a> {
-    let (template, unknowns) = (template.clone(), unknowns.to_vec());
-    Problem { swings, template, unknowns, offsets_are_free: true, n_simulations: count }
+    Problem::new(swings, template, unknowns.to_vec(), count)
 }
 
 impl<'a> Known<'a> {
-    fn new(swings: &[Swing], trial: &'a Trial, count: &AtomicUsize) -> Self {
-        let problem = problem(swings, &trial.unknowns, &trial.parameters, count);
-        let linear = twice_linearised(&problem, &trial.point);
+    fn new(swings: &[Swing], fitted: &'a Fitted, count: &AtomicUsize) -> Self {
+        let problem = problem(swings, &fitted.unknowns, &fitted.parameters, count);
+        let linear = fitted.linearised(&problem);
         // A model that leaves more than the noise knows its parameters less well.
         let variance = (linear.cost / linear.n_samples as f64).max(problem.noise_rad().powi(2));
-        let name = if trial.effects.is_empty() { "none".to_owned() } else { trial.names().join("+") };
-        Self { trial, name, precision: of_unknowns(&linear.normal, trial.unknowns.len()) / variance }
+        Self { fitted, name: fitted.name(), precision: of_unknowns(&linear.normal, fitted.unknowns.len()) / variance }
     }
 
     /// The model in an experiment.
     fn changed(&self, experiment: Experiment) -> Parameters<f64> {
-        let present = self.trial.parameters.pendulum;
+        let present = self.fitted.parameters.pendulum;
         let pendulum = Pendulum {
             mass_kg: present.mass_kg * experiment.mass_factor,
             length_m: present.length_m * experiment.length_factor,
             ..present
         };
-        Parameters { pendulum, ..self.trial.parameters.clone() }
+        Parameters { pendulum, ..self.fitted.parameters.clone() }
     }
 
     fn readings(&self, experiment: Experiment, at: &[Swing], count: &AtomicUsize) -> Vec<f64> {
-        let problem = problem(at, &self.trial.unknowns, &self.changed(experiment), count);
-        let mut columns = problem.predict(0, at[0].len(), &[(&self.trial.point.values, start(experiment))]);
+        let problem = problem(at, &self.fitted.unknowns, &self.changed(experiment), count);
+        let mut columns = problem.predict(0, at[0].len(), &[(&self.fitted.point().values, start(experiment))]);
         columns.swap_remove(0)
     }
 }
@@ -190,11 +188,11 @@ fn imitation(truth: &Known, model: &Known, experiment: Experiment, noise_rad: f6
     let times_s: Vec<f64> = (0..(LENGTH_S * RATE_HZ) as usize).map(|i| i as f64 / RATE_HZ).collect();
     let blank = [Swing::new("experiment", &times_s, &vec![experiment.release_rad; times_s.len()], noise_rad)];
     let shown = [Swing::new("experiment", &times_s, &truth.readings(experiment, &blank, count), noise_rad)];
-    let problem = problem(&shown, &model.trial.unknowns, &model.changed(experiment), count);
-    let point = Point { values: model.trial.point.values.clone(), starts: vec![start(experiment)] };
+    let problem = problem(&shown, &model.fitted.unknowns, &model.changed(experiment), count);
+    let point = Point { values: model.fitted.point().values, starts: vec![start(experiment)] };
     let linear = twice_linearised(&problem, &point);
     let variance = noise_rad.powi(2);
-    let n_unknowns = model.trial.unknowns.len();
+    let n_unknowns = model.fitted.unknowns.len();
     debug_assert_eq!(linear.normal.nrows(), n_unknowns + PER_SWING);
     let mut normal = &linear.normal / variance;
     let mut block = normal.view_mut((0, 0), (n_unknowns, n_unknowns));

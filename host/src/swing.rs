@@ -113,6 +113,15 @@ impl Swing {
         self.times_s.last().copied().unwrap_or(0.0)
     }
 
+    /// Does it end at rest? Its last samples then scatter no more than the noise.
+    pub fn comes_to_rest(&self) -> bool {
+        let from = self.times_s.partition_point(|t| *t < self.duration_s() - REST_S);
+        let last = &self.angles_rad[from..];
+        let mean = last.iter().sum::<f64>() / last.len().max(1) as f64;
+        let scatter = (last.iter().map(|angle| (angle - mean).powi(2)).sum::<f64>() / last.len().max(1) as f64).sqrt();
+        last.len() >= MIN_START_SAMPLES && scatter < REST_NOISES * self.noise_rad
+    }
+
     /// Every k-th sample, so that about `rate_hz` remain; unchanged if there are no more than that.
     pub fn thinned(&self, rate_hz: f64) -> Self {
         let every = ((self.len() as f64 / self.duration_s() / rate_hz) as usize).max(1);
@@ -121,9 +130,9 @@ impl Swing {
     }
 
     /// Enough of it to find the way to the best values: few samples, and steps that are too long for the last digit.
-    pub fn sketched(&self) -> Self {
-        let thin = self.thinned(SKETCH_RATE_HZ);
-        Self { schedules: schedules(&thin.times_s, self.longest_step_s, SKETCH_STEP), ..thin }
+    pub fn decimated(&self) -> Self {
+        let thin = self.thinned(DECIMATED_RATE_HZ);
+        Self { schedules: schedules(&thin.times_s, self.longest_step_s, DECIMATED_STEP), ..thin }
     }
 
     /// Number of samples in a window.
@@ -166,9 +175,13 @@ fn n_lively(angles_rad: &[f64]) -> usize {
 const LIVELY_RAD: f64 = 0.12;
 const LIVELY_SHARE: f64 = 0.1;
 
-/// A sketch has so many samples a second, and steps so many times as long: 40 to a period, 3e-5 rad off.
-const SKETCH_RATE_HZ: f64 = 50.0;
-const SKETCH_STEP: f64 = 2.0;
+/// A decimated swing has so many samples a second, and steps so many times as long: 40 to a period, 3e-5 rad off.
+const DECIMATED_RATE_HZ: f64 = 50.0;
+const DECIMATED_STEP: f64 = 2.0;
+
+/// At rest the pendulum has been still for this long, s, and scatters by less than so many times the noise.
+const REST_S: f64 = 0.4;
+const REST_NOISES: f64 = 1.5;
 
 /// A parabola follows the pendulum this long.
 const START_FIT_S: f64 = 0.06;

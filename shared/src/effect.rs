@@ -167,7 +167,7 @@ pub struct Effect<R: 'static> {
 }
 
 /// How an effect is found and claimed, where that differs from all others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rules {
     /// Only several releases tell it from laws of speed or angle: within one swing the amplitude falls as time goes by.
     pub needs_several_releases: bool,
@@ -181,6 +181,8 @@ pub struct Rules {
     pub resembles_offset: bool,
     /// Its only parameter is the relative error of the sensor's gain, which a calibration measures.
     pub is_calibrated: bool,
+    /// Which of its parameters, at which value, makes it the effect that it generalises: an exponent.
+    pub special_case_at: Option<(u8, f64)>,
 }
 
 impl Rules {
@@ -191,6 +193,7 @@ impl Rules {
         is_free_offset: false,
         resembles_offset: false,
         is_calibrated: false,
+        special_case_at: None,
     };
 }
 

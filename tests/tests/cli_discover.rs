@@ -57,6 +57,9 @@ fn a_held_out_swing_confirms_the_effect() {
     let number = |key: &str| found[key].as_f64().unwrap();
     assert!(number("held_out_after") < 1.1 * number("noise"), "{found}");
     assert!(number("held_out_before") > number("held_out_after"));
+    assert_eq!(found["carries"], "confirmed", "{found}");
+    let words = host(folder.path(), "diagnose one.csv --hold-out two.csv").stdout;
+    assert!(words.contains("held-out swings confirm it"), "{words}");
 }
 
 #[test]
@@ -66,4 +69,45 @@ fn unknown_names_are_told_with_what_there_is() {
     host(folder.path(), "improve one.csv --add nothing").failed(2, &["nothing", "host effects"]);
     host(folder.path(), "improve one.csv --remove stribeck").failed(1, &["stribeck", "not part of the model"]);
     host(folder.path(), "simulate mystery-99 -o x.csv").failed(2, &["mystery-99", "mystery-1"]);
+}
+
+#[test]
+fn a_fit_on_a_model_that_improve_wrote_is_never_worse_than_that_model() {
+    // A real arm on ball bearings, from a pendulum of 1 N·m whose inertia its period gives.
+    let folder = tempfile::tempdir().unwrap();
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/data/recordings/real/dynamicslab_single_arm.csv");
+    let file = data.canonicalize().unwrap();
+    let file = file.display();
+    let swing = format!("{file} --from 12 --to 40");
+    let begun = host(folder.path(), "init --mass 10.2 --length 0.01 --inertia 0.0174 -o rig.toml");
+    assert_eq!(begun.code, 0, "{}", begun.stderr);
+    let added =
+        format!("improve {swing} --add power-law-drag --add detent --add torsional-spring -o better.toml --json");
+    let improved = json(folder.path(), &added);
+    let written = improved["steps"].as_array().unwrap().last().unwrap()["rmse"].as_f64().unwrap();
+    let fitted = json(folder.path(), &format!("fit {swing} --rig better.toml --method least-squares --json"));
+    let after = fitted["rmse"].as_f64().unwrap();
+    // The file has four digits of a number without a standard deviation.
+    assert!(after < 1.01 * written, "improve left {written}, fit {after}");
+}
+
+#[test]
+fn a_recording_given_twice_or_fitted_and_held_out_is_refused() {
+    let folder = bench("mystery-4");
+    std::fs::copy(folder.path().join("one.csv"), folder.path().join("copy.csv")).unwrap();
+    host(folder.path(), "diagnose one.csv copy.csv").failed(2, &["one.csv", "copy.csv", "twice"]);
+    host(folder.path(), "fit one.csv one.csv").failed(2, &["one.csv", "twice"]);
+    host(folder.path(), "fit one.csv --hold-out copy.csv").failed(2, &["copy.csv", "held out", "confirms nothing"]);
+    host(folder.path(), "improve one.csv --hold-out one.csv").failed(2, &["one.csv", "confirms nothing"]);
+}
+
+#[test]
+fn what_was_not_tried_is_told_with_the_reason() {
+    let folder = bench("mystery-1");
+    let found = json(folder.path(), "diagnose one.csv --json");
+    assert_eq!(found["not_tried"][0]["effect"], "drifting-friction", "{found}");
+    let words = host(folder.path(), "diagnose one.csv").stdout;
+    assert!(words.contains("Not tried: drifting-friction") && words.contains("several releases"), "{words}");
+    let both = json(folder.path(), "diagnose one.csv two.csv --json");
+    assert_eq!(both["not_tried"], serde_json::json!([]));
 }

@@ -2,7 +2,8 @@
 
 use super::number::with_spread;
 use super::table::wrapped;
-use crate::diagnose::{Candidate, Diagnosis, Step, Suggestion, Value};
+use crate::diagnose::{Candidate, Diagnosis, NotTried, Step, Suggestion, Value};
+use crate::fit::identify::Carries;
 use crate::formula::effect_of;
 use crate::plot::staircase::Tread;
 use crate::verdict::Left;
@@ -22,6 +23,15 @@ pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
             diagnosis.verdict.join(" + ")
         ));
     }
+    parts.extend(diagnosis.special_cases.iter().map(|case| {
+        let number = with_spread(case.value, Some(case.std));
+        format!(
+            "{} in place of {} finds {} = {number}: it is {}.",
+            case.effect, case.special, case.symbol, case.special
+        )
+    }));
+    parts.extend(held_out(diagnosis));
+    parts.extend(not_tried(diagnosis));
     if diagnosis.verdict.is_empty() && !diagnosis.unexplained {
         return parts.join("\n\n");
     }
@@ -29,6 +39,31 @@ pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
     parts.push(staircase(diagnosis));
     parts.push(ranking(diagnosis));
     parts.join("\n\n")
+}
+
+/// What the held-out swings say.
+fn held_out(diagnosis: &Diagnosis) -> Vec<String> {
+    let vetoed = diagnosis.vetoed.iter().map(|name| {
+        format!(
+            "Not claimed: {name}. It explains the fitted swings, but the error on the held-out ones rises with it by more \
+             than twice its own uncertainty."
+        )
+    });
+    let said = diagnosis.carries.map(|carries| match carries {
+        Carries::Confirmed => "The held-out swings confirm it: their error falls too.",
+        Carries::Contradicted => "The held-out swings contradict it: their error rises.",
+        Carries::CannotTell => {
+            "The held-out swings can't tell: their error stays as it is, within its own uncertainty."
+        }
+    });
+    vetoed.chain(said.map(str::to_owned)).map(|words| wrapped(&words, 0)).collect()
+}
+
+fn not_tried(diagnosis: &Diagnosis) -> Option<String> {
+    let words = |not: &NotTried| wrapped(&format!("Not tried: {} {}.", not.effect, not.reason), 0);
+    let is_searched = !diagnosis.verdict.is_empty() || diagnosis.unexplained;
+    let all: Vec<String> = diagnosis.not_tried.iter().filter(|_| is_searched).map(words).collect();
+    (!all.is_empty()).then(|| all.join("\n"))
 }
 
 fn verdict(diagnosis: &Diagnosis) -> String {

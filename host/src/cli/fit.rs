@@ -7,6 +7,7 @@ mod result;
 mod stages;
 
 use super::columns::Reading;
+use super::given::refuse_doubles;
 use super::record::{Patience, take};
 use super::values::{Range, custom_effect};
 use super::{output, port, rig};
@@ -134,6 +135,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     };
     let swings = options.reading.swings(&recordings)?;
     let held_out = swings_quietly(options, &options.hold_out)?;
+    refuse_doubles(&swings, &held_out)?;
 
     let rig = with_effect(options, &swings, model.parameters())?;
     let plain = identify(options, &swings, &held_out, &rig)?;

@@ -35,6 +35,39 @@ impl Given {
 
     /// The free swings of the recordings.
     pub(super) fn swings(&self) -> Result<Vec<Swing>, Failure> {
-        self.reading.swings(&self.recordings)
+        let swings = self.reading.swings(&self.recordings)?;
+        refuse_doubles(&swings, &[])?;
+        Ok(swings)
     }
+
+    /// The free swings of recordings that take no part; none of them may be among those that do.
+    pub(super) fn held_out(&self, paths: &[PathBuf], fitted: &[Swing]) -> Result<Vec<Swing>, Failure> {
+        let held_out = self.reading.swings(paths)?;
+        refuse_doubles(fitted, &held_out)?;
+        Ok(held_out)
+    }
+}
+
+/// A recording that is given twice would count twice, and one that is fitted confirms nothing when it is held out.
+pub(super) fn refuse_doubles(fitted: &[Swing], held_out: &[Swing]) -> Result<(), Failure> {
+    let all: Vec<(&Swing, bool)> =
+        fitted.iter().map(|swing| (swing, false)).chain(held_out.iter().map(|swing| (swing, true))).collect();
+    for (i, (swing, is_held_out)) in all.iter().enumerate() {
+        let Some((other, _)) = all[..i].iter().find(|(other, _)| is_same(swing, other)) else { continue };
+        let (name, other) = (&swing.name, &other.name);
+        let was_fitted = *is_held_out && fitted.iter().any(|fitted| is_same(swing, fitted));
+        let failure = if was_fitted {
+            Failure::wrong_use(format!("{name} is fitted (as {other}) and held out at once, so it confirms nothing"))
+                .next("hold out another recording, or leave this one out of the fit")
+        } else {
+            Failure::wrong_use(format!("{name} holds the same recording as {other}, which would count twice"))
+                .next("give each recording once")
+        };
+        return Err(failure);
+    }
+    Ok(())
+}
+
+fn is_same(a: &Swing, b: &Swing) -> bool {
+    a.len() == b.len() && a.angles_rad == b.angles_rad && a.times_s == b.times_s
 }

@@ -5,6 +5,7 @@ use super::values::custom_effect;
 use super::{evidence, output, rig};
 use crate::diagnose::{Wishes, diagnose_with};
 use crate::error::Failure;
+use crate::fit::identify::Carries;
 use crate::formula::effect_of;
 use crate::improve::{Change, Step, change};
 use crate::plot::staircase::{Tread, staircase};
@@ -59,7 +60,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let changes = changes(options, model.parameters())?;
     check_outputs(options)?;
     let swings = options.given.swings()?;
-    let held_out = options.given.reading.swings(&options.hold_out)?;
+    let held_out = options.given.held_out(&options.hold_out, &swings)?;
     let (parameters, values) = if changes.is_empty() {
         let diagnosis = diagnose_with(
             &swings,
@@ -129,7 +130,13 @@ fn in_words(steps: &[Step]) -> String {
     let line = |step: &Step| {
         let held_out = step.held_out.map_or(String::new(), |rmse| format!("  held out {:.3} mrad", 1e3 * rmse));
         let noises = step.rmse / step.noise;
-        format!("  {:<32}{:>9.3} mrad  {noises:>6.2} noises{held_out}", step.words, 1e3 * step.rmse)
+        let said = match step.carries {
+            Some(Carries::Confirmed) => ", confirmed",
+            Some(Carries::Contradicted) => ", contradicted",
+            Some(Carries::CannotTell) => ", can't tell",
+            None => "",
+        };
+        format!("  {:<32}{:>9.3} mrad  {noises:>6.2} noises{held_out}{said}", step.words, 1e3 * step.rmse)
     };
     std::iter::once("Error after each step".to_owned()).chain(steps.iter().map(line)).collect::<Vec<_>>().join("\n")
 }

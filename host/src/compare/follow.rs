@@ -4,7 +4,7 @@
 //! with the numbers of another pendulum starts where its first samples say, or it would begin elsewhere because that
 //! lowers its error later.
 
-use crate::fit::descent::{Patience, descend};
+use crate::fit::descent::{Tolerance, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Point, Problem, Start};
 use crate::fit::start;
@@ -20,7 +20,7 @@ const WINDOWS_S: [f64; 3] = [1.5, 6.0, 20.0];
 const LONGEST_S: f64 = 7200.0;
 
 /// A start is known far better than its effect on the residual.
-const PATIENCE: Patience = Patience { max_iterations: 10, least_gain: 0.1, ..Patience::FINE };
+const TOLERANCE: Tolerance = Tolerance { max_iterations: 10, least_gain: 0.1, ..Tolerance::FINE };
 
 /// A free run of the model beside a swing.
 #[derive(Clone, Debug)]
@@ -70,7 +70,7 @@ pub fn follow_from_the_beginning(swing: &Swing, parameters: &Parameters<f64>) ->
 }
 
 fn descended(problem: &Problem, from: &Point, window: Window) -> Point {
-    descend(problem, from, window, PATIENCE, Steps::new(problem)).point
+    descend(problem, from, window, TOLERANCE, Steps::new(problem)).point
 }
 
 /// Lets the model of a problem run from a start along its first swing.

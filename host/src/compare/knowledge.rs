@@ -6,10 +6,11 @@
 
 use super::follow::Followed;
 use crate::fit::covariance::covariance;
-use crate::fit::descent::{Patience, descend};
-use crate::fit::identify::{problem_of, smooth};
-use crate::fit::linear::{Linear, Steps, SwingLinear, dot, linearise, solve_damped};
+use crate::fit::descent::{Tolerance, descend};
+use crate::fit::identify::problem_of;
+use crate::fit::linear::{Linear, Steps, SwingLinear, dot, linearise};
 use crate::fit::problem::{PER_SWING, Point, Problem, Quantity, Unknown};
+use crate::fit::solve::solve_damped;
 use crate::formula::effect_of;
 use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
@@ -123,11 +124,11 @@ pub struct Knowledge {
 /// Asks the recordings for the parameters; `followed` tells how each began.
 pub fn knowledge(swings: &[Swing], rig: &Parameters<f64>, followed: &[Followed]) -> Knowledge {
     let count = AtomicUsize::new(0);
-    let problem = smooth(&problem_of(swings, rig, &count));
+    let problem = problem_of(swings, rig, &count).without_stiction();
     let starts = followed.iter().map(|followed| followed.start).collect();
     let given = problem.template_values();
     let first = Point { values: given.clone(), starts };
-    let end = descend(&problem, &first, Window::Whole, Patience::FINE, Steps::new(&problem));
+    let end = descend(&problem, &first, Window::Whole, Tolerance::FINE, Steps::new(&problem));
     // A value at its bound is known to be there and takes no part.
     let inside =
         |j: &usize| end.point.values[*j] > problem.unknowns[*j].low && end.point.values[*j] < problem.unknowns[*j].high;

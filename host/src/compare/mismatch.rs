@@ -6,7 +6,7 @@
 use super::follow::follow;
 use super::halves::Halves;
 use super::recording::{Judged, explained};
-use crate::fit::descent::{Patience, descend};
+use crate::fit::descent::{Tolerance, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Problem, Unknown};
 use crate::fit::start;
@@ -167,7 +167,7 @@ fn other_inertia(swing: &Swing, parameters: &Parameters<f64>) -> Option<f64> {
         n_simulations: &count,
     };
     let guess = start::guess(&problem);
-    let end = descend(&problem, &guess, Window::Whole, Patience::FINE, Steps::new(&problem));
+    let end = descend(&problem, &guess, Window::Whole, Tolerance::FINE, Steps::new(&problem));
     let changed = problem.parameters(&end.point.values);
     let ratio = changed.pendulum.pivot_inertia_kg_m2() / parameters.pendulum.pivot_inertia_kg_m2();
     (first_explained(&first, &changed) > EXPLAINS).then_some(ratio)

@@ -5,7 +5,7 @@
 
 use super::follow::starts_only;
 use super::slope::slopes;
-use crate::fit::descent::{Patience, descend};
+use crate::fit::descent::{Tolerance, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Point, Start};
 use crate::recording::median;
@@ -50,7 +50,7 @@ const SLOWEST_S: f64 = 10.0;
 /// Start angle and velocity are first read off a parabola of this half width, in half swings.
 const GUESS_WIDTH: f64 = 0.15;
 
-const PATIENCE: Patience = Patience { max_iterations: 4, ..Patience::FINE };
+const TOLERANCE: Tolerance = Tolerance { max_iterations: 4, ..Tolerance::FINE };
 
 /// Cuts a swing at every other crossing of its hanging position; `None` when it hardly swings.
 pub fn cuts(swing: &Swing, offset_rad: f64) -> Option<Cuts> {
@@ -88,7 +88,7 @@ fn fitted_start(piece: &Swing, parameters: &Parameters<f64>, guess: Start, zero_
     let mut problem = starts_only(std::slice::from_ref(piece), parameters, &count);
     problem.offsets_are_free = zero_is_free;
     let first = Point { values: Vec::new(), starts: vec![guess] };
-    descend(&problem, &first, Window::Whole, PATIENCE, Steps::new(&problem)).point.starts[0]
+    descend(&problem, &first, Window::Whole, TOLERANCE, Steps::new(&problem)).point.starts[0]
 }
 
 /// Starts the model anew for every stretch, which reaches `overlap_s` beyond its cuts.

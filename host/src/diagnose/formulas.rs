@@ -6,13 +6,13 @@
 //! First the laws of speed and of angle alone, then the best laws of speed times those of angle; the best few are fitted
 //! with their exponents, widths and places free. Every number and every factor counts against a formula.
 
-use super::excess::excess;
-use super::extension::fit_promise;
+use super::models::excess;
 use super::physical::is_sound;
-use super::score::{Promise, promises};
-use super::trial::{Trial, finish, fit_from, refined};
-use crate::fit::descent::Patience;
-use crate::fit::problem::{Point, Problem};
+use super::score::{Prediction, predictions};
+use crate::fit::descent::Tolerance;
+use crate::fit::fitted::Fitted;
+use crate::fit::problem::Problem;
+use crate::fit::refine::Band;
 use crate::formula::{self, read};
 use crate::swing::Window;
 use rayon::prelude::*;
@@ -100,32 +100,32 @@ pub struct Found {
     /// The law as `--effect` takes it.
     pub typed: String,
     /// The fitted model.
-    pub trial: Trial,
+    pub model: Fitted,
     /// Factors and numbers, which count against it.
     pub length: usize,
 }
 
 /// The best few formulas on top of a fitted model, the best first; `score` is the criterion of a model, `weight` what a
 /// factor costs there.
-pub fn formulas(problem: &Problem, trial: &Trial, score: impl Fn(&Trial) -> f64, weight: f64) -> Vec<Found> {
+pub fn formulas(problem: &Problem, model: &Fitted, score: impl Fn(&Fitted) -> f64, weight: f64) -> Vec<Found> {
     let alone = |laws: &[Law]| laws.iter().filter_map(|law| guess(problem, vec![*law], NO_NUMBER[0])).collect();
     let (of_speed, of_angle): (Vec<Guess>, Vec<Guess>) = (alone(&OF_SPEED), alone(&OF_ANGLE));
-    let first = judged(problem, trial, &[of_speed, of_angle].concat());
+    let first = judged(problem, model, &[of_speed, of_angle].concat());
     let combined = combined(problem, &first);
-    let mut all = [first, judged(problem, trial, &combined)].concat();
-    let unit = weight * problem.noise_rad().powi(2).max(trial.cost / problem.n_samples(Window::Whole) as f64);
-    let worth = |(guess, promise): &(Guess, Promise)| promise.gain - unit * guess.length() as f64;
+    let mut all = [first, judged(problem, model, &combined)].concat();
+    let unit = weight * problem.noise_rad().powi(2).max(model.cost / problem.n_samples(Window::Whole) as f64);
+    let worth = |(guess, prediction): &(Guess, Prediction)| prediction.reduction - unit * guess.length() as f64;
     all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     all.truncate(FITTED);
     let mut found: Vec<Found> =
-        all.par_iter().filter_map(|(guess, promise)| fitted(problem, trial, guess, promise)).collect();
-    let rank = |found: &Found| score(&found.trial) + weight * found.length as f64;
+        all.par_iter().filter_map(|(guess, prediction)| fitted(problem, model, guess, prediction)).collect();
+    let rank = |found: &Found| score(&found.model) + weight * found.length as f64;
     found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     found.dedup_by(|a, b| a.guess.effect == b.guess.effect);
     found.truncate(OFFERED);
     let finished = |found: &Found| {
         let general = found.finished(problem);
-        let special = special_case(problem, trial, &general).map(|special| special.finished(problem));
+        let special = special_case(problem, model, &general).map(|special| special.finished(problem));
         std::iter::once(general).chain(special).collect::<Vec<Found>>()
     };
     let mut found: Vec<Found> = found.par_iter().flat_map(finished).collect();
@@ -133,25 +133,26 @@ pub fn formulas(problem: &Problem, trial: &Trial, score: impl Fn(&Trial) -> f64,
     found
 }
 
-/// The best promise of each guess that has one.
-fn judged(problem: &Problem, trial: &Trial, guesses: &[Guess]) -> Vec<(Guess, Promise)> {
+/// The best prediction of each guess that has one.
+fn judged(problem: &Problem, model: &Fitted, guesses: &[Guess]) -> Vec<(Guess, Prediction)> {
     let effects: Vec<&'static Effect<f64>> = guesses.iter().map(|guess| guess.effect).collect();
-    let promises = promises(problem, trial, &effects);
+    let predictions = predictions(problem, model, &effects);
     let best = |guess: &Guess| {
-        let promise = promises.iter().find(|promise| promise.effect == guess.effect && promise.gain > 0.0)?;
-        Some((guess.clone(), promise.clone()))
+        let prediction =
+            predictions.iter().find(|prediction| prediction.effect == guess.effect && prediction.reduction > 0.0)?;
+        Some((guess.clone(), prediction.clone()))
     };
     guesses.iter().filter_map(best).collect()
 }
 
 /// The best laws of speed times every law of angle.
-fn combined(problem: &Problem, judged: &[(Guess, Promise)]) -> Vec<Guess> {
+fn combined(problem: &Problem, judged: &[(Guess, Prediction)]) -> Vec<Guess> {
     let is_of_speed = |guess: &Guess| OF_SPEED.iter().any(|law| law.typed == guess.laws[0].typed);
-    let mut of_speed: Vec<&(Guess, Promise)> = judged.iter().filter(|(guess, _)| is_of_speed(guess)).collect();
-    of_speed.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
-    let product = |(guess, promise): &(Guess, Promise), angle: &Law| {
+    let mut of_speed: Vec<&(Guess, Prediction)> = judged.iter().filter(|(guess, _)| is_of_speed(guess)).collect();
+    of_speed.sort_by(|a, b| b.1.reduction.total_cmp(&a.1.reduction));
+    let product = |(guess, prediction): &(Guess, Prediction), angle: &Law| {
         let n_own = guess.laws[0].numbers.len();
-        let own = &promise.point.values[promise.point.values.len() - n_own..];
+        let own = &prediction.model.point().values[prediction.model.unknowns.len() - n_own..].to_vec();
         self::guess(problem, vec![guess.laws[0], *angle], own)
     };
     let of_speed = of_speed.into_iter().take(COMBINED);
@@ -223,31 +224,31 @@ fn short(value: f64) -> String {
 }
 
 /// A formula fitted in earnest, if it explains more than a little.
-fn fitted(problem: &Problem, before: &Trial, guess: &Guess, promise: &Promise) -> Option<Found> {
-    let found = found(problem, guess, &fit_promise(problem, before, promise)?)?;
-    is_worth_a_word(problem, before, &found.trial).then_some(found)
+fn fitted(problem: &Problem, before: &Fitted, guess: &Guess, prediction: &Prediction) -> Option<Found> {
+    let found = found(problem, guess, &prediction.fitted(problem))?;
+    is_worth_a_word(problem, before, &found.model).then_some(found)
 }
 
-fn found(problem: &Problem, guess: &Guess, start: &Trial) -> Option<Found> {
-    let trial = refined(problem, start, Patience::LONG);
-    let values = trial.parameters.values(guess.effect.id)?;
+fn found(problem: &Problem, guess: &Guess, start: &Fitted) -> Option<Found> {
+    let model = start.refined(problem, Band::Held, Tolerance::LONG);
+    let values = model.parameters.values(guess.effect.id)?;
     let (words, typed) = (guess.words(values), guess.typed(values));
-    Some(Found { guess: guess.clone(), words, typed, length: guess.length(), trial })
+    Some(Found { guess: guess.clone(), words, typed, length: guess.length(), model })
 }
 
 impl Found {
     /// With Ms searched and every number at its last digit.
     fn finished(&self, problem: &Problem) -> Self {
-        let trial = finish(problem, &self.trial);
-        let values = trial.parameters.values(self.guess.effect.id).unwrap_or_default();
+        let model = self.model.refined(problem, Band::Level, Tolerance::JUDGE);
+        let values = model.parameters.values(self.guess.effect.id).unwrap_or_default();
         let (words, typed) = (self.guess.words(values), self.guess.typed(values));
-        Self { words, typed, trial, ..self.clone() }
+        Self { words, typed, model, ..self.clone() }
     }
 }
 
 /// The same with ω in place of a power of it whose exponent came out near 1.
-fn special_case(problem: &Problem, before: &Trial, general: &Found) -> Option<Found> {
-    let (guess, general) = (&general.guess, &general.trial);
+fn special_case(problem: &Problem, before: &Fitted, general: &Found) -> Option<Found> {
+    let (guess, general) = (&general.guess, &general.model);
     let values = general.parameters.values(guess.effect.id)?;
     let is_power = guess.laws[0].typed == OF_SPEED[POWER].typed;
     if !is_power || (values[1] - 1.0).abs() > NEARLY_LINEAR {
@@ -256,18 +257,17 @@ fn special_case(problem: &Problem, before: &Trial, general: &Found) -> Option<Fo
     let laws = [&[OF_SPEED[LINEAR]], &guess.laws[1..]].concat();
     let linear = self::guess(problem, laws, &[])?;
     let values = [&values[..1], &values[2..]].concat();
-    let (unknowns, template) = before.with(problem, linear.effect, &values)?;
-    let n_known = before.unknowns.len();
-    let point =
-        Point { values: [&general.point.values[..n_known], &values].concat(), starts: general.point.starts.clone() };
-    let effects = [before.effects.as_slice(), &[linear.effect]].concat();
-    let start = fit_from(&Problem { unknowns, template, ..problem.clone() }, effects, &point, general.stiction);
+    // Everything else goes on from where it was with the exponent.
+    let at_general = general.without(guess.effect.id);
+    let Fitted { effects, unknowns, .. } = before.clone();
+    let start = Fitted { effects, unknowns, ..at_general }.with(linear.effect, &values)?;
+    let start = start.refined(problem, Band::Held, Tolerance::SCREEN);
     found(problem, &linear, &start)
 }
 
-fn is_worth_a_word(problem: &Problem, before: &Trial, trial: &Trial) -> bool {
-    let left = excess(problem, trial.cost) / excess(problem, before.cost);
-    is_sound(problem, trial) && left < 1.0 - WORTH_A_WORD
+fn is_worth_a_word(problem: &Problem, before: &Fitted, model: &Fitted) -> bool {
+    let left = excess(problem, model) / excess(problem, before);
+    is_sound(problem, model) && left < 1.0 - WORTH_A_WORD
 }
 
 /// Places in [`OF_SPEED`].

@@ -6,7 +6,7 @@
 //! Effects that are added to Coulomb and viscous friction may be negative (less friction here than there), and each is
 //! within its own range; only their sum tells whether the bearing still brakes.
 
-use super::trial::Trial;
+use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
 use crate::formula::effect_of;
 use shared::effect::{Action, Effect, MAX_VALUES};
@@ -21,29 +21,30 @@ const TOLERANCE: f64 = 0.05;
 const N_GRID: i32 = 6;
 
 /// Does friction brake everywhere on the way, and does a spring relax somewhere?
-pub fn is_sound(problem: &Problem, trial: &Trial) -> bool {
+pub fn is_sound(problem: &Problem, model: &Fitted) -> bool {
     let angles = problem.swings.iter().flat_map(|swing| &swing.angles_rad);
     let amplitude_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
-    relaxes(trial, amplitude_rad) && brakes_everywhere(problem, trial, amplitude_rad)
+    relaxes(model, amplitude_rad) && brakes_everywhere(problem, model, amplitude_rad)
 }
 
-fn relaxes(trial: &Trial, amplitude_rad: f64) -> bool {
-    let spring = Effect::<f64>::by_name(SPRING).and_then(|spring| trial.parameters.values(spring.id));
-    spring.is_none_or(|values| values[1].abs() < amplitude_rad)
+fn relaxes(model: &Fitted, amplitude_rad: f64) -> bool {
+    let is_on_the_way = |effect: &Effect<f64>| {
+        let relaxed = effect.rules.relaxes_at.and_then(|at| model.parameters.values(effect.id)?.get(usize::from(at)));
+        relaxed.is_none_or(|angle| angle.abs() < amplitude_rad)
+    };
+    model.effects.iter().all(|effect| is_on_the_way(effect))
 }
-
-const SPRING: &str = "torsional-spring";
 
 /// Does friction brake everywhere on the way? Dry friction, which is all there is at low speed, must not hide behind
 /// the drag of high speeds.
-fn brakes_everywhere(problem: &Problem, trial: &Trial, amplitude_rad: f64) -> bool {
-    let brakes = |shares: &[f64]| brakes_at(problem, trial, amplitude_rad, shares);
+fn brakes_everywhere(problem: &Problem, model: &Fitted, amplitude_rad: f64) -> bool {
+    let brakes = |shares: &[f64]| brakes_at(problem, model, amplitude_rad, shares);
     brakes(&[-1.0, -0.5, 0.5, 1.0]) && brakes(&[-0.02, 0.02])
 }
 
 /// The same at these shares of the speed that the pendulum may have at each place.
-fn brakes_at(problem: &Problem, trial: &Trial, amplitude_rad: f64, shares: &[f64]) -> bool {
-    let pendulum = trial.parameters.pendulum;
+fn brakes_at(problem: &Problem, model: &Fitted, amplitude_rad: f64, shares: &[f64]) -> bool {
+    let pendulum = model.parameters.pendulum;
     let natural = (pendulum.gravity_torque_nm() / pendulum.pivot_inertia_kg_m2()).sqrt();
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for time_s in [0.0, 0.3 * problem.longest_s()] {
@@ -53,7 +54,7 @@ fn brakes_at(problem: &Problem, trial: &Trial, amplitude_rad: f64, shares: &[f64
             for share in shares {
                 let velocity_rad_s = share * fastest;
                 let motion = Motion { angle_rad, velocity_rad_s, direction: share.signum(), time_s, pendulum };
-                let braking = -friction_nm(&trial.parameters, &motion) * share.signum();
+                let braking = -friction_nm(&model.parameters, &motion) * share.signum();
                 least = least.min(braking);
                 most = most.max(braking);
             }

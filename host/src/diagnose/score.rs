@@ -2,57 +2,62 @@
 //!
 //! Friction and inertia must be allowed to answer at once, or effects that resemble them are never found.
 
-use super::trial::Trial;
-use crate::fit::descent::{bounded_step, stepped};
-use crate::fit::linear::{Linear, Steps, linearise, linearise_added};
-use crate::fit::problem::{Point, Problem};
+use crate::fit::descent::{Tolerance, bounded_step, stepped};
+use crate::fit::fitted::Fitted;
+use crate::fit::linear::{Linear, linearise_added};
+use crate::fit::problem::Problem;
+use crate::fit::refine::Band;
 use crate::swing::Window;
 use rayon::prelude::*;
 use shared::effect::Effect;
 
 /// What a start point of an effect promises.
 #[derive(Clone, Debug)]
-pub struct Promise {
+pub struct Prediction {
     /// The effect.
     pub effect: &'static Effect<f64>,
-    /// By how much the cost would fall, rad².
-    pub gain: f64,
-    /// The guess after the step; the effect's numbers stand last among the values.
-    pub point: Point,
+    /// By how much the cost would fall, rad²: the predicted reduction.
+    pub reduction: f64,
+    /// The model after the step, not fitted yet.
+    pub model: Fitted,
+}
+
+impl Prediction {
+    /// Fits what it leads to, Ms and DV as they are.
+    pub fn fitted(&self, on: &Problem) -> Fitted {
+        self.model.refined(on, Band::Held, Tolerance::SCREEN)
+    }
 }
 
 /// Damping of the step: enough to keep numbers without any effect in place.
 const DAMPING: f64 = 1e-6;
 
-/// Promises of all start points of all given effects on top of a fitted model, the best first.
-pub fn promises(of: &Problem, trial: &Trial, effects: &[&'static Effect<f64>]) -> Vec<Promise> {
-    let starts: Vec<(&'static Effect<f64>, &[f64])> = effects
-        .iter()
-        .flat_map(|effect| effect.starts.iter().map(|start| (*effect, &start[..effect.parameters.len()])))
-        .collect();
-    let problem = trial.problem(of);
-    let known = linearise(&problem, &trial.point, Window::Whole, &mut Steps::found(&problem, &trial.point));
-    let mut promises: Vec<Promise> =
-        starts.into_par_iter().filter_map(|(effect, start)| promise(of, trial, &known, effect, start)).collect();
-    promises.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    promises
+/// Predictions for all start points of all given effects on top of a model whose cost is that of these swings, the best
+/// first.
+pub fn predictions(on: &Problem, model: &Fitted, effects: &[&'static Effect<f64>]) -> Vec<Prediction> {
+    let starts: Vec<(&'static Effect<f64>, &[f64])> =
+        effects.iter().flat_map(|effect| effect.starts.iter().map(|start| (*effect, start.as_slice()))).collect();
+    let known = model.linearised(on);
+    let mut predictions: Vec<Prediction> =
+        starts.into_par_iter().filter_map(|(effect, start)| prediction(on, model, &known, effect, start)).collect();
+    predictions.sort_by(|a, b| b.reduction.total_cmp(&a.reduction));
+    predictions
 }
 
-fn promise(
-    of: &Problem,
-    trial: &Trial,
+fn prediction(
+    on: &Problem,
+    model: &Fitted,
     known: &Linear,
     effect: &'static Effect<f64>,
     start: &[f64],
-) -> Option<Promise> {
-    let (unknowns, template) = trial.with(of, effect, start)?;
-    let problem = Problem { unknowns, template, ..of.clone() };
-    let mut values = trial.point.values.clone();
-    values.extend(start);
-    let point = Point { values, starts: trial.point.starts.clone() };
+) -> Option<Prediction> {
+    let before = model.cost;
+    let larger = model.with(effect, start)?;
+    let (problem, point) = (larger.problem(on), larger.point());
     let linear = linearise_added(&problem, &point, Window::Whole, known);
     let step = bounded_step(&problem, &point, &linear, DAMPING);
     let cost = linear.cost - linear.gain(&step);
-    let point = stepped(&point, &step, problem.unknowns.len());
-    cost.is_finite().then_some(Promise { effect, gain: trial.cost - cost, point })
+    let stepped = Fitted::at(&problem, &stepped(&point, &step, problem.unknowns.len()));
+    let model = Fitted { effects: larger.effects, ..stepped };
+    cost.is_finite().then_some(Prediction { effect, reduction: before - cost, model })
 }

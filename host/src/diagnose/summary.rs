@@ -1,12 +1,13 @@
 //! A diagnosis as others read it, put together from what may be claimed.
 
 use super::evidence::{Evidence, evidence};
-use super::excess::excess;
 use super::formulas::{Found as FoundFormula, formulas};
-use super::trial::{Trial, Value, values};
+use super::models::excess;
+use super::value::{Value, values};
 use super::verdict::Judge;
-use super::zero::{self, ANGLE_OFFSET};
-use crate::fit::identify::held_out_rmse;
+use super::zero;
+use crate::fit::fitted::Fitted;
+use crate::fit::identify::{Carries, held_out_rmse};
 use crate::swing::{Swing, Window};
 use crate::verdict::Left;
 use serde::Serialize;
@@ -53,6 +54,30 @@ pub struct Suggestion {
     pub within_rad: f64,
 }
 
+/// A law that contains another one, and its number that says so.
+#[derive(Clone, Debug, Serialize)]
+pub struct SpecialCase {
+    /// The wider law.
+    pub effect: &'static str,
+    /// Its number that decides.
+    pub symbol: &'static str,
+    /// As fitted.
+    pub value: f64,
+    /// Its standard deviation.
+    pub std: f64,
+    /// The law that it is.
+    pub special: &'static str,
+}
+
+/// An effect that was left out of the search.
+#[derive(Clone, Debug, Serialize)]
+pub struct NotTried {
+    /// The effect.
+    pub effect: &'static str,
+    /// Why.
+    pub reason: String,
+}
+
 /// What is missing.
 #[derive(Clone, Debug, Serialize)]
 pub struct Diagnosis {
@@ -62,6 +87,14 @@ pub struct Diagnosis {
     pub verdict: Vec<&'static str>,
     /// Effects that the data can't tell from one of the verdict.
     pub undecided: Vec<&'static str>,
+    /// Effects that were not tried, and why.
+    pub not_tried: Vec<NotTried>,
+    /// Effects that explained the fitted swings, but with which the error on held-out ones rises.
+    pub vetoed: Vec<&'static str>,
+    /// What the held-out swings say to the verdict.
+    pub carries: Option<Carries>,
+    /// Laws with a free exponent that turned out to be a special one.
+    pub special_cases: Vec<SpecialCase>,
     /// Effects by how well each explains the swings, `none` where it belongs.
     pub ranked: Vec<&'static str>,
     /// Root mean square error of the base model without any offset, rad.
@@ -95,7 +128,7 @@ pub struct Diagnosis {
     pub parameters: Parameters<f64>,
     /// The claimed model and those that come closest to it, as fitted.
     #[serde(skip)]
-    pub leading: Vec<Trial>,
+    pub leading: Vec<Fitted>,
     /// The base model alone.
     #[serde(skip)]
     pub base_parameters: Parameters<f64>,
@@ -117,8 +150,12 @@ pub struct Step {
 /// Puts the result together.
 pub(super) struct Summary<'a, 'b, 'c> {
     pub(super) judge: Judge<'a, 'b>,
-    pub(super) claimed: Trial,
+    pub(super) claimed: Fitted,
     pub(super) undecided: Vec<&'static str>,
+    pub(super) not_tried: Vec<NotTried>,
+    pub(super) vetoed: Vec<&'static str>,
+    pub(super) carries: Option<Carries>,
+    pub(super) special_cases: Vec<SpecialCase>,
     pub(super) offset_is_missing: bool,
     pub(super) held_out: &'c [Swing],
     pub(super) began: Instant,
@@ -134,23 +171,21 @@ impl Summary<'_, '_, '_> {
         let noise = problem.noise_rad();
         let rmse_before = rmse(zero::cost_with_offsets_within(problem, base, 0.0));
         let rmse_after = rmse(self.claimed.cost);
-        let held_out = |parameters: &Parameters<f64>| {
-            (!self.held_out.is_empty()).then(|| held_out_rmse(self.held_out, parameters, self.count))
-        };
+        let held_out = |parameters: &Parameters<f64>| held_out_rmse(self.held_out, parameters, self.count);
         let mut verdict = self.claimed.names();
         let mut ranked = self.judge.ranked(&self.claimed);
-        if self.offset_is_missing {
-            verdict.push(ANGLE_OFFSET);
+        if let Some(offset) = zero::offset().filter(|_| self.offset_is_missing) {
+            verdict.push(offset.name);
             let place = if self.claimed.effects.is_empty() { 0 } else { 1 };
-            ranked.insert(place, ANGLE_OFFSET);
+            ranked.insert(place, offset.name);
         }
-        let mut trials: Vec<&Trial> = vec![&self.claimed];
-        let is_claimed = |trial: &Trial| trial.names() == self.claimed.names();
-        trials.extend(self.judge.found.levels.iter().flatten().chain([base]).filter(|trial| !is_claimed(trial)));
-        trials.sort_by(|a, b| self.judge.criterion(a).total_cmp(&self.judge.criterion(b)));
-        let rivals = trials.iter().copied().filter(|trial| !is_claimed(trial)).take(MAX_RIVALS);
+        let mut models: Vec<&Fitted> = vec![&self.claimed];
+        let is_claimed = |model: &Fitted| model.names() == self.claimed.names();
+        models.extend(self.judge.found.levels.iter().flatten().chain([base]).filter(|model| !is_claimed(model)));
+        models.sort_by(|a, b| self.judge.criterion(a).total_cmp(&self.judge.criterion(b)));
+        let rivals = models.iter().copied().filter(|model| !is_claimed(model)).take(MAX_RIVALS);
         let leading = std::iter::once(&self.claimed).chain(rivals).cloned().collect();
-        trials.truncate(MAX_LISTED);
+        models.truncate(MAX_LISTED);
         let staircase = self.staircase(rmse_before, &held_out);
         let left = problem.chi_square(self.claimed.cost).left();
         let unexplained = left == Left::Missing;
@@ -158,6 +193,10 @@ impl Summary<'_, '_, '_> {
         Diagnosis {
             version: 1,
             undecided: self.undecided,
+            not_tried: self.not_tried,
+            vetoed: self.vetoed,
+            carries: self.carries,
+            special_cases: self.special_cases,
             rmse_before,
             rmse_after,
             held_out_before: held_out(&base.parameters),
@@ -168,7 +207,7 @@ impl Summary<'_, '_, '_> {
             formulas,
             evidence: evidence(problem, &self.claimed.parameters),
             values: values(problem, &self.claimed),
-            candidates: trials.into_iter().map(|trial| self.judge.candidate(trial)).collect(),
+            candidates: models.into_iter().map(|model| self.judge.candidate(model)).collect(),
             parameters: self.claimed.parameters,
             leading,
             base_parameters: base.parameters.clone(),
@@ -185,27 +224,27 @@ impl Summary<'_, '_, '_> {
         let weight = (problem.n_samples(Window::Whole) as f64).ln();
         let angles = problem.swings.iter().flat_map(|swing| &swing.angles_rad);
         let within_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
-        let before = excess(problem, self.claimed.cost);
+        let before = excess(problem, &self.claimed);
         let suggestion = |found: FoundFormula| {
-            let candidate = self.judge.candidate(&found.trial);
+            let candidate = self.judge.candidate(&found.model);
             let parameters = candidate.parameters.into_iter().filter(|value| value.effect == CUSTOM_FORMULA_NAME);
             Suggestion {
                 words: found.words,
                 formula: found.typed,
                 rmse: candidate.rmse,
-                left: problem.chi_square(found.trial.cost).left(),
-                held_out: held_out(&found.trial.parameters),
-                removed: 1.0 - excess(problem, found.trial.cost) / before,
+                left: problem.chi_square(found.model.cost).left(),
+                held_out: held_out(&found.model.parameters),
+                removed: 1.0 - excess(problem, &found.model) / before,
                 criterion: candidate.criterion + weight * found.length as f64,
                 parameters: parameters.collect(),
-                beside: found.trial.names().into_iter().filter(|name| *name != CUSTOM_FORMULA_NAME).collect(),
+                beside: found.model.names().into_iter().filter(|name| *name != CUSTOM_FORMULA_NAME).collect(),
                 within_rad,
             }
         };
         if self.claimed.has(CUSTOM_FORMULA_NAME) {
             return Vec::new();
         }
-        let on_top_of = |trial: &Trial| formulas(problem, trial, |trial| self.judge.criterion(trial), weight);
+        let on_top_of = |model: &Fitted| formulas(problem, model, |model| self.judge.criterion(model), weight);
         let mut found: Vec<Suggestion> = on_top_of(&self.claimed).into_iter().map(suggestion).collect();
         if !self.claimed.effects.is_empty() {
             // An effect that was claimed for want of a better one may be in the way.
@@ -224,15 +263,15 @@ impl Summary<'_, '_, '_> {
         for n_added in 1..=self.claimed.effects.len() {
             let part = &self.claimed.effects[..n_added];
             let is_part =
-                |trial: &&Trial| trial.effects.len() == n_added && part.iter().all(|effect| trial.has(effect.name));
-            let trial = if n_added == self.claimed.effects.len() {
+                |model: &&Fitted| model.effects.len() == n_added && part.iter().all(|effect| model.has(effect.name));
+            let model = if n_added == self.claimed.effects.len() {
                 Some(&self.claimed)
             } else {
                 found.levels.iter().flatten().find(is_part)
             };
-            if let Some(trial) = trial {
-                let rmse = (trial.cost / n_samples).sqrt();
-                steps.push(Step { added: part[n_added - 1].name, rmse, held_out: held_out(&trial.parameters) });
+            if let Some(model) = model {
+                let rmse = (model.cost / n_samples).sqrt();
+                steps.push(Step { added: part[n_added - 1].name, rmse, held_out: held_out(&model.parameters) });
             }
         }
         steps

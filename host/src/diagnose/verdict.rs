@@ -1,11 +1,14 @@
 //! What may be claimed: which effects are missing, which can't be told apart, what stays unexplained.
 
-use super::excess::{excess, is_explained};
+use super::models::{excess, is_explained};
 use super::replacement::Replacements;
 use super::search::Found;
 use super::summary::Candidate;
-use super::trial::{Sketch, Trial, fit_from, values};
-use crate::fit::problem::{Point, Problem, Unknown};
+use super::value::values;
+use crate::fit::descent::Tolerance;
+use crate::fit::fitted::Fitted;
+use crate::fit::problem::Problem;
+use crate::fit::refine::{Band, levels, on_all};
 use crate::swing::Window;
 use crate::verdict::Left;
 use shared::effect::Effect;
@@ -34,7 +37,7 @@ const ALIKE_NOISES: f64 = 0.05;
 /// Decides from what the search found.
 pub(super) struct Judge<'a, 'b> {
     pub(super) problem: &'b Problem<'a>,
-    /// The same with sketches of the swings.
+    /// The same with decimated swings.
     pub(super) rough: &'b Problem<'b>,
     pub(super) found: &'b Found,
     pub(super) candidates: &'b [&'static Effect<f64>],
@@ -47,18 +50,18 @@ impl Judge<'_, '_> {
 
     /// Cost in noise variances, a unit that grows where even the best model leaves more than the noise.
     pub(super) fn unit(&self) -> f64 {
-        let lowest = self.found.levels.iter().flatten().map(|trial| trial.cost).fold(self.found.base.cost, f64::min);
+        let lowest = self.found.levels.iter().flatten().map(|model| model.cost).fold(self.found.base.cost, f64::min);
         self.noise_variance().max(lowest / self.problem.n_samples(Window::Whole) as f64)
     }
 
-    pub(super) fn criterion(&self, trial: &Trial) -> f64 {
+    pub(super) fn criterion(&self, model: &Fitted) -> f64 {
         let n_samples = self.problem.n_samples(Window::Whole) as f64;
-        trial.cost / self.unit() + trial.n_added() as f64 * n_samples.ln()
+        model.cost / self.unit() + model.n_added() as f64 * n_samples.ln()
     }
 
     /// The model to claim: level by level as long as each added effect removes a substantial part of what was left;
     /// at the last level the lowest criterion decides, a special case before its generalisation.
-    pub(super) fn claimed(&self) -> Trial {
+    pub(super) fn claimed(&self) -> Fitted {
         let mut claimed = self.found.base.clone();
         for level in &self.found.levels {
             let chosen = self.preferred(level);
@@ -70,7 +73,7 @@ impl Judge<'_, '_> {
     }
 
     /// Does each effect that a model has more than another remove a substantial part of what that one leaves?
-    fn is_worth_it(&self, before: &Trial, after: &Trial) -> bool {
+    fn is_worth_it(&self, before: &Fitted, after: &Fitted) -> bool {
         let left = self.excess(before);
         let removed = left - self.excess(after);
         let visible = removed * self.problem.n_samples(Window::Whole) as f64 > 2.0 * INDISTINGUISHABLE;
@@ -79,36 +82,36 @@ impl Judge<'_, '_> {
         !is_explained(self.problem, before) && visible && left - removed < most_left.powi(n_more as i32) * left
     }
 
-    fn excess(&self, trial: &Trial) -> f64 {
-        excess(self.problem, trial.cost)
+    fn excess(&self, model: &Fitted) -> f64 {
+        excess(self.problem, model)
     }
 
-    fn is_unexplained(&self, trial: &Trial) -> bool {
-        self.problem.chi_square(trial.cost).left() == Left::Missing
+    fn is_unexplained(&self, model: &Fitted) -> bool {
+        self.problem.chi_square(model.cost).left() == Left::Missing
     }
 
-    fn preferred<'t>(&self, level: &'t [Trial]) -> &'t Trial {
+    fn preferred<'t>(&self, level: &'t [Fitted]) -> &'t Fitted {
         let best = level.iter().min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b))).unwrap_or(&level[0]);
         if self.is_unexplained(best) {
             return self.simplest(level, best);
         }
-        let simpler = |trial: &&Trial| {
-            let close = trial.cost - best.cost < INDISTINGUISHABLE * self.unit();
-            close && is_simpler_form(trial, best)
+        let simpler = |model: &&Fitted| {
+            let close = model.cost - best.cost < INDISTINGUISHABLE * self.unit();
+            close && is_simpler_form(model, best)
         };
         level.iter().find(simpler).unwrap_or(best)
     }
 
     /// Residuals that are no noise are correlated over many swings, so that sums of squares overrate what more numbers
     /// achieve; of models that leave about as much as the best one, the one with the fewest numbers is taken.
-    fn simplest<'t>(&self, level: &'t [Trial], best: &'t Trial) -> &'t Trial {
-        let near = |trial: &&Trial| self.excess(trial) < SIMPLER_MAY_LEAVE * self.excess(best);
-        let order = |a: &&Trial, b: &&Trial| a.n_added().cmp(&b.n_added()).then(a.cost.total_cmp(&b.cost));
+    fn simplest<'t>(&self, level: &'t [Fitted], best: &'t Fitted) -> &'t Fitted {
+        let near = |model: &&Fitted| self.excess(model) < SIMPLER_MAY_LEAVE * self.excess(best);
+        let order = |a: &&Fitted, b: &&Fitted| a.n_added().cmp(&b.n_added()).then(a.cost.total_cmp(&b.cost));
         level.iter().filter(near).min_by(order).unwrap_or(best)
     }
 
     /// The claimed model, after each of several effects had to stand against its replacements; and these.
-    pub(super) fn refined(&self, claimed: Trial) -> (Trial, Vec<Trial>) {
+    pub(super) fn refined(&self, claimed: Fitted) -> (Fitted, Vec<Fitted>) {
         let mut claimed = claimed;
         let mut tried = Vec::new();
         for _ in 0..MAX_ROUNDS {
@@ -121,15 +124,15 @@ impl Judge<'_, '_> {
     }
 
     /// A model with one effect replaced that is better than the claimed one, pruned; and the others.
-    fn replaced(&self, claimed: &Trial, known: &[Trial]) -> (Option<Trial>, Vec<Trial>) {
+    fn replaced(&self, claimed: &Fitted, known: &[Fitted]) -> (Option<Fitted>, Vec<Fitted>) {
         if claimed.effects.len() < 2 {
             return (None, Vec::new());
         }
-        let without = |id: u16| self.without(claimed, id).trial;
+        let without = |id: u16| self.without(claimed, id).swap_remove(0);
         let Self { problem, rough, candidates, .. } = self;
         let others = Replacements { problem, rough, candidates, known }.of(claimed, without);
         let reach = INDISTINGUISHABLE * self.unit();
-        let is_better = |other: &Trial| {
+        let is_better = |other: &Fitted| {
             let wins = claimed.cost - other.cost > reach || is_simpler_form(other, claimed);
             wins && self.criterion(other) < self.criterion(claimed)
         };
@@ -138,84 +141,71 @@ impl Judge<'_, '_> {
     }
 
     /// Without effects that became unnecessary once others were in.
-    pub(super) fn pruned(&self, trial: Trial) -> Trial {
-        self.pruned_but(trial, None)
+    pub(super) fn pruned(&self, model: Fitted) -> Fitted {
+        self.pruned_but(model, None)
     }
 
     /// The same; one effect stays in any case, because its gain is not seen in the cost.
-    pub(super) fn pruned_but(&self, trial: Trial, stays: Option<&str>) -> Trial {
-        if trial.effects.len() < 2 {
-            return trial;
+    pub(super) fn pruned_but(&self, model: Fitted, stays: Option<&str>) -> Fitted {
+        if model.effects.len() < 2 {
+            return model;
         }
-        let on_sketches = trial.judged(self.rough);
+        let decimated = model.evaluated(self.rough);
         let without = |effect: &&'static Effect<f64>| {
-            let sketch = self.without(&trial, effect.id);
-            self.may_be_dispensable(&sketch.trial, &on_sketches).then(|| sketch.on_all(self.problem))
+            let levels = self.without(&model, effect.id);
+            self.may_be_dispensable(&levels[0], &decimated).then(|| on_all(self.problem, &levels))
         };
-        let may_go = trial.effects.iter().filter(|effect| Some(effect.name) != stays);
+        let may_go = model.effects.iter().filter(|effect| Some(effect.name) != stays);
         let dispensable = may_go.filter_map(without).filter(|smaller| {
-            self.is_as_good(smaller, &trial) || is_explained(self.problem, smaller) || self.is_no_more(smaller, &trial)
+            self.is_as_good(smaller, &model) || is_explained(self.problem, smaller) || self.is_no_more(smaller, &model)
         });
         match dispensable.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
             Some(smaller) => self.pruned_but(smaller, stays),
-            None => trial,
+            None => model,
         }
     }
 
     /// Where the noise is not reached, does an effect remove too small a part of what is left without it?
-    fn is_no_more(&self, smaller: &Trial, trial: &Trial) -> bool {
-        self.is_unexplained(trial) && self.excess(trial) > MOST_LEFT_UNEXPLAINED * self.excess(smaller)
+    fn is_no_more(&self, smaller: &Fitted, model: &Fitted) -> bool {
+        self.is_unexplained(model) && self.excess(model) > MOST_LEFT_UNEXPLAINED * self.excess(smaller)
     }
 
-    /// Judged on sketches, and generously: is it worth asking on all samples?
-    fn may_be_dispensable(&self, smaller: &Trial, trial: &Trial) -> bool {
-        let excess = |trial: &Trial| excess(self.rough, trial.cost);
-        smaller.cost < CLEARLY_MORE * trial.cost || excess(trial) > 0.5 * MOST_LEFT_UNEXPLAINED * excess(smaller)
+    /// Judged on decimated swings, and generously: is it worth asking on all samples?
+    fn may_be_dispensable(&self, smaller: &Fitted, model: &Fitted) -> bool {
+        let excess = |model: &Fitted| excess(self.rough, model);
+        smaller.cost < CLEARLY_MORE * model.cost || excess(model) > 0.5 * MOST_LEFT_UNEXPLAINED * excess(smaller)
     }
 
-    /// The model without an effect, on sketches: refitted from where it was, or from where the search had it if that is
-    /// better.
-    fn without(&self, trial: &Trial, id: u16) -> Sketch {
-        let rest: Vec<&'static Effect<f64>> = trial.effects.iter().copied().filter(|effect| effect.id != id).collect();
-        let is_rest = |other: &&Trial| other.effects.len() == rest.len() && rest.iter().all(|e| other.has(e.name));
-        let known = self.found.levels.iter().flatten().find(is_rest).map(|known| known.judged(self.rough));
-        let own = Sketch::of(self.rough, &self.refitted_without(trial, id, rest.clone()));
+    /// The model without an effect, on decimated swings with the stop levels that may suit it: refitted from where it was,
+    /// or from where the search had it if that is better.
+    pub(super) fn without(&self, model: &Fitted, id: u16) -> Vec<Fitted> {
+        let smaller = model.without(id);
+        let is_it = |other: &&Fitted| {
+            other.effects.len() == smaller.effects.len() && smaller.effects.iter().all(|e| other.has(e.name))
+        };
+        let known = self.found.levels.iter().flatten().find(is_it).map(|known| known.evaluated(self.rough));
+        let own = levels(self.rough, &smaller.refined(self.rough, Band::Held, Tolerance::SCREEN));
         match known {
-            Some(known) if known.cost < own.trial.cost => Sketch::of(self.rough, &known),
+            Some(known) if known.cost < own[0].cost => levels(self.rough, &known),
             _ => own,
         }
     }
 
-    fn is_as_good(&self, smaller: &Trial, trial: &Trial) -> bool {
-        smaller.cost - trial.cost < INDISTINGUISHABLE * self.unit()
-    }
-
-    fn refitted_without(&self, trial: &Trial, id: u16, rest: Vec<&'static Effect<f64>>) -> Trial {
-        let keep = |unknown: &&Unknown| !trial.unknowns_of(id).contains(&unknown.quantity);
-        let kept: Vec<usize> = (0..trial.unknowns.len()).filter(|j| keep(&&trial.unknowns[*j])).collect();
-        let mut template = trial.parameters.clone();
-        template.remove(id);
-        let problem = Problem {
-            unknowns: kept.iter().map(|j| trial.unknowns[*j].clone()).collect(),
-            template,
-            ..self.rough.clone()
-        };
-        let point =
-            Point { values: kept.iter().map(|j| trial.point.values[*j]).collect(), starts: trial.point.starts.clone() };
-        fit_from(&problem, rest, &point, trial.stiction)
+    fn is_as_good(&self, smaller: &Fitted, model: &Fitted) -> bool {
+        smaller.cost - model.cost < INDISTINGUISHABLE * self.unit()
     }
 
     /// Effects that could stand for one of the claimed ones without any visible loss; `others` are models beside those
     /// of the search.
-    pub(super) fn undecided(&self, claimed: &Trial, others: &[Trial]) -> Vec<&'static str> {
+    pub(super) fn undecided(&self, claimed: &Fitted, others: &[Fitted]) -> Vec<&'static str> {
         let n_effects = claimed.effects.len();
         let Some(level) = n_effects.checked_sub(1) else { return Vec::new() };
         let n_samples = self.problem.n_samples(Window::Whole) as f64;
         let reach = (ALIKE_NOISES.powi(2) * n_samples).max(INDISTINGUISHABLE) * self.unit();
-        let close = |trial: &&Trial| trial.effects.len() == n_effects && trial.cost - claimed.cost < reach;
+        let close = |model: &&Fitted| model.effects.len() == n_effects && model.cost - claimed.cost < reach;
         let of_search = self.found.levels.get(level).into_iter().flatten();
         let mut names: Vec<&'static str> = Vec::new();
-        for name in of_search.chain(others).filter(close).flat_map(Trial::names) {
+        for name in of_search.chain(others).filter(close).flat_map(Fitted::names) {
             if !claimed.has(name) && !names.contains(&name) {
                 names.push(name);
             }
@@ -223,17 +213,17 @@ impl Judge<'_, '_> {
         names
     }
 
-    pub(super) fn ranked(&self, claimed: &Trial) -> Vec<&'static str> {
+    pub(super) fn ranked(&self, claimed: &Fitted) -> Vec<&'static str> {
         let mut ranked = claimed.names();
         if ranked.is_empty() {
             ranked.push("none");
         }
-        let mut others: Vec<(&Trial, f64)> =
-            self.found.levels.first().into_iter().flatten().map(|trial| (trial, self.criterion(trial))).collect();
+        let mut others: Vec<(&Fitted, f64)> =
+            self.found.levels.first().into_iter().flatten().map(|model| (model, self.criterion(model))).collect();
         others.push((&self.found.base, self.criterion(&self.found.base)));
         others.sort_by(|a, b| a.1.total_cmp(&b.1));
-        for (trial, _) in others {
-            let name = trial.effects.first().map_or("none", |effect| effect.name);
+        for (model, _) in others {
+            let name = model.effects.first().map_or("none", |effect| effect.name);
             if !ranked.contains(&name) {
                 ranked.push(name);
             }
@@ -241,26 +231,17 @@ impl Judge<'_, '_> {
         ranked
     }
 
-    pub(super) fn candidate(&self, trial: &Trial) -> Candidate {
-        let n_samples = self.problem.n_samples(Window::Whole) as f64;
+    pub(super) fn candidate(&self, model: &Fitted) -> Candidate {
         Candidate {
-            name: if trial.effects.is_empty() { "none".to_owned() } else { trial.names().join("+") },
-            rmse: (trial.cost / n_samples).sqrt(),
-            criterion: self.criterion(trial),
-            parameters: values(self.problem, trial).into_iter().filter(|value| trial.has(value.effect)).collect(),
+            name: model.name(),
+            rmse: self.problem.rmse_rad(model.cost),
+            criterion: self.criterion(model),
+            parameters: values(self.problem, model).into_iter().filter(|value| model.has(value.effect)).collect(),
         }
     }
 }
 
 /// Does a model have the special case of an effect of another one?
-fn is_simpler_form(trial: &Trial, of: &Trial) -> bool {
-    of.effects.iter().any(|effect| effect.generalises.is_some_and(|special| trial.has(special) && !of.has(special)))
-}
-
-impl Trial {
-    fn unknowns_of(&self, id: u16) -> Vec<crate::fit::problem::Quantity> {
-        use crate::fit::problem::Quantity;
-        let belongs = |quantity: &Quantity| matches!(quantity, Quantity::Effect { id: of, .. } if *of == id);
-        self.unknowns.iter().map(|unknown| unknown.quantity).filter(belongs).collect()
-    }
+fn is_simpler_form(model: &Fitted, of: &Fitted) -> bool {
+    of.effects.iter().any(|effect| effect.generalises.is_some_and(|special| model.has(special) && !of.has(special)))
 }

@@ -5,23 +5,26 @@
 //! swings just the same; only their last, small ones differ a little. So where an offset shows, the asymmetry stands
 //! against it.
 
-use super::excess::excess;
-use super::extension::fit_promise;
 use super::physical::is_sound;
-use super::score::promises;
-use super::trial::{Trial, finish};
+use super::score::predictions;
 use crate::fit::covariance::covariance;
-use crate::fit::descent::{Patience, descend};
-use crate::fit::linear::{Steps, linearise};
+use crate::fit::descent::{Tolerance, descend};
+use crate::fit::fitted::Fitted;
+use crate::fit::linear::Steps;
 use crate::fit::problem::{PER_SWING, Problem};
+use crate::fit::refine::Band;
 use crate::swing::Window;
 use shared::effect::Effect;
 
-/// Named when the zero is off.
-pub const ANGLE_OFFSET: &str = "angle-offset";
+/// The effect that is named when the zero is off.
+pub fn offset() -> Option<&'static Effect<f64>> {
+    Effect::with(|rules| rules.is_free_offset).next()
+}
 
 /// What else shifts the swings.
-pub(super) const ASYMMETRIC: &str = "asymmetric-coulomb";
+pub(super) fn resembling() -> Option<&'static Effect<f64>> {
+    Effect::with(|rules| rules.resembles_offset).next()
+}
 
 /// A common offset is claimed from this many standard errors …
 const SIGNIFICANT: f64 = 5.0;
@@ -42,7 +45,7 @@ const ALIKE: f64 = 0.0025;
 #[derive(Clone, Debug)]
 pub struct Zero {
     /// The claimed model, with the asymmetry if that is what shifts them.
-    pub model: Trial,
+    pub model: Fitted,
     /// Is the sensor's zero off?
     pub offset_is_missing: bool,
     /// What could stand for the offset.
@@ -50,13 +53,13 @@ pub struct Zero {
 }
 
 /// Decides for a fitted model; sums of squares (rad²) closer than `indistinguishable` are no reason for anything.
-pub fn decide(problem: &Problem, claimed: Trial, indistinguishable: f64) -> Zero {
+pub fn decide(problem: &Problem, claimed: Fitted, indistinguishable: f64) -> Zero {
     let offset_is_missing = is_off(problem, &claimed) && matters(problem, &claimed);
-    let keep = |model: Trial, alike| Zero { model, offset_is_missing, alike };
-    if !offset_is_missing || claimed.has(ASYMMETRIC) {
+    let keep = |model: Fitted, alike| Zero { model, offset_is_missing, alike };
+    let Some(rival) = resembling().filter(|rival| offset_is_missing && !claimed.has(rival.name)) else {
         return keep(claimed, None);
-    }
-    let Some(asymmetric) = with_asymmetry(problem, &claimed) else { return keep(claimed, None) };
+    };
+    let Some(asymmetric) = with_rival(problem, &claimed, rival) else { return keep(claimed, None) };
     // Half a step of the converter is no finding.
     let without = cost_with_offsets_within(problem, &asymmetric, 0.5 * LSB_RAD);
     let is_sound = mean_offset(&asymmetric).abs() < LSB_RAD && asymmetric.cost < claimed.cost - indistinguishable;
@@ -64,51 +67,48 @@ pub fn decide(problem: &Problem, claimed: Trial, indistinguishable: f64) -> Zero
         return Zero { model: asymmetric, offset_is_missing: false, alike: None };
     }
     let is_alike = without < claimed.cost + indistinguishable.max(ALIKE * claimed.cost);
-    keep(claimed, is_alike.then_some(ASYMMETRIC))
+    keep(claimed, is_alike.then_some(rival.name))
 }
 
 /// Does the error grow visibly when all zeros are right?
-fn matters(problem: &Problem, claimed: &Trial) -> bool {
+fn matters(problem: &Problem, claimed: &Fitted) -> bool {
     let without = cost_with_offsets_within(problem, claimed, 0.0);
-    excess(problem, claimed.cost) < MOST_LEFT * excess(problem, without)
+    problem.chi_square(claimed.cost).excess() < MOST_LEFT * problem.chi_square(without).excess()
 }
 
-fn with_asymmetry(problem: &Problem, claimed: &Trial) -> Option<Trial> {
-    let effect = Effect::by_name(ASYMMETRIC)?;
-    let best = promises(problem, claimed, &[effect]).into_iter().next()?;
-    Some(finish(problem, &fit_promise(problem, claimed, &best)?)).filter(|trial| is_sound(problem, trial))
+fn with_rival(problem: &Problem, claimed: &Fitted, rival: &'static Effect<f64>) -> Option<Fitted> {
+    let best = predictions(problem, claimed, &[rival]).into_iter().next()?.fitted(problem);
+    Some(best.refined(problem, Band::Level, Tolerance::JUDGE)).filter(|model| is_sound(problem, model))
 }
 
 /// The cost with all offsets held within a limit, rad.
-pub fn cost_with_offsets_within(problem: &Problem, trial: &Trial, limit_rad: f64) -> f64 {
-    let mut fixed = trial.problem(problem);
+pub fn cost_with_offsets_within(problem: &Problem, model: &Fitted, limit_rad: f64) -> f64 {
+    let mut fixed = model.problem(problem);
     fixed.offsets_are_free = false;
-    let mut point = trial.point.clone();
+    let mut point = model.point();
     point.starts.iter_mut().for_each(|start| start.offset_rad = start.offset_rad.clamp(-limit_rad, limit_rad));
-    descend(&fixed, &point, Window::Whole, Patience::FINE, Steps::new(&fixed)).cost
+    descend(&fixed, &point, Window::Whole, Tolerance::FINE, Steps::new(&fixed)).cost
 }
 
-fn mean_offset(trial: &Trial) -> f64 {
-    let starts = &trial.point.starts;
+fn mean_offset(model: &Fitted) -> f64 {
+    let starts = &model.starts;
     starts.iter().map(|start| start.offset_rad).sum::<f64>() / starts.len() as f64
 }
 
 /// Is the zero off by the same angle in all swings, visibly?
-fn is_off(problem: &Problem, trial: &Trial) -> bool {
-    let mean = mean_offset(trial);
+fn is_off(problem: &Problem, model: &Fitted) -> bool {
+    let mean = mean_offset(model);
     let differ = |offset: f64| (offset - mean).abs() > COMMON * mean.abs();
-    if mean.abs() < LSB_RAD || trial.point.starts.iter().any(|start| differ(start.offset_rad)) {
+    if mean.abs() < LSB_RAD || model.starts.iter().any(|start| differ(start.offset_rad)) {
         return false;
     }
-    mean.abs() > SIGNIFICANT * std_of_mean(problem, trial)
+    mean.abs() > SIGNIFICANT * std_of_mean(problem, model)
 }
 
-fn std_of_mean(problem: &Problem, trial: &Trial) -> f64 {
-    let problem = trial.problem(problem);
-    let linear = linearise(&problem, &trial.point, Window::Whole, &mut Steps::new(&problem));
+fn std_of_mean(problem: &Problem, model: &Fitted) -> f64 {
     let n_swings = problem.swings.len();
-    let column = |swing_idx: usize| problem.unknowns.len() + PER_SWING * swing_idx + PER_SWING - 1;
-    let Some(covariance) = covariance(&linear) else { return 0.0 };
+    let column = |swing_idx: usize| model.unknowns.len() + PER_SWING * swing_idx + PER_SWING - 1;
+    let Some(covariance) = covariance(&model.linearised(problem)) else { return 0.0 };
     let sum: f64 = (0..n_swings)
         .flat_map(|i| (0..n_swings).map(move |j| (i, j)))
         .map(|(i, j)| covariance.matrix[(column(i), column(j))])

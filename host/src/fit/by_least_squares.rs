@@ -1,53 +1,71 @@
 //! Least squares: from a first guess through growing windows, or from where response surfaces ended.
 
-use super::descent::{Patience, descend};
+use super::descent::Tolerance;
+use super::fitted::{Fitted, Stiction};
 use super::identify::Progress;
-use super::linear::Steps;
-use super::outcome::{Outcome, smooth, smooth_point};
-use super::problem::{Point, Problem};
-use super::sequential::Sequence;
-use super::stiction::{self, Stiction, with_stiction};
-use super::windows;
+use super::problem::{Point, Problem, Quantity};
+use super::refine::Band;
+use super::start;
+use super::stiction::GAIN_WORTH_A_BAND;
 use crate::swing::Window;
+use crate::verdict::Left;
+use shared::parameters::base;
+
+/// The model of a rig fitted to the swings, whatever its numbers were, and never worse than with these.
+pub fn fitted_as_it_is(problem: &Problem) -> Fitted {
+    not_worse_than_given(problem, least_squares(problem, &start::guess(problem), &|_| ()))
+}
 
 /// Growing windows from a guess, then Ms and DV, then everything together.
-pub(super) fn least_squares(problem: &Problem, first: &Point, progress: &(dyn Fn(Progress) + Sync)) -> Outcome {
+pub(super) fn least_squares(problem: &Problem, first: &Point, progress: &(dyn Fn(Progress) + Sync)) -> Fitted {
     progress(Progress::Descent);
-    let smooth = with_stiction(&smooth(problem), Stiction { level_nm: 0.0, velocity_band: 0.0 });
-    let mut from = smooth_point(problem, first);
-    start_in_the_middle(&smooth, &mut from);
-    let grown = windows::grow(&smooth, &from);
+    let mut begin = Fitted::at(problem, first).with_stiction(Stiction::NONE);
+    start_in_the_middle(&mut begin);
+    let grown = begin.regrown(problem);
     progress(Progress::Stiction);
-    Outcome::settled(stiction::settle(&smooth, &grown.point, Patience::JUDGE))
+    grown.refined(problem, Band::Searched, Tolerance::JUDGE)
 }
 
 /// Friction that is unknown starts at a usual value, because at zero its bound would hold it there.
-fn start_in_the_middle(problem: &Problem, point: &mut Point) {
-    for (unknown, value) in problem.unknowns.iter().zip(&mut point.values) {
-        let is_friction = matches!(unknown.name, "viscous" | "coulomb");
-        if is_friction && *value <= unknown.low {
-            *value = unknown.scale;
+fn start_in_the_middle(model: &mut Fitted) {
+    for unknown in &model.unknowns {
+        let is_friction = matches!(unknown.quantity, Quantity::Effect { id: base::VISCOUS | base::COULOMB, .. });
+        if is_friction && unknown.get(&model.parameters) <= unknown.low {
+            unknown.set(&mut model.parameters, unknown.scale);
         }
     }
 }
+
+/// A model that begins anew may end in another valley than the one that was given, which may have been improved with
+/// care: then that one is fitted on from where it is, and the better one counts.
+pub(super) fn not_worse_than_given(problem: &Problem, found: Fitted) -> Fitted {
+    let point = Point { values: problem.template_values(), starts: start::starts(problem.swings) };
+    let given = Fitted::at(problem, &point).started(problem);
+    let nothing_to_gain = problem.chi_square(found.cost).left() == Left::Noise && found.cost <= given.cost;
+    if nothing_to_gain || given.cost > WORTH_A_TRY * found.cost {
+        return found;
+    }
+    found.better(given.refined(problem, Band::Free, Tolerance::JUDGE).better(given))
+}
+
+/// A given model is fitted on if, with its starts fitted alone, it costs no more than so many times the one begun anew.
+const WORTH_A_TRY: f64 = 4.0;
 
 /// Least squares from where the response surfaces ended: with the Ms and DV they found, and with a search of their own
 /// that begins without a band. A band has to earn its place.
 pub(super) fn polish(
     problem: &Problem,
-    sequence: &Sequence,
-    ended: &Outcome,
+    at_end: &Point,
+    ended: &Fitted,
     progress: &(dyn Fn(Progress) + Sync),
-) -> Outcome {
+) -> Fitted {
     progress(Progress::Descent);
-    let smooth = smooth(problem);
-    let from = smooth_point(problem, &sequence.point);
-    let free = with_stiction(&smooth, Stiction { level_nm: 0.0, velocity_band: 0.0 });
-    let grown = descend(&free, &from, Window::Lively, Patience::ROUGH, Steps::new(&free));
+    let free = Fitted::at(problem, at_end).with_stiction(Stiction::NONE);
+    let grown = free.descended(problem, Window::Lively, Tolerance::ROUGH);
     progress(Progress::Stiction);
-    let searched = Outcome::settled(stiction::settle(&free, &grown.point, Patience::FINE));
-    let refined = Outcome::settled(stiction::refine(&smooth, &ended.point, ended.stiction, Patience::FINE));
-    let needless = searched.stiction.velocity_band == 0.0
-        && searched.cost < refined.cost + stiction::GAIN_WORTH_A_BAND * problem.noise_rad().powi(2);
+    let searched = grown.refined(problem, Band::Searched, Tolerance::FINE);
+    let refined = ended.refined(problem, Band::Near, Tolerance::FINE);
+    let needless =
+        !searched.has_band() && searched.cost < refined.cost + GAIN_WORTH_A_BAND * problem.noise_rad().powi(2);
     if needless { searched } else { searched.better(refined) }
 }

@@ -1,14 +1,12 @@
 //! Response surfaces without least squares: through growing windows, then Ms and DV by search where that left errors.
 
 use super::covariance::covariance;
+use super::fitted::Fitted;
 use super::identify::Progress;
-use super::linear::{Steps, linearise};
-use super::outcome::{Outcome, full_values, pair_of, smooth, smooth_point};
 use super::problem::{Point, Problem, Unknown};
 use super::region::Region;
 use super::sequential::{self, Ranges, Sequence};
-use super::start;
-use super::stiction::{self, Stiction, with_stiction};
+use super::{start, stiction};
 use crate::rsm::COMPOSITE_FACTORS;
 use crate::swing::Window;
 
@@ -23,15 +21,16 @@ pub(super) fn surfaces(problem: &Problem, ranges: &Ranges, progress: &(dyn Fn(Pr
         return sequential::sequence(problem, ranges, &starts, &begins);
     }
     // Too many for one design: Ms and DV wait until the end.
-    let smooth_sequence = sequential::sequence(&smooth(problem), &smooth_ranges(problem, ranges), &starts, &begins);
+    let smooth_sequence =
+        sequential::sequence(&problem.without_stiction(), &smooth_ranges(problem, ranges), &starts, &begins);
     let mut ended = smooth_sequence.region.ranges().0.into_iter();
     let range = |(unknown, range): (&Unknown, &(f64, f64))| match unknown.is_stiction() {
         true => *range,
         false => ended.next().unwrap_or(*range),
     };
     let region = Region::of_ranges(&Ranges(problem.unknowns.iter().zip(&ranges.0).map(range).collect()));
-    let pair = pair_of(problem, &problem.template_values());
-    let values = full_values(problem, &smooth_sequence.point, pair);
+    let own = problem.template_values();
+    let values = problem.with_values_but_stiction(&own, &smooth_sequence.point.values);
     Sequence { point: Point { values, ..smooth_sequence.point }, stages: smooth_sequence.stages, region }
 }
 
@@ -43,21 +42,14 @@ fn smooth_ranges(problem: &Problem, ranges: &Ranges) -> Ranges {
 
 /// The end of response surfaces without least squares: Ms and DV by search, then designs over the whole swing, first
 /// of the smooth parameters, then of all.
-pub(super) fn finish_surfaces(problem: &Problem, sequence: &mut Sequence) -> Outcome {
-    let smooth = smooth(problem);
-    let mut best = Outcome {
-        point: smooth_point(problem, &sequence.point),
-        stiction: pair_of(problem, &sequence.point.values),
-        level_range_nm: (0.0, 0.0),
-        cost: problem.costs(Window::Whole, std::slice::from_ref(&sequence.point))[0],
-        converged: true,
-    };
+pub(super) fn finish_surfaces(problem: &Problem, sequence: &mut Sequence) -> Fitted {
+    let mut best = Fitted::at(problem, &sequence.point).evaluated(problem);
     for _ in 0..FINISHING_ROUNDS {
-        if best.rmse_rad(problem) < GOOD_END_NOISES * problem.noise_rad() {
+        if problem.rmse_rad(best.cost) < GOOD_END_NOISES * problem.noise_rad() {
             break;
         }
-        let pair = stiction::best_pair(&smooth, &best.point, Some(best.stiction));
-        let next = finishing_round(problem, &smooth, sequence, &best.point, pair);
+        let pair = stiction::best_pair(problem, &best);
+        let next = finishing_round(problem, sequence, &best.with_stiction(pair));
         let gain = best.cost - next.cost;
         if gain > 0.0 {
             best = next;
@@ -69,21 +61,15 @@ pub(super) fn finish_surfaces(problem: &Problem, sequence: &mut Sequence) -> Out
     best
 }
 
-fn finishing_round(
-    problem: &Problem,
-    smooth: &Problem,
-    sequence: &mut Sequence,
-    point: &Point,
-    pair: Stiction,
-) -> Outcome {
-    let fixed = with_stiction(smooth, pair);
-    let ranges = finishing_ranges(problem, &fixed, &sequence.region, point);
-    let from = Sequence { point: point.clone(), stages: Vec::new(), region: Region::of_ranges(&ranges) };
-    let smooth_end = sequential::in_window(&fixed, from, Window::Whole);
+fn finishing_round(problem: &Problem, sequence: &mut Sequence, from: &Fitted) -> Fitted {
+    let ranges = finishing_ranges(problem, &sequence.region, from);
+    let begin = Sequence { point: from.point(), stages: Vec::new(), region: Region::of_ranges(&ranges) };
+    let smooth_end = sequential::in_window(&from.problem(problem), begin, Window::Whole);
     sequence.stages.extend(smooth_end.stages.iter().cloned());
 
     // Near the truth Ms and DV have smooth effects too.
-    let values = full_values(problem, &smooth_end.point, pair);
+    let own: Vec<f64> = problem.unknowns.iter().map(|unknown| unknown.get(&from.parameters)).collect();
+    let values = problem.with_values_but_stiction(&own, &smooth_end.point.values);
     let mut smooth_ranges = smooth_end.region.ranges().0.into_iter();
     let range = |(unknown, value): (&Unknown, &f64)| {
         let beside = (value - STICTION_REACH * value, value + STICTION_REACH * value);
@@ -91,23 +77,16 @@ fn finishing_round(
     };
     let ranges = Ranges(problem.unknowns.iter().zip(&values).map(range).collect());
     let point = Point { values, starts: smooth_end.point.starts.clone() };
-    let from = Sequence { point, stages: Vec::new(), region: Region::of_ranges(&ranges) };
-    let end = if pair.velocity_band > 0.0 { sequential::in_window(problem, from, Window::Whole) } else { from };
+    let begin = Sequence { point, stages: Vec::new(), region: Region::of_ranges(&ranges) };
+    let end = if from.has_band() { sequential::in_window(problem, begin, Window::Whole) } else { begin };
     sequence.stages.extend(end.stages.iter().cloned());
-    let stiction = pair_of(problem, &end.point.values);
-    Outcome {
-        point: smooth_point(problem, &end.point),
-        stiction,
-        level_range_nm: (stiction.level_nm, stiction.level_nm),
-        cost: problem.costs(Window::Whole, std::slice::from_ref(&end.point))[0],
-        converged: true,
-    }
+    Fitted::at(problem, &end.point).evaluated(problem)
 }
 
 /// A box for the smooth parameters: that in which the sequence ended, widened to a few standard deviations where it
 /// shrank in vain against another Ms and DV.
-fn finishing_ranges(problem: &Problem, fixed: &Problem, ended: &Region, point: &Point) -> Ranges {
-    let known = covariance(&linearise(fixed, point, Window::Whole, &mut Steps::new(fixed)));
+fn finishing_ranges(problem: &Problem, ended: &Region, from: &Fitted) -> Ranges {
+    let (known, point) = (covariance(&from.linearised(problem)), from.point());
     let widened = |(k, (low, high)): (usize, (f64, f64))| {
         let std = known.as_ref().and_then(|known| known.std(k)).unwrap_or(0.0);
         let half = (0.5 * (high - low)).max(FINISHING_STDS * std);

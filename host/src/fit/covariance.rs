@@ -1,7 +1,9 @@
 //! How well each number is known: covariance of the least-squares estimate, allowing for coloured residuals.
 //!
-//! For white residuals the covariance is s²·(JᵀJ)⁻¹. Real residuals are correlated from sample to sample, so the sum
-//! over lags of Newey and West (Econometrica 55 (1987) 703) stands in the middle: (JᵀJ)⁻¹·S·(JᵀJ)⁻¹.
+//! For white residuals the covariance is s²·(JᵀJ)⁻¹. Real residuals are correlated from sample to sample, so the
+//! covariance S of the scores stands in the middle: (JᵀJ)⁻¹·S·(JᵀJ)⁻¹, with S from sums over blocks that are longer than
+//! the residuals' memory. Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980)
+//! 817, for the sandwich.
 
 use super::linear::{Linear, SwingLinear};
 use super::problem::PER_SWING;
@@ -36,14 +38,21 @@ impl Covariance {
     }
 }
 
-/// The covariance at a linearisation; `None` if some column is without effect or the copy of others.
+/// Two columns of length one that differ by less than this squared are each other's copy: their variance is enormous,
+/// but a number.
+const SINGULAR: f64 = 1e-13;
+
+/// The covariance at a linearisation; a column without effect has an infinite variance. `None` if rounding spoils all.
 pub fn covariance(linear: &Linear) -> Option<Covariance> {
     let size = linear.gradient.len();
     let scale = DVector::from_fn(size, |i, _| linear.normal[(i, i)].sqrt());
-    if scale.iter().any(|s| !s.is_normal()) {
-        return None;
-    }
-    let unit = DMatrix::from_fn(size, size, |i, j| linear.normal[(i, j)] / (scale[i] * scale[j]));
+    let has_effect = |i: usize| scale[i].is_normal();
+    let unit = DMatrix::from_fn(size, size, |i, j| match (i == j, has_effect(i) && has_effect(j)) {
+        (true, true) => 1.0 + SINGULAR,
+        (true, false) => 1.0,
+        (false, true) => linear.normal[(i, j)] / (scale[i] * scale[j]),
+        (false, false) => 0.0,
+    });
     let inverse = unit.cholesky()?.inverse();
     let dof = linear.n_samples.saturating_sub(size).max(1) as f64;
     let memory = linear.swings.iter().map(memory).max().unwrap_or(0);
@@ -52,13 +61,19 @@ pub fn covariance(linear: &Linear) -> Option<Covariance> {
     } else {
         let n_unknowns = size - PER_SWING * linear.swings.len();
         let scores = score_covariance(linear, n_unknowns, memory * BLOCK_OF_MEMORIES);
-        let scaled = DMatrix::from_fn(size, size, |i, j| scores[(i, j)] / (scale[i] * scale[j]));
-        let sandwich = &inverse * scaled * &inverse;
+        let score = |i: usize, j: usize| {
+            if has_effect(i) && has_effect(j) { scores[(i, j)] / (scale[i] * scale[j]) } else { 0.0 }
+        };
+        let sandwich = &inverse * DMatrix::from_fn(size, size, score) * &inverse;
         let white = &inverse * (linear.cost / dof);
         // The sandwich is an estimate from few blocks; it is never taken to be surer than white noise.
         larger_diagonal(sandwich, &white)
     };
-    let matrix = DMatrix::from_fn(size, size, |i, j| middle[(i, j)] / (scale[i] * scale[j]));
+    let matrix = DMatrix::from_fn(size, size, |i, j| match (i == j, has_effect(i) && has_effect(j)) {
+        (_, true) => middle[(i, j)] / (scale[i] * scale[j]),
+        (true, false) => f64::INFINITY,
+        (false, false) => 0.0,
+    });
     Some(Covariance { matrix, coloured: memory > 0 })
 }
 

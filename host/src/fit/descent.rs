@@ -3,14 +3,15 @@
 //! Source: D. W. Marquardt, J. SIAM 11 (1963) 431. Four dampings are tried at once, because four simulations cost
 //! little more than one.
 
-use super::linear::{Linear, Steps, linearise, solve_damped};
+use super::linear::{Linear, Steps, linearise};
 use super::problem::{LANES, PER_SWING, Point, Problem};
+use super::solve::solve_damped;
 use crate::swing::Window;
 use nalgebra::DVector;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Patience {
+pub struct Tolerance {
     /// At most this many linearisations.
     pub max_iterations: usize,
     /// Stop when a step lowers the cost by less than this many noise variances.
@@ -21,7 +22,7 @@ pub struct Patience {
     pub least_share_of_excess: f64,
 }
 
-impl Patience {
+impl Tolerance {
     /// To see what a model is worth.
     pub const SCREEN: Self = Self { max_iterations: 5, least_gain: 3.0, least_share: 0.02, ..Self::FINE };
     /// To go on with a longer window.
@@ -32,6 +33,26 @@ impl Patience {
     pub const JUDGE: Self = Self { max_iterations: 12, least_gain: 0.1, least_share_of_excess: 3e-3, ..Self::FINE };
     /// To the last digit.
     pub const FINE: Self = Self { max_iterations: 15, least_gain: 1e-2, least_share: 0.0, least_share_of_excess: 0.0 };
+}
+
+/// Why a descent ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Termination {
+    /// The last step gained less than the tolerance.
+    LittleGain,
+    /// The last step gained just what the linear model predicted, which leaves nothing to the next one.
+    AsPredicted,
+    /// No step lowers the cost, however short.
+    NoStepHelps,
+    /// The iterations were used up first.
+    LostPatience,
+}
+
+impl Termination {
+    /// Is a minimum reached, as far as the tolerance goes?
+    pub fn is_converged(self) -> bool {
+        self != Self::LostPatience
+    }
 }
 
 /// Where a descent ended.
@@ -45,8 +66,8 @@ pub struct Descent {
     pub linear: Linear,
     /// Finite-difference steps, to go on with.
     pub steps: Steps,
-    /// False if patience ran out first.
-    pub converged: bool,
+    /// Why it ended.
+    pub termination: Termination,
 }
 
 /// The dampings tried around the present one.
@@ -55,14 +76,14 @@ const DAMPING_FACTORS: [f64; LANES] = [1e-3, 1e-1, 1.0, 30.0];
 /// Damping at the start: nearly Gauss–Newton.
 const FIRST_DAMPING: f64 = 1e-3;
 
-/// Share of a promised gain by which the true one may differ where the error is a parabola.
+/// Share of a predicted gain by which the true one may differ where the error is a parabola.
 const SMALL_SURPRISE: f64 = 0.03;
 
 /// Beyond this no direction helps.
 const LARGEST_DAMPING: f64 = 1e6;
 
 /// Descends from a guess.
-pub fn descend(problem: &Problem, from: &Point, window: Window, patience: Patience, steps: Steps) -> Descent {
+pub fn descend(problem: &Problem, from: &Point, window: Window, tolerance: Tolerance, steps: Steps) -> Descent {
     let mut steps = steps;
     let mut point = from.clone();
     let mut damping = FIRST_DAMPING;
@@ -70,12 +91,12 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, patience: Patien
     let noise = unit * problem.n_samples(window) as f64;
     let mut linear = linearise(problem, &point, window, &mut steps);
     let mut cost = linear.cost;
-    let mut converged = false;
-    for iteration in 0..patience.max_iterations {
+    let mut termination = Termination::LostPatience;
+    for iteration in 0..tolerance.max_iterations {
         if iteration > 0 {
             linear = linearise(problem, &point, window, &mut steps);
         }
-        let promised = linear.gain(&bounded_step(problem, &point, &linear, 0.0));
+        let predicted = linear.gain(&bounded_step(problem, &point, &linear, 0.0));
         let gain = loop {
             let Some((better, lower, factor)) = best_trial(problem, &point, &linear, window, damping, cost) else {
                 damping *= 1e4;
@@ -89,16 +110,24 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, patience: Patien
             (point, cost) = (better, lower);
             break gain;
         };
-        let least_of_excess = patience.least_share_of_excess * (cost - noise);
-        let least = (patience.least_gain * unit).max(patience.least_share * cost).max(least_of_excess);
-        // A step that brought what the linear model promised leaves nothing to the next one.
-        let surprise = (promised - gain).abs();
-        if gain < least || surprise < least.min(SMALL_SURPRISE * promised) {
-            converged = true;
+        let least_of_excess = tolerance.least_share_of_excess * (cost - noise);
+        let least = (tolerance.least_gain * unit).max(tolerance.least_share * cost).max(least_of_excess);
+        let surprise = (predicted - gain).abs();
+        let ended = if gain <= 0.0 {
+            Some(Termination::NoStepHelps)
+        } else if gain < least {
+            Some(Termination::LittleGain)
+        } else if surprise < least.min(SMALL_SURPRISE * predicted) {
+            Some(Termination::AsPredicted)
+        } else {
+            None
+        };
+        if let Some(reason) = ended {
+            termination = reason;
             break;
         }
     }
-    Descent { point, cost, linear, steps, converged }
+    Descent { point, cost, linear, steps, termination }
 }
 
 /// The best of four damped steps, if it is better than staying.

@@ -3,6 +3,7 @@
 use super::problem::Start;
 use super::quality::Responses;
 use super::sequential::Stage;
+use super::uncertainty::Status;
 use crate::verdict::Left;
 use serde::Serialize;
 use shared::parameters::Parameters;
@@ -22,6 +23,10 @@ pub struct Identified {
     pub unit: &'static str,
     /// How well the swings tell it.
     pub verdict: Verdict,
+    /// How far it may be trusted.
+    pub status: Status,
+    /// With 95 % confidence it is not larger; where that is all the swings tell.
+    pub upper: Option<f64>,
 }
 
 /// How well the swings tell a number.

@@ -1,23 +1,98 @@
-//! How well found values predict swings that took no part.
+//! How well found values predict swings that took no part, and whether a change of the model carries over to them.
 
-use super::descent::{Patience, descend};
+use super::fitted::Fitted;
 use super::problem::{Point, Problem};
-use super::{start, windows};
-use crate::swing::{Swing, Window};
+use super::start;
+use crate::swing::Swing;
+use serde::Serialize;
 use shared::parameters::Parameters;
 use std::sync::atomic::AtomicUsize;
 
 /// Error on swings that took no part: only their starts are fitted.
-pub fn held_out_rmse(held_out: &[Swing], parameters: &Parameters<f64>, count: &AtomicUsize) -> f64 {
-    let problem = Problem {
-        swings: held_out,
-        template: parameters.clone(),
-        unknowns: Vec::new(),
-        offsets_are_free: true,
-        n_simulations: count,
-    };
-    let point = Point { values: Vec::new(), starts: start::starts(held_out) };
-    let first = windows::grow(&problem, &point);
-    let last = descend(&problem, &first.point, Window::Whole, Patience::FINE, first.steps);
-    (last.cost / problem.n_samples(Window::Whole).max(1) as f64).sqrt()
+#[derive(Clone, Debug)]
+pub struct HeldOut {
+    /// Root mean square, rad.
+    pub rmse_rad: f64,
+    /// Squared residuals summed over stretches of the swings, rad².
+    stretches: Vec<f64>,
+}
+
+/// What held-out swings say to a change of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Carries {
+    /// Their error falls with it.
+    Confirmed,
+    /// Their error rises with it.
+    Contradicted,
+    /// Their error stays as it is, within its own uncertainty.
+    CannotTell,
+}
+
+/// A held-out swing is cut into so many stretches; each is longer than the residuals' memory on a usual swing.
+const N_STRETCHES: usize = 24;
+
+/// A change of the error counts beyond so many of its own standard errors.
+const COUNTS_STDS: f64 = 2.0;
+
+impl HeldOut {
+    /// Of parameters on some swings; `None` without any.
+    pub fn of(held_out: &[Swing], parameters: &Parameters<f64>, count: &AtomicUsize) -> Option<Self> {
+        if held_out.is_empty() {
+            return None;
+        }
+        let problem = Problem::new(held_out, parameters, Vec::new(), count);
+        let point = Point { values: Vec::new(), starts: start::starts(held_out) };
+        let started = Fitted::at(&problem, &point).started(&problem);
+        let stretches = held_out.iter().enumerate().flat_map(|(swing_idx, swing)| {
+            let start = started.starts[swing_idx];
+            let predicted = problem.predict(swing_idx, swing.len(), &[(&[], start)]).remove(0);
+            let squares = swing.angles_rad.iter().zip(predicted).map(|(m, p)| (m - p - start.offset_rad).powi(2));
+            let squares: Vec<f64> = squares.collect();
+            let length = squares.len().div_ceil(N_STRETCHES);
+            squares.chunks(length).map(|stretch| stretch.iter().sum()).collect::<Vec<f64>>()
+        });
+        Some(Self { rmse_rad: problem.rmse_rad(started.cost), stretches: stretches.collect() })
+    }
+
+    /// What these swings say to this model after another one: the change of the squared error against its standard
+    /// error, from the scatter of the stretches.
+    pub fn after(&self, before: &Self) -> Carries {
+        let changes: Vec<f64> =
+            self.stretches.iter().zip(&before.stretches).map(|(after, before)| after - before).collect();
+        let n = changes.len() as f64;
+        let mean = changes.iter().sum::<f64>() / n;
+        let variance = changes.iter().map(|change| (change - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+        let limit = COUNTS_STDS * (variance / n).sqrt();
+        match mean {
+            mean if mean > limit => Carries::Contradicted,
+            mean if mean < -limit => Carries::Confirmed,
+            _ => Carries::CannotTell,
+        }
+    }
+}
+
+/// Error on swings that took no part, rad; `None` without any.
+pub fn held_out_rmse(held_out: &[Swing], parameters: &Parameters<f64>, count: &AtomicUsize) -> Option<f64> {
+    HeldOut::of(held_out, parameters, count).map(|held_out| held_out.rmse_rad)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn held_out(stretches: &[f64]) -> HeldOut {
+        HeldOut { rmse_rad: 0.0, stretches: stretches.to_vec() }
+    }
+
+    #[test]
+    fn a_change_counts_beyond_twice_its_own_standard_error() {
+        let before = held_out(&[1.0; 24]);
+        let after = |of: &dyn Fn(usize) -> f64| held_out(&(0..24).map(of).collect::<Vec<f64>>()).after(&before);
+        assert_eq!(after(&|k| 1.2 + 0.1 * (k % 2) as f64), Carries::Contradicted);
+        assert_eq!(after(&|k| 0.7 + 0.1 * (k % 2) as f64), Carries::Confirmed);
+        // One stretch that is worse does not contradict the others.
+        assert_eq!(after(&|k| if k == 3 { 9.0 } else { 1.0 }), Carries::CannotTell);
+        assert_eq!(after(&|_| 1.0), Carries::CannotTell);
+    }
 }

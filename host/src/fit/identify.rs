@@ -1,11 +1,10 @@
 //! The whole identification: response surfaces, least squares, or one after the other; from a rig and its swings to
 //! numbers with uncertainties and warnings.
 
-use super::by_least_squares::{least_squares, polish};
+use super::by_least_squares::{least_squares, not_worse_than_given, polish};
 use super::by_surfaces::{finish_surfaces, surfaces};
 pub use super::found::{Fit, Identified, Verdict};
-pub use super::held_out::held_out_rmse;
-pub use super::outcome::smooth;
+pub use super::held_out::{Carries, HeldOut, held_out_rmse};
 use super::problem::{Point, Problem, Unknown};
 use super::report::Report;
 use super::runs::responses_at;
@@ -123,27 +122,26 @@ pub fn fit(
     let thin: Vec<Swing> = swings.iter().map(|swing| swing.thinned(SURFACE_RATE_HZ)).collect();
     let designed = problem.on(&thin);
 
-    let (outcome, stages) = match options.method {
-        Method::LeastSquares => (least_squares(&problem, &first, progress), Vec::new()),
+    let (model, stages) = match options.method {
+        Method::LeastSquares => (not_worse_than_given(&problem, least_squares(&problem, &first, progress)), Vec::new()),
         Method::Rsm => {
             let mut sequence = surfaces(&designed, &ranges, progress);
-            let outcome = finish_surfaces(&designed, &mut sequence);
-            (outcome.on(&problem), sequence.stages)
+            let model = finish_surfaces(&designed, &mut sequence);
+            (model.evaluated(&problem), sequence.stages)
         }
         Method::Both => {
             let mut sequence = surfaces(&designed, &ranges, progress);
             let ended = finish_surfaces(&designed, &mut sequence);
-            let from_surfaces = polish(&problem, &sequence, &ended, progress);
+            let from_surfaces = polish(&problem, &sequence.point, &ended, progress);
             // Surfaces from poor ranges may end in a wrong valley; least squares from the first guess then decides.
-            let noise = problem.noise_rad();
-            let good = from_surfaces.rmse_rad(&problem) < GOOD_NOISES * noise;
+            let good = problem.rmse_rad(from_surfaces.cost) < GOOD_NOISES * problem.noise_rad();
             let best =
                 if good { from_surfaces } else { from_surfaces.better(least_squares(&problem, &first, progress)) };
-            (best, sequence.stages)
+            (not_worse_than_given(&problem, best), sequence.stages)
         }
     };
     progress(Progress::Uncertainty);
-    let report = Report { problem: &problem, outcome, given: &options.ranges };
+    let report = Report { problem: &problem, model, given: &options.ranges };
     report.build(held_out, responses_before, stages, &count, began)
 }
 
@@ -171,7 +169,7 @@ pub fn problem_of<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a Ato
     let mut unknowns: Vec<Unknown> = ids.flat_map(of_effect).collect();
     let inertia_at = unknowns.iter().rposition(Unknown::is_stiction).map_or(0, |last| last + 1);
     unknowns.insert(inertia_at, Unknown::inertia(&template));
-    Problem { swings, template, unknowns, offsets_are_free: true, n_simulations: count }
+    Problem::new(swings, &template, unknowns, count)
 }
 
 fn chosen_ranges(problem: &Problem, first: &Point, given: &[(String, f64, f64)]) -> Result<Ranges, FitError> {

@@ -56,10 +56,10 @@ impl Steps {
         Self(problem.unknowns.iter().map(|unknown| 1e-4 * unknown.scale).collect())
     }
 
-    /// The right steps at a guess, found on sketches.
+    /// The right steps at a guess, found on decimated swings.
     pub fn found(problem: &Problem, point: &Point) -> Self {
         let mut steps = Self::new(problem);
-        linearise(&problem.on(&problem.sketches()), point, Window::Whole, &mut steps);
+        linearise(&problem.on(&problem.decimated()), point, Window::Whole, &mut steps);
         steps
     }
 
@@ -200,25 +200,4 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
         (0..4).for_each(|k| sums[k] += x[k] * y[k]);
     }
     sums.iter().sum::<f64>() + rest
-}
-
-/// Solves (JᵀJ + λ·diag)·δ = Jᵀr for the entries that `free` allows; the others stay put.
-pub fn solve_damped(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64, free: &[bool]) -> DVector<f64> {
-    let indices: Vec<usize> = (0..gradient.len()).filter(|i| free[*i]).collect();
-    let largest = indices.iter().map(|i| normal[(*i, *i)]).fold(0.0, f64::max);
-    // Columns are scaled to one, so that units do not matter; one without any effect is left alone.
-    let scale: Vec<f64> = indices.iter().map(|i| normal[(*i, *i)].max(1e-30 * largest).max(1e-300).sqrt()).collect();
-    let scaled = DMatrix::from_fn(indices.len(), indices.len(), |i, j| {
-        let unit = normal[(indices[i], indices[j])] / (scale[i] * scale[j]);
-        if i == j { unit + damping + 1e-13 } else { unit }
-    });
-    let right = DVector::from_fn(indices.len(), |i, _| gradient[indices[i]] / scale[i]);
-    let mut step = DVector::zeros(gradient.len());
-    if let Some(factor) = scaled.cholesky() {
-        let solution = factor.solve(&right);
-        for (k, i) in indices.iter().enumerate() {
-            step[*i] = solution[k] / scale[k];
-        }
-    }
-    step
 }

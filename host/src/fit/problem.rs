@@ -149,6 +149,16 @@ pub struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
+    /// Of swings and parameters; the sensor's zero of each swing is free.
+    pub fn new(
+        swings: &'a [Swing],
+        template: &Parameters<f64>,
+        unknowns: Vec<Unknown>,
+        n_simulations: &'a AtomicUsize,
+    ) -> Self {
+        Self { swings, template: template.clone(), unknowns, offsets_are_free: true, n_simulations }
+    }
+
     /// The parameters that a guess means.
     pub fn parameters(&self, values: &[f64]) -> Parameters<f64> {
         let mut parameters = self.template.clone();
@@ -161,6 +171,22 @@ impl<'a> Problem<'a> {
     /// The unknowns' present values in the template, within their bounds.
     pub fn template_values(&self) -> Vec<f64> {
         self.unknowns.iter().map(|unknown| unknown.get(&self.template).clamp(unknown.low, unknown.high)).collect()
+    }
+
+    /// The same without Ms and DV among its unknowns.
+    pub fn without_stiction(&self) -> Self {
+        let unknowns = self.unknowns.iter().filter(|unknown| !unknown.is_stiction()).cloned().collect();
+        Self { unknowns, ..self.clone() }
+    }
+
+    /// Values in the order of the unknowns: Ms and DV from `own`, the others from those of [`Problem::without_stiction`].
+    pub fn with_values_but_stiction(&self, own: &[f64], smooth: &[f64]) -> Vec<f64> {
+        let mut smooth = smooth.iter();
+        let value = |(unknown, own): (&Unknown, &f64)| match unknown.is_stiction() {
+            true => *own,
+            false => smooth.next().copied().unwrap_or(*own),
+        };
+        self.unknowns.iter().zip(own).map(value).collect()
     }
 
     /// Readings without offset of one swing for several guesses, one column a guess, over its first samples.
@@ -235,8 +261,8 @@ impl<'a> Problem<'a> {
     }
 
     /// Enough of its swings to find the way.
-    pub fn sketches(&self) -> Vec<Swing> {
-        self.swings.iter().map(Swing::sketched).collect()
+    pub fn decimated(&self) -> Vec<Swing> {
+        self.swings.iter().map(Swing::decimated).collect()
     }
 
     /// Number of samples within a window, all swings together.
@@ -253,6 +279,11 @@ impl<'a> Problem<'a> {
     pub fn chi_square(&self, cost: f64) -> ChiSquare {
         let n_fitted = self.unknowns.len() + PER_SWING * self.swings.len();
         ChiSquare::new(cost, self.noise_rad(), self.n_samples(Window::Whole) as f64, n_fitted)
+    }
+
+    /// The root mean square error of a cost, rad.
+    pub fn rmse_rad(&self, cost: f64) -> f64 {
+        (cost / self.n_samples(Window::Whole).max(1) as f64).sqrt()
     }
 
     /// The cost that noise alone leaves, rad².

@@ -1,7 +1,7 @@
 //! Where the surfaces of one design say that the truth lies.
 
-use super::linear::solve_damped;
 use super::runs::Run;
+use super::solve::solve_damped;
 use crate::rsm::{Composite, Desirability, Search, Surface, optimum};
 use nalgebra::{DMatrix, DVector};
 

@@ -1,18 +1,17 @@
 //! From where a method ended to numbers with uncertainties and warnings.
 
-use super::covariance::{Covariance, covariance};
+use super::fitted::Fitted;
 use super::found::{Fit, Identified, Verdict};
 use super::held_out::held_out_rmse;
 use super::identify::FitError;
-use super::linear::{Steps, linearise};
-use super::outcome::{Outcome, full_values};
-use super::problem::{Point, Problem, Unknown};
+use super::problem::{Point, Problem, Quantity};
 use super::quality::Responses;
 use super::runs::responses_at;
 use super::sequential::Stage;
-use super::stiction::with_stiction;
+use super::uncertainty::{Number, Status, UNKNOWN_SHARE, Uncertainty, uncertainty};
 use crate::swing::{Swing, Window};
 use crate::verdict::Left;
+use shared::parameters::base;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -22,121 +21,75 @@ const HOPELESS_SHARE: f64 = 0.6;
 /// Puts the result together.
 pub(super) struct Report<'a, 'b> {
     pub(super) problem: &'b Problem<'a>,
-    pub(super) outcome: Outcome,
+    pub(super) model: Fitted,
     pub(super) given: &'b [(String, f64, f64)],
 }
 
 impl Report<'_, '_> {
     pub(super) fn build(
-        &self,
+        self,
         held_out: &[Swing],
         responses_before: Responses,
         stages: Vec<Stage>,
         count: &AtomicUsize,
         began: Instant,
     ) -> Result<Fit, FitError> {
-        let problem = self.problem;
-        let rmse_rad = self.outcome.rmse_rad(problem);
+        let (problem, model) = (self.problem, &self.model);
+        let rmse_rad = problem.rmse_rad(model.cost);
         let motion = rms(problem.swings.iter().flat_map(|swing| swing.angles_rad.iter().copied()));
         if !rmse_rad.is_finite() || rmse_rad > HOPELESS_SHARE * motion {
             return Err(FitError::Hopeless { error_rad: rmse_rad });
         }
-        let full = self.full_problem();
-        let values = full_values(&full, &self.outcome.point, self.outcome.stiction);
-        let point = Point { values, starts: self.outcome.point.starts.clone() };
-        let (known, covariance) = self.uncertainty(&full, &point);
-        let parameters = full.parameters(&point.values);
-        let identified = self.identified(&full, &point, &known, covariance.as_ref());
-        let correlations = correlations(identified.len(), &known, covariance.as_ref());
-        let left = full.chi_square(self.outcome.cost).left();
-        let warnings = self.warnings(&identified, covariance.as_ref(), &stages, rmse_rad, left);
-        let held_out_rmse_rad = (!held_out.is_empty()).then(|| held_out_rmse(held_out, &parameters, count));
+        let uncertainty = uncertainty(problem, model);
+        let order: Vec<usize> =
+            problem.unknowns.iter().filter_map(|unknown| uncertainty.index_of(unknown.quantity)).collect();
+        let identified: Vec<Identified> = order.iter().map(|j| identified(&uncertainty.numbers[*j], model)).collect();
+        let row = |i: &usize| order.iter().map(|j| uncertainty.correlations[*i][*j]).collect();
+        let left = problem.chi_square(model.cost).left();
+        let values = problem.unknowns.iter().map(|unknown| unknown.get(&model.parameters)).collect();
+        let point = Point { values, starts: model.starts.clone() };
+        let held_out_rmse_rad = held_out_rmse(held_out, &model.parameters, count);
         Ok(Fit {
-            responses: responses_at(&full, &point, Window::Whole),
-            parameters,
+            responses: responses_at(problem, &point, Window::Whole),
+            correlations: order.iter().map(row).collect(),
+            warnings: self.warnings(&identified, &uncertainty, &stages, left),
             identified,
-            correlations,
-            starts: point.starts,
             rmse_rad,
             left,
             noise_rad: problem.noise_rad(),
             held_out_rmse_rad,
             responses_before,
             stages,
-            warnings,
             n_simulations: count.load(Ordering::Relaxed),
             seconds: began.elapsed().as_secs_f64(),
+            parameters: self.model.parameters,
+            starts: self.model.starts,
         })
-    }
-
-    fn full_problem(&self) -> Problem<'_> {
-        with_stiction(self.problem, self.outcome.stiction)
-    }
-
-    /// The indices of the numbers that the data tell smoothly, and their covariance. Numbers on a bound are known to be
-    /// there and take no part; neither does stiction without a band.
-    fn uncertainty(&self, full: &Problem, point: &Point) -> (Vec<usize>, Option<Covariance>) {
-        let has_band = self.outcome.stiction.velocity_band > 0.0;
-        let takes_part = |j: &usize| {
-            let (unknown, value) = (&full.unknowns[*j], point.values[*j]);
-            let inside = value > unknown.low && value < unknown.high;
-            inside && (has_band || !unknown.is_stiction())
-        };
-        let known: Vec<usize> = (0..full.unknowns.len()).filter(takes_part).collect();
-        let covariance = covariance_of(full, point, &known);
-        if covariance.is_some() || !has_band {
-            return (known, covariance);
-        }
-        // Ms or DV without a smooth trace: the others still have their uncertainties.
-        let known: Vec<usize> = known.into_iter().filter(|j| !full.unknowns[*j].is_stiction()).collect();
-        let covariance = covariance_of(full, point, &known);
-        (known, covariance)
-    }
-
-    fn identified(
-        &self,
-        full: &Problem,
-        point: &Point,
-        known: &[usize],
-        covariance: Option<&Covariance>,
-    ) -> Vec<Identified> {
-        let (low, high) = self.outcome.level_range_nm;
-        let identified = |(j, unknown): (usize, &Unknown)| {
-            let smooth = known.iter().position(|k| *k == j).and_then(|column| covariance?.std(column));
-            let is_level = unknown.is_stiction() && unknown.symbol == "Ms";
-            // All levels within the range stop the pendulum alike: a uniform distribution.
-            let uniform = (is_level && high > low).then(|| (high - low) / 12.0_f64.sqrt());
-            let std = smooth.or(uniform);
-            let value = point.values[j];
-            let size = if unknown.name == "inertia" { full.template.pendulum.pivot_inertia_kg_m2() } else { value };
-            let verdict = verdict(size, std);
-            Identified { symbol: unknown.symbol, name: unknown.name, value, std, unit: unknown.unit, verdict }
-        };
-        full.unknowns.iter().enumerate().map(identified).collect()
     }
 
     fn warnings(
         &self,
         identified: &[Identified],
-        covariance: Option<&Covariance>,
+        uncertainty: &Uncertainty,
         stages: &[Stage],
-        rmse_rad: f64,
         left: Left,
     ) -> Vec<String> {
         let mut warnings = Vec::new();
-        let noise = self.problem.noise_rad();
+        let noises = self.problem.rmse_rad(self.model.cost) / self.problem.noise_rad();
         if left == Left::Missing {
             warnings.push(format!(
-                "the error is {:.1} times the noise: physics is missing from the model (host diagnose names it)",
-                rmse_rad / noise
+                "the error is {noises:.1} times the noise: physics is missing from the model (host diagnose names it)"
             ));
         }
-        if covariance.is_some_and(|covariance| covariance.coloured) {
+        if uncertainty.coloured {
             warnings.push("the residuals are correlated in time; the uncertainties allow for it".to_owned());
         }
-        if !self.outcome.converged {
+        if self.model.termination.is_some_and(|reason| !reason.is_converged()) {
             warnings.push("least squares ran out of patience; more or longer swings would help".to_owned());
         }
+        warnings.extend(uncertainty.alike.iter().map(|symbols| {
+            format!("{} can't be told apart here: only what they do together is known", symbols.join(" and "))
+        }));
         for number in identified {
             warnings.extend(self.warning_of(number));
         }
@@ -151,19 +104,29 @@ impl Report<'_, '_> {
     }
 
     fn warning_of(&self, number: &Identified) -> Option<String> {
-        let Identified { symbol, value, .. } = number;
+        let Identified { symbol, value, unit, .. } = number;
         let given = self.given.iter().find(|(name, ..)| name == symbol);
         if let Some((_, low, high)) = given.filter(|(_, low, high)| value < low || value > high) {
             return Some(format!("{symbol} lies outside the range {low} … {high} that was given"));
         }
-        match (number.verdict, number.name) {
-            (Verdict::Not, "stiction") if *value == 0.0 => {
-                Some(format!("{symbol} has no visible effect: zero explains the swings as well as any small value"))
-            }
-            (Verdict::Not, "stiction") => {
+        let bound = number.upper.map_or(String::new(), |upper| format!("; it is below {} {unit}", two_digits(upper)));
+        if number.status == Status::UpperBound && *value > 0.0 {
+            return Some(format!("{symbol} is only known to be no larger, because no swing comes to rest{bound}"));
+        }
+        let unknown =
+            self.problem.unknowns.iter().find(|unknown| unknown.symbol == *symbol && unknown.name == number.name);
+        let id = unknown.and_then(|unknown| match unknown.quantity {
+            Quantity::Effect { id, .. } => Some(id),
+            Quantity::Inertia => None,
+        });
+        match (number.verdict, id) {
+            (Verdict::Not, Some(base::STICTION)) if *value == 0.0 => Some(format!(
+                "{symbol} has no visible effect: zero explains the swings as well as any small value{bound}"
+            )),
+            (Verdict::Not, Some(base::STICTION)) => {
                 Some(format!("{symbol} is hardly identifiable here; record several swings down to rest"))
             }
-            (Verdict::Not, "viscous" | "coulomb") if *value == 0.0 => {
+            (Verdict::Not, Some(base::VISCOUS | base::COULOMB)) if *value == 0.0 => {
                 Some(format!("{symbol} is zero within its uncertainty"))
             }
             (Verdict::Not, _) => {
@@ -174,29 +137,31 @@ impl Report<'_, '_> {
     }
 }
 
-fn covariance_of(full: &Problem, point: &Point, known: &[usize]) -> Option<Covariance> {
-    let part = Problem {
-        unknowns: known.iter().map(|j| full.unknowns[*j].clone()).collect(),
-        template: full.parameters(&point.values),
-        ..full.clone()
+fn identified(number: &Number, model: &Fitted) -> Identified {
+    let Number { unknown, value, std, status, upper } = number;
+    let size = match unknown.quantity {
+        Quantity::Inertia => model.parameters.pendulum.pivot_inertia_kg_m2(),
+        Quantity::Effect { .. } => *value,
     };
-    let point = Point { values: known.iter().map(|j| point.values[*j]).collect(), starts: point.starts.clone() };
-    covariance(&linearise(&part, &point, Window::Whole, &mut Steps::found(&part, &point)))
-}
-
-fn correlations(n_identified: usize, known: &[usize], covariance: Option<&Covariance>) -> Vec<Vec<Option<f64>>> {
-    let column = |j: usize| known.iter().position(|known| *known == j);
-    let correlation = |i: usize, j: usize| covariance?.correlation(column(i)?, column(j)?);
-    let row = |i: usize| (0..n_identified).map(|j| correlation(i, j)).collect();
-    (0..n_identified).map(row).collect()
+    let verdict = match status {
+        Status::Identified => verdict(size, *std),
+        _ => Verdict::Not,
+    };
+    let (symbol, name, unit) = (unknown.symbol, unknown.name, unknown.unit);
+    Identified { symbol, name, value: *value, std: *std, unit, verdict, status: *status, upper: *upper }
 }
 
 fn verdict(size: f64, std: Option<f64>) -> Verdict {
     match std.map(|std| std / size.abs()) {
         Some(relative) if relative < 0.1 => Verdict::Identified,
-        Some(relative) if relative < 0.5 => Verdict::Weak,
+        Some(relative) if relative < UNKNOWN_SHARE => Verdict::Weak,
         _ => Verdict::Not,
     }
+}
+
+fn two_digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    if value > 1e-3 { format!("{rounded}") } else { format!("{value:.1e}") }
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {

@@ -2,9 +2,10 @@
 //!
 //! Start angle, velocity and offset of each swing are solved for in every run, to first order.
 
-use super::linear::{dot, solve_damped};
+use super::linear::dot;
 use super::problem::{PER_SWING, Point, Problem, Start};
 use super::quality::{Measured, Responses};
+use super::solve::solve_damped;
 use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;

@@ -4,24 +4,18 @@
 //! smooth parameters have answered to it to first order (a frozen linearisation); the best few are then descended
 //! from in earnest. Ms alone, DV = 0, is the matter of [`super::stop_level`].
 
-use super::descent::{Descent, Patience, descend};
-use super::linear::{Linear, Steps, dot, linearise, solve_damped};
-use super::problem::{PER_SWING, Point, Problem, Quantity, Start, Unknown};
+use super::descent::Tolerance;
+use super::fitted::{Fitted, Stiction};
+use super::linear::{Linear, Steps, dot, linearise};
+use super::problem::{PER_SWING, Point, Problem, Start, Unknown};
+use super::refine::best_on;
+use super::solve::Factor;
 use super::stop_level;
 use crate::swing::Window;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use shared::effect::Effect;
 use shared::parameters::{Parameters, base};
-
-/// A pair to be tried.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stiction {
-    /// Ms, N·m.
-    pub level_nm: f64,
-    /// DV, rad/s.
-    pub velocity_band: f64,
-}
 
 /// Velocity bands that are tried, rad/s.
 const BANDS: [f64; 6] = [0.005, 0.012, 0.025, 0.04, 0.06, 0.09];
@@ -38,52 +32,36 @@ pub const GAIN_WORTH_A_BAND: f64 = 12.0;
 /// Rounds of search and descent.
 pub(super) const MAX_ROUNDS: usize = 3;
 
-/// What the search ends with.
-#[derive(Clone, Debug)]
-pub struct Settled {
-    /// Ms and DV.
-    pub stiction: Stiction,
-    /// Other levels between these give the same swing, N·m.
-    pub level_range_nm: (f64, f64),
-    /// The descent with them.
-    pub descent: Descent,
-}
-
-/// Searches Ms and DV, starting from a guess at everything else: first on sketches, then on all samples. `problem` must
-/// not have them among its unknowns.
-pub fn settle(problem: &Problem, from: &Point, patience: Patience) -> Settled {
-    let sketches = problem.sketches();
-    let rough = problem.on(&sketches);
-    let levels = stop_level::levels(&rough, from);
-    let near = &levels[0];
-    let none = || stop_level::best_of(&levels, problem, patience);
-    let band = |found: &Settled| freed(problem, &found.descent.point, found.stiction, patience);
-    let least_gain = GAIN_WORTH_A_BAND * problem.noise_rad().powi(2);
-    if near.descent.cost > FAR_FROM_NOISE * rough.noise_cost() {
-        let found = with_band(&rough, near, patience);
-        return found.filter(|found| gain_of(found, near) > least_gain).map_or_else(none, |found| band(&found));
-    }
-    let none = none();
-    if none.descent.cost < (1.0 + EXCESS_WORTH_A_BAND) * problem.noise_cost() {
-        return none;
-    }
-    let band = with_band(&rough, near, patience).map(|found| band(&found));
-    band.filter(|band| gain_of(band, &none) > least_gain).unwrap_or(none)
-}
-
-fn gain_of(settled: &Settled, before: &Settled) -> f64 {
-    before.descent.cost - settled.descent.cost
-}
-
-/// So many times the noise variance is far enough from it to decide for or against a band on sketches.
+/// So many times the noise variance is far enough from it to decide for or against a band on decimated swings.
 const FAR_FROM_NOISE: f64 = 2.0;
 
-/// The problem with other fixed Ms and DV.
-pub fn with_stiction<'a>(problem: &Problem<'a>, stiction: Stiction) -> Problem<'a> {
-    let mut changed = problem.clone();
-    // The base effects always have their place in the list.
-    let _ = changed.template.set(base::STICTION, &[stiction.level_nm, stiction.velocity_band]);
-    changed
+/// The search goes on from where it ended if the cost fell below this share.
+const WORTH_ANOTHER_ROUND: f64 = 0.5;
+
+/// So many bands are descended from.
+const PROMISING: usize = 3;
+
+/// Damping of first-order answers: enough to keep numbers without any effect in place.
+const ANSWER_DAMPING: f64 = 1e-6;
+
+/// Searches Ms and DV, starting from a guess at everything else: first on decimated swings, then on all samples.
+pub(super) fn searched(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Fitted {
+    let decimated = on.decimated();
+    let rough = on.on(&decimated);
+    let levels = stop_level::levels(&rough, from);
+    let near = &levels[0];
+    let none = || best_on(on, &levels, tolerance);
+    let least_gain = GAIN_WORTH_A_BAND * on.noise_rad().powi(2);
+    if near.cost > FAR_FROM_NOISE * rough.noise_cost() {
+        let found = with_band(&rough, near, tolerance).filter(|found| near.cost - found.cost > least_gain);
+        return found.map_or_else(none, |found| found.with_free_band(on, tolerance));
+    }
+    let none = none();
+    if none.cost < (1.0 + EXCESS_WORTH_A_BAND) * on.noise_cost() {
+        return none;
+    }
+    let band = with_band(&rough, near, tolerance).map(|found| found.with_free_band(on, tolerance));
+    band.filter(|band| none.cost - band.cost > least_gain).unwrap_or(none)
 }
 
 /// Costs of pairs after the smooth parameters have answered to first order.
@@ -111,25 +89,24 @@ pub(super) fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, 
             predicted.iter().map(judge).collect()
         })
         .collect();
-    (0..tried.len())
-        .map(|pair_idx| {
-            let mut gradient = DVector::zeros(linear.gradient.len());
-            let mut cost = 0.0;
-            for (swing_idx, judged) in per_swing.iter().enumerate() {
-                let (square, slopes) = &judged[pair_idx];
-                cost += square;
-                for (j, slope) in slopes.iter().enumerate() {
-                    gradient[if j < n_unknowns { j } else { j + PER_SWING * swing_idx }] += slope;
-                }
+    let factor = Factor::new(&linear.normal, ANSWER_DAMPING, |_| true);
+    let answered = |pair_idx: usize| {
+        let mut gradient = DVector::zeros(linear.gradient.len());
+        let mut cost = 0.0;
+        for (swing_idx, judged) in per_swing.iter().enumerate() {
+            let (square, slopes) = &judged[pair_idx];
+            cost += square;
+            for (j, slope) in slopes.iter().enumerate() {
+                gradient[if j < n_unknowns { j } else { j + PER_SWING * swing_idx }] += slope;
             }
-            let answer = solve_damped(&linear.normal, &gradient, 1e-6, &vec![true; gradient.len()]);
-            cost - gradient.dot(&answer)
-        })
-        .collect()
+        }
+        cost - gradient.dot(&factor.solve(&gradient))
+    };
+    (0..tried.len()).map(answered).collect()
 }
 
 /// Ms and DV as unknowns.
-pub fn stiction_unknowns(parameters: &Parameters<f64>) -> Vec<Unknown> {
+pub(super) fn stiction_unknowns(parameters: &Parameters<f64>) -> Vec<Unknown> {
     Effect::by_id(base::STICTION).map_or(Vec::new(), |effect| Unknown::all_of_effect(effect, parameters))
 }
 
@@ -138,74 +115,74 @@ fn lowest(costs: &[f64]) -> Option<usize> {
     finite.min_by(|a, b| a.1.total_cmp(b.1)).map(|(index, _)| index)
 }
 
-/// Searches Ms and a velocity band; `None` if nothing is better than `none`, the outcome without one.
-fn with_band(problem: &Problem, none: &Settled, patience: Patience) -> Option<Settled> {
-    let mut best = around(problem, none, patience).filter(|found| gain_of(found, none) > 0.0)?;
-    let mut before = none.descent.cost;
+/// Searches Ms and a velocity band; `None` if nothing is better than `none`, the model without one.
+fn with_band(on: &Problem, none: &Fitted, tolerance: Tolerance) -> Option<Fitted> {
+    let mut best = around(on, none, tolerance).filter(|found| found.cost < none.cost)?;
+    let mut before = none.cost;
     // Far from the truth, first-order answers mislead: where so much was gained, they are asked again.
     for _ in 1..MAX_ROUNDS {
-        if best.descent.cost > WORTH_ANOTHER_ROUND * before {
+        if best.cost > WORTH_ANOTHER_ROUND * before {
             break;
         }
-        before = best.descent.cost;
-        best = around(problem, &best, patience).map_or(best.clone(), |next| better(best, next));
+        before = best.cost;
+        best = around(on, &best, tolerance).map_or(best.clone(), |next| best.better(next));
     }
     Some(best)
 }
 
-/// The best that the most promising bands lead to, judged from one outcome.
-fn around(problem: &Problem, from: &Settled, patience: Patience) -> Option<Settled> {
-    let tried = promising(problem, from);
-    let fitted = tried.into_iter().map(|pair| descended(problem, &from.descent.point, pair, patience));
-    let best = fitted.min_by(|a, b| a.descent.cost.total_cmp(&b.descent.cost))?;
-    Some(narrowed(problem, best, patience))
+/// The best that the most promising bands lead to, judged from one model.
+fn around(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Option<Fitted> {
+    let found = promising(on, from).into_iter().map(|pair| tried(on, from, pair, tolerance));
+    let best = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+    Some(near(on, &best, tolerance))
 }
 
-/// The search goes on from where it ended if the cost fell below this share.
-const WORTH_ANOTHER_ROUND: f64 = 0.5;
-
-/// Goes on from a guess at everything, Ms and DV included.
-pub fn refine(problem: &Problem, point: &Point, stiction: Stiction, patience: Patience) -> Settled {
-    narrowed(problem, descended(problem, point, stiction, patience), patience)
+/// Descends first with a pair fixed, then with it free.
+pub(super) fn tried(on: &Problem, from: &Fitted, pair: Stiction, tolerance: Tolerance) -> Fitted {
+    let mut moved = from.with_stiction(pair);
+    moved.steps = Some(Steps::new(&moved.problem(on)));
+    moved.descended(on, Window::Whole, Tolerance::ROUGH).with_free_band(on, tolerance)
 }
 
 /// Searches ever finer around the best pair.
-fn narrowed(problem: &Problem, best: Settled, patience: Patience) -> Settled {
-    let mut best = best;
+pub(super) fn near(on: &Problem, best: &Fitted, tolerance: Tolerance) -> Fitted {
+    let mut best = best.clone();
     for _ in 0..MAX_ROUNDS {
-        if best.stiction.velocity_band == 0.0 {
+        if !best.has_band() {
             break;
         }
-        let before = best.descent.cost;
-        let here = with_stiction(problem, best.stiction);
-        let point = best.descent.point.clone();
-        let linear = linearise(&here, &point, Window::Whole, &mut best.descent.steps.clone());
-        let grid = finer(&best.stiction);
-        let costs = answered_costs(&here, &linear, &point, &grid);
-        let least = little(problem, patience, before);
+        let before = best.cost;
+        let grid = finer(&best.stiction());
+        let costs = costs_from(on, &best, &grid);
+        let least = little(on, tolerance, before);
         let Some(chosen) = lowest(&costs).filter(|chosen| before - costs[*chosen] > least) else { break };
-        best = better(best, descended(problem, &point, grid[chosen], patience));
-        if before - best.descent.cost < least {
+        let next = tried(on, &best, grid[chosen], tolerance);
+        best = best.better(next);
+        if before - best.cost < least {
             break;
         }
     }
     best
 }
 
+/// Costs of pairs, answered to first order from where a model is.
+fn costs_from(on: &Problem, from: &Fitted, tried: &[Stiction]) -> Vec<f64> {
+    let (here, point) = (from.problem(on), from.point());
+    let mut steps = from.steps.clone().unwrap_or_else(|| Steps::new(&here));
+    answered_costs(&here, &linearise(&here, &point, Window::Whole, &mut steps), &point, tried)
+}
+
 /// A gain that is not worth another round: one noise variance, or a small share of what the cost has beyond the noise.
-fn little(problem: &Problem, patience: Patience, cost: f64) -> f64 {
+fn little(problem: &Problem, tolerance: Tolerance, cost: f64) -> f64 {
     let excess = cost - problem.noise_cost();
-    problem.noise_rad().powi(2).max(patience.least_share_of_excess * excess)
+    problem.noise_rad().powi(2).max(tolerance.least_share_of_excess * excess)
 }
 
 /// The best level for each band, the most promising bands first.
-fn promising(problem: &Problem, none: &Settled) -> Vec<Stiction> {
-    let gravity_nm = problem.template.pendulum.gravity_torque_nm();
-    let here = with_stiction(problem, none.stiction);
-    let point = &none.descent.point;
-    let linear = linearise(&here, point, Window::Whole, &mut none.descent.steps.clone());
+fn promising(on: &Problem, from: &Fitted) -> Vec<Stiction> {
+    let gravity_nm = from.parameters.pendulum.gravity_torque_nm();
     let grid: Vec<Stiction> = BANDS.into_iter().flat_map(|band| levels(band, gravity_nm)).collect();
-    let costs = answered_costs(&here, &linear, point, &grid);
+    let costs = costs_from(on, from, &grid);
     let of_band = |row: usize| lowest(&costs[row * LEVELS.len()..][..LEVELS.len()]).map(|k| row * LEVELS.len() + k);
     let mut rows: Vec<usize> = (0..BANDS.len()).filter_map(of_band).collect();
     rows.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
@@ -217,48 +194,17 @@ fn levels(band: f64, gravity_nm: f64) -> impl Iterator<Item = Stiction> {
     LEVELS.iter().map(move |level| Stiction { level_nm: level * gravity_nm, velocity_band: band })
 }
 
-/// So many bands are descended from.
-const PROMISING: usize = 3;
-
-fn better(a: Settled, b: Settled) -> Settled {
-    if b.descent.cost < a.descent.cost { b } else { a }
-}
-
-/// Descends first with the pair fixed, then with it free.
-fn descended(problem: &Problem, point: &Point, stiction: Stiction, patience: Patience) -> Settled {
-    let fixed = with_stiction(problem, stiction);
-    let descent = descend(&fixed, point, Window::Whole, Patience::ROUGH, Steps::new(&fixed));
-    freed(problem, &descent.point, stiction, patience)
-}
-
-/// Descends with the pair free, then with the one found.
-pub fn freed(problem: &Problem, point: &Point, stiction: Stiction, patience: Patience) -> Settled {
-    let mut all = with_stiction(problem, stiction);
-    all.unknowns.extend(stiction_unknowns(&all.template));
-    let mut together = point.clone();
-    together.values.extend([stiction.level_nm, stiction.velocity_band]);
-    let mut point = descend(&all, &together, Window::Whole, patience, Steps::new(&all)).point;
-    let pair = point.values.split_off(problem.unknowns.len());
-    let stiction = Stiction { level_nm: pair[0], velocity_band: pair[1] };
-    let fixed = with_stiction(problem, stiction);
-    let descent = descend(&fixed, &point, Window::Whole, patience, Steps::new(&fixed));
-    Settled { stiction, level_range_nm: (stiction.level_nm, stiction.level_nm), descent }
-}
-
-/// The best pair by first-order answers alone, without any descent: for response surfaces.
-pub fn best_pair(problem: &Problem, point: &Point, around: Option<Stiction>) -> Stiction {
-    let gravity = problem.template.pendulum.gravity_torque_nm();
-    let free = with_stiction(problem, Stiction { level_nm: 0.0, velocity_band: 0.0 });
-    let stops = stop_level::ranges(&free, point);
-    let without = stops.iter().map(|(low, high)| Stiction { level_nm: 0.5 * (low + high), velocity_band: 0.0 });
+/// The best pair by first-order answers alone, without any descent, beside the model's own: for response surfaces.
+pub(super) fn best_pair(on: &Problem, from: &Fitted) -> Stiction {
+    let gravity = from.parameters.pendulum.gravity_torque_nm();
+    let free = from.with_stiction(Stiction::NONE).problem(on);
+    let stops = stop_level::ranges(&free, &from.point());
+    let without = stops.iter().map(|(low, high)| Stiction::level(0.5 * (low + high)));
     let mut tried: Vec<Stiction> = without.chain(BANDS.into_iter().flat_map(|band| levels(band, gravity))).collect();
-    tried.extend(around);
-    let here = with_stiction(problem, around.unwrap_or(Stiction { level_nm: 0.0, velocity_band: 0.0 }));
+    tried.push(from.stiction());
     let mut best = tried[0];
     for _ in 0..MAX_ROUNDS {
-        let whole = linearise(&here, point, Window::Whole, &mut Steps::new(&here));
-        let costs = answered_costs(&here, &whole, point, &tried);
-        if let Some(chosen) = lowest(&costs) {
+        if let Some(chosen) = lowest(&costs_from(on, from, &tried)) {
             best = tried[chosen];
         }
         if best.velocity_band == 0.0 {
@@ -278,10 +224,4 @@ fn finer(centre: &Stiction) -> Vec<Stiction> {
         velocity_band: band * centre.velocity_band,
     };
     levels.iter().flat_map(|level| bands.iter().map(move |band| pair(*level, *band))).collect()
-}
-
-/// The unknowns without Ms and DV, which are searched here.
-pub fn smooth_unknowns(unknowns: &[Unknown]) -> Vec<Unknown> {
-    let smooth = |unknown: &&Unknown| !matches!(unknown.quantity, Quantity::Effect { id: base::STICTION, .. });
-    unknowns.iter().filter(smooth).cloned().collect()
 }

@@ -1,21 +1,22 @@
 //! Ms alone: with DV = 0 the error depends on it only through the turning points at which the pendulum stays, so that
 //! only the torques between two of them need be tried.
 
-use super::descent::{Descent, Patience, descend};
+use super::descent::{Tolerance, descend};
+use super::fitted::{Fitted, Stiction};
 use super::linear::{Linear, Steps, linearise};
 use super::problem::{Point, Problem};
-use super::stiction::{MAX_ROUNDS, Settled, Stiction, answered_costs, with_stiction};
+use super::stiction::{MAX_ROUNDS, answered_costs};
 use crate::swing::Window;
 use rayon::prelude::*;
 use shared::parameters::base;
 
-/// At most this many turning points before the stop are considered.
+/// At most this many turning points before the stop of each swing are considered, and as many ranges judged at once.
 const MAX_STOPS: usize = 10;
 
 /// First-order answers can't tell neighbouring levels apart: so many are tried in earnest beside the best.
 const NEIGHBOURS: usize = 2;
 
-/// Levels whose costs on sketches are closer than this, in noise variances, are decided on all samples.
+/// Levels whose costs on decimated swings are closer than this, in noise variances, are decided on all samples.
 const DOUBT: f64 = 40.0;
 
 /// A range of Ms, N·m: all levels within it stop the pendulum alike.
@@ -44,83 +45,106 @@ fn own_level(own_nm: f64, ranges: &[Range]) -> Level {
     Level { level_nm: own_nm, range: range.unwrap_or(if own_nm < lowest.0 { lowest } else { (own_nm, own_nm) }) }
 }
 
-/// Searches Ms, DV = 0: first on sketches, then on all samples.
-pub fn without_band(problem: &Problem, from: &Point, patience: Patience) -> Settled {
-    let sketches = problem.sketches();
-    best_of(&levels(&problem.on(&sketches), from), problem, patience)
+/// A model at a level, with its last linearisation, by which other levels are judged.
+struct Tried {
+    model: Fitted,
+    linear: Linear,
 }
 
-/// The best of some levels on all samples. There must be one.
-pub fn best_of(levels: &[Settled], problem: &Problem, patience: Patience) -> Settled {
-    let on_all = |near: &Settled| descended(problem, near, patience);
-    let first = on_all(&levels[0]);
-    let better = |a: Settled, b: Settled| if b.descent.cost < a.descent.cost { b } else { a };
-    levels[1..].iter().map(on_all).fold(first, better)
-}
-
-fn descended(problem: &Problem, near: &Settled, patience: Patience) -> Settled {
-    let Settled { stiction, level_range_nm, descent } = near.clone();
-    let fixed = with_stiction(problem, stiction);
-    let descent = descend(&fixed, &descent.point, Window::Whole, patience, descent.steps);
-    Settled { stiction, level_range_nm, descent }
-}
-
-/// The best level for sketches, and the next best if that may be better on all samples. The problem's own level is one
-/// of those that are tried.
-pub fn levels(rough: &Problem, from: &Point) -> Vec<Settled> {
-    let own_nm = rough.template.values(base::STICTION).map_or(0.0, |values| values[0]);
-    let free = with_stiction(rough, Stiction { level_nm: 0.0, velocity_band: 0.0 });
-    let mut steps = Steps::new(&free);
-    let linear = linearise(&free, from, Window::Whole, &mut steps);
-    let ranges = promising(&free, from, &linear);
+/// A model with the best level, and the next best if that may be better on all samples. Its own level is one of those
+/// that are tried; without a band.
+pub(super) fn levels(decimated: &Problem, from: &Fitted) -> Vec<Fitted> {
+    let own_nm = from.stiction().level_nm;
+    let free = from.with_stiction(Stiction::NONE);
+    let (problem, point) = (free.problem(decimated), free.point());
+    let mut steps = Steps::new(&problem);
+    let linear = linearise(&problem, &point, Window::Whole, &mut steps);
+    let ranges = promising(&problem, &point, &linear);
     let own = own_level(own_nm, &ranges);
     let first = ranges.first().copied().filter(|first| *first != own.range).map(Level::in_the_middle);
-    let tried = [Some(own), first].into_iter().flatten().collect();
-    let mut tried = in_earnest(rough, from, tried, &steps);
+    let begin = Fitted { steps: Some(steps), ..free };
+    let mut tried = in_earnest(decimated, &begin, [Some(own), first].into_iter().flatten().collect());
     for _ in 1..MAX_ROUNDS {
-        tried[0] = descended(rough, &tried[0], Patience::JUDGE);
-        let Descent { point, linear, steps, cost, .. } = &tried[0].descent;
-        let lowest = *cost;
-        let fresh = |range: &Range| tried.iter().all(|settled| !holds(range, settled.stiction.level_nm));
-        let next = promising(&free, point, linear).into_iter().filter(fresh).take(NEIGHBOURS);
-        tried.extend(in_earnest(rough, point, next.map(Level::in_the_middle).collect(), steps));
-        tried.sort_by(|a, b| a.descent.cost.total_cmp(&b.descent.cost));
-        if tried[0].descent.cost >= lowest {
+        tried[0] = descended(decimated, &tried[0].model, Tolerance::JUDGE);
+        let Tried { model, linear } = &tried[0];
+        let lowest = model.cost;
+        let fresh = |range: &Range| tried.iter().all(|tried| !holds(range, tried.model.stiction().level_nm));
+        let free = model.with_stiction(Stiction::NONE).problem(decimated);
+        let next = promising(&free, &model.point(), linear).into_iter().filter(fresh).take(NEIGHBOURS);
+        let more = in_earnest(decimated, model, next.map(Level::in_the_middle).collect());
+        tried.extend(more);
+        tried.sort_by(|a, b| a.model.cost.total_cmp(&b.model.cost));
+        if tried[0].model.cost >= lowest {
             break;
         }
     }
-    let doubt = tried[0].descent.cost + DOUBT * rough.noise_rad().powi(2);
-    tried.truncate(if tried.len() > 1 && tried[1].descent.cost < doubt { 2 } else { 1 });
-    tried
+    let doubt = tried[0].model.cost + DOUBT * decimated.noise_rad().powi(2);
+    tried.truncate(if tried.len() > 1 && tried[1].model.cost < doubt { 2 } else { 1 });
+    tried.into_iter().map(|tried| tried.model).collect()
 }
 
 /// Descends with each of some levels; the lowest cost first.
-fn in_earnest(rough: &Problem, from: &Point, levels: Vec<Level>, steps: &Steps) -> Vec<Settled> {
-    let mut settled: Vec<Settled> = levels.into_par_iter().map(|level| at_level(rough, from, level, steps)).collect();
-    settled.sort_by(|a, b| a.descent.cost.total_cmp(&b.descent.cost));
-    settled
+fn in_earnest(decimated: &Problem, from: &Fitted, levels: Vec<Level>) -> Vec<Tried> {
+    let at_level = |level: Level| {
+        let moved = from.with_stiction(Stiction::level(level.level_nm));
+        descended(decimated, &Fitted { level_range_nm: level.range, ..moved }, Tolerance::ROUGH)
+    };
+    let mut tried: Vec<Tried> = levels.into_par_iter().map(at_level).collect();
+    tried.sort_by(|a, b| a.model.cost.total_cmp(&b.model.cost));
+    tried
 }
 
-fn at_level(problem: &Problem, point: &Point, level: Level, steps: &Steps) -> Settled {
-    let stiction = Stiction { level_nm: level.level_nm, velocity_band: 0.0 };
-    let fixed = with_stiction(problem, stiction);
-    let descent = descend(&fixed, point, Window::Whole, Patience::ROUGH, steps.clone());
-    Settled { stiction, level_range_nm: level.range, descent }
+fn descended(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Tried {
+    let problem = from.problem(on);
+    let steps = from.steps.clone().unwrap_or_else(|| Steps::new(&problem));
+    let descent = descend(&problem, &from.point(), Window::Whole, tolerance, steps);
+    Tried { linear: descent.linear.clone(), model: from.after(descent) }
 }
 
 fn holds(range: &Range, level_nm: f64) -> bool {
     (range.0..=range.1).contains(&level_nm)
 }
 
-/// Ranges of Ms, the one that suits a guess best first, judged by first-order answers; DV = 0.
+/// Ranges of Ms, the one that suits a guess best first, judged by first-order answers; DV = 0. Many swings have many
+/// turning points: then some far apart are judged first, and ever closer ones beside the best.
 fn promising(free: &Problem, point: &Point, linear: &Linear) -> Vec<Range> {
     let ranges = ranges(free, point);
-    let middle = |(low, high): &Range| Stiction { level_nm: 0.5 * (low + high), velocity_band: 0.0 };
-    let tried: Vec<Stiction> = ranges.iter().map(middle).collect();
-    let costs = answered_costs(free, linear, point, &tried);
-    let mut order: Vec<usize> = (0..ranges.len()).filter(|i| costs[*i].is_finite()).collect();
-    order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
-    order.into_iter().map(|i| ranges[i]).collect()
+    let mut judged: Vec<(usize, f64)> = Vec::new();
+    let (mut from, mut to) = (0, ranges.len());
+    while from < to {
+        let stride = (to - from).div_ceil(MAX_STOPS);
+        let fresh = |i: &usize| judged.iter().all(|(known, _)| known != i);
+        let next: Vec<usize> = (from..to).step_by(stride).filter(fresh).collect();
+        let tried: Vec<Stiction> = next.iter().map(|i| middle(&ranges[*i])).collect();
+        judged.extend(next.into_iter().zip(answered_costs(free, linear, point, &tried)));
+        judged.retain(|(_, cost)| cost.is_finite());
+        judged.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((best, _)) = judged.first().filter(|_| stride > 1) else { break };
+        (from, to) = (best.saturating_sub(stride - 1), (best + stride).min(ranges.len()));
+    }
+    judged.into_iter().map(|(i, _)| ranges[i]).collect()
+}
+
+fn middle((low, high): &Range) -> Stiction {
+    Stiction::level(0.5 * (low + high))
+}
+
+/// All levels that suit a fitted model about as well as its own: ranges beside it that cost less than `allowed` (rad²)
+/// more, the other numbers answering to first order.
+pub(super) fn likely(on: &Problem, model: &Fitted, allowed: f64) -> Range {
+    let free = model.with_stiction(Stiction::NONE);
+    let (problem, point) = (free.problem(on), free.point());
+    let own = model.level_range_nm;
+    let ranges = ranges(&problem, &point);
+    let Some(at) = ranges.iter().position(|range| holds(range, model.stiction().level_nm)) else { return own };
+    let (from, to) = (at.saturating_sub(MAX_STOPS), (at + MAX_STOPS + 1).min(ranges.len()));
+    let linear = linearise(&problem, &point, Window::Whole, &mut Steps::found(&problem, &point));
+    let tried: Vec<Stiction> = ranges[from..to].iter().map(middle).collect();
+    let costs = answered_costs(&problem, &linear, &point, &tried);
+    let suits = |i: &usize| costs[*i - from] < costs[at - from] + allowed;
+    let low = (from..at).rev().take_while(suits).last().unwrap_or(at);
+    let high = (at + 1..to).take_while(suits).last().unwrap_or(at);
+    (ranges[low].0.min(own.0), ranges[high].1.max(own.1))
 }
 
 /// Ranges of Ms, each of which stops the pendulum at another turning point; DV = 0.
@@ -137,7 +161,6 @@ pub(super) fn ranges(problem: &Problem, point: &Point) -> Vec<Range> {
     torques.retain(|torque| *torque > coulomb);
     torques.sort_by(f64::total_cmp);
     torques.dedup_by(|later, earlier| *later - *earlier < 1e-3 * *earlier);
-    torques.truncate(MAX_STOPS);
     torques.insert(0, 0.0_f64.max(coulomb));
     torques.windows(2).map(|pair| (pair[0], pair[1])).collect()
 }

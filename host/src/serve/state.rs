@@ -5,8 +5,8 @@ use super::rig::RigView;
 use crate::compare::Comparison;
 use crate::compare::follow::Followed;
 use crate::diagnose::Diagnosis;
-use crate::diagnose::trial::Trial;
 use crate::error::Failure;
+use crate::fit::fitted::Fitted;
 use crate::fit::identify::Fit;
 use crate::improve::Step;
 use crate::rigfile::RigFile;
@@ -27,7 +27,7 @@ pub(super) struct State {
     pub(super) diagnosis: Option<Arc<Diagnosis>>,
     pub(super) fit: Option<Arc<Fit>>,
     /// The fitted model from which changes go on; absent once recordings or values changed.
-    pub(super) trial: Option<Trial>,
+    pub(super) trial: Option<Fitted>,
     pub(super) staircase: Vec<Step>,
     pub(super) history: Vec<Snapshot>,
     pub(super) failure: Option<Failure>,
@@ -61,7 +61,7 @@ pub(super) struct Snapshot {
     model: Option<Named>,
     runs: HashMap<u32, Arc<Followed>>,
     comparison: Option<Arc<Comparison>>,
-    trial: Option<Trial>,
+    trial: Option<Fitted>,
     staircase: Vec<Step>,
     /// Undo is for the model; with other recordings what was seen of them is seen anew.
     ids: Vec<(u32, bool)>,

@@ -321,6 +321,7 @@ fn step_of(fit: &Fit) -> Step {
         words: "fit".to_owned(),
         rmse: fit.rmse_rad,
         held_out: fit.held_out_rmse_rad,
+        carries: None,
         noise: fit.noise_rad,
         values: Vec::new(),
         parameters: fit.parameters.clone(),

@@ -35,7 +35,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         starts: &[[0.0, 2.5, 0.0, 0.0], [0.0, 1.5, 0.0, 0.0], [0.0, 3.2, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0]],
         generalises: Some("quadratic-drag"),
         is_fine: false,
-        rules: Rules::NONE,
+        rules: Rules { special_case_at: Some((1, 2.0)), ..Rules::NONE },
         action: Action::Friction(torque),
     }
 }

@@ -1,6 +1,6 @@
 //! How much each stage of a fit lowered the five responses.
 
-use crate::fit::descent::{Patience, descend};
+use crate::fit::descent::{Tolerance, descend};
 use crate::fit::identify::{Fit, Method, problem_of};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Point, Problem, Unknown};
@@ -41,7 +41,7 @@ fn after_surfaces(fit: &Fit, last: &Stage, swings: &[Swing]) -> Responses {
     let full = problem_of(swings, &fit.parameters, &count);
     let fixed = Problem { template: full.parameters(&values_after(last, &full)), unknowns: Vec::new(), ..full };
     let from = Point { values: Vec::new(), starts: fit.starts.clone() };
-    let end = descend(&fixed, &from, Window::Whole, Patience::ROUGH, Steps::new(&fixed));
+    let end = descend(&fixed, &from, Window::Whole, Tolerance::ROUGH, Steps::new(&fixed));
     responses_at(&fixed, &end.point, Window::Whole)
 }
 

@@ -1,0 +1,47 @@
+//! The numbers of a fitted model as a diagnosis shows them.
+
+use crate::fit::fitted::Fitted;
+use crate::fit::problem::Problem;
+use crate::fit::uncertainty::{Number, Status, without_bounds};
+use serde::Serialize;
+
+/// A fitted number.
+#[derive(Clone, Debug, Serialize)]
+pub struct Value {
+    /// The effect whose number it is, or `inertia`.
+    pub effect: &'static str,
+    /// The literature's symbol.
+    pub symbol: &'static str,
+    /// The value.
+    pub value: f64,
+    /// Standard deviation, if the data give one.
+    pub std: Option<f64>,
+    /// SI unit.
+    pub unit: &'static str,
+    /// How far it may be trusted.
+    pub status: Status,
+    /// With 95 % confidence it is not larger; where that is all the swings tell.
+    pub upper: Option<f64>,
+}
+
+impl Value {
+    /// Is it smaller than its own standard deviation? One that has none is not known to be.
+    pub fn is_within_its_error(&self) -> bool {
+        self.std.is_some_and(|std| self.value.abs() < std)
+    }
+}
+
+/// All fitted numbers of a model with their uncertainties, but Ms and DV.
+pub fn values(of: &Problem, model: &Fitted) -> Vec<Value> {
+    let numbers = without_bounds(of, model).numbers.into_iter().filter(|number| !number.unknown.is_stiction());
+    let value = |number: Number| Value {
+        effect: number.unknown.name,
+        symbol: number.unknown.symbol,
+        value: number.value,
+        std: number.std,
+        unit: number.unknown.unit,
+        status: number.status,
+        upper: number.upper,
+    };
+    numbers.map(value).collect()
+}

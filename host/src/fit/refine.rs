@@ -1,0 +1,107 @@
+//! The one operation that makes a better model of a fitted one: from where it is, on which samples, with which freedom
+//! for Ms and DV, to which tolerance. On decimated swings it finds the way, on all of them it decides.
+
+use super::descent::{Tolerance, descend};
+use super::fitted::{Fitted, sort};
+use super::linear::Steps;
+use super::problem::{Problem, Unknown};
+use super::{stiction, stop_level};
+use crate::swing::Window;
+use rayon::prelude::*;
+use shared::effect::Effect;
+use shared::parameters::base;
+
+/// What becomes of Ms and DV.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Band {
+    /// They stay as they are.
+    Held,
+    /// They are fitted along where there is a band, and stay where there is none.
+    Free,
+    /// They are searched ever finer around where they are.
+    Near,
+    /// Ms is searched; a band that is there may stay, none is sought.
+    Level,
+    /// Both are searched; no band stays that is not worth its numbers.
+    Searched,
+}
+
+impl Fitted {
+    /// This model, fitted on to the swings of a problem.
+    pub fn refined(&self, on: &Problem, band: Band, tolerance: Tolerance) -> Self {
+        match band {
+            Band::Held => self.descended(on, Window::Whole, tolerance),
+            Band::Free if self.has_band() => self.with_free_band(on, tolerance),
+            Band::Free => self.descended(on, Window::Whole, tolerance),
+            Band::Near => stiction::near(on, &stiction::tried(on, self, self.stiction(), tolerance), tolerance),
+            Band::Level => on_all(on, &levels(&on.on(&on.decimated()), self)),
+            Band::Searched => {
+                let searched = stiction::searched(on, self, tolerance);
+                if self.has_band() { self.descended(on, Window::Whole, tolerance).better(searched) } else { searched }
+            }
+        }
+    }
+
+    /// Fitted within a window, Ms and DV as they are.
+    pub(super) fn descended(&self, on: &Problem, window: Window, tolerance: Tolerance) -> Self {
+        let (problem, point) = (self.problem(on), self.point());
+        let steps = self.steps.clone().unwrap_or_else(|| Steps::found(&problem, &point));
+        self.after(descend(&problem, &point, window, tolerance, steps))
+    }
+
+    /// Fitted with Ms and DV among the unknowns, then with the ones found.
+    pub(super) fn with_free_band(&self, on: &Problem, tolerance: Tolerance) -> Self {
+        let mut all = self.clone();
+        let stiction = Effect::by_id(base::STICTION);
+        all.unknowns.extend(stiction.into_iter().flat_map(|effect| Unknown::all_of_effect(effect, &self.parameters)));
+        all.steps = Some(Steps::new(&all.problem(on)));
+        let all = all.descended(on, Window::Whole, tolerance);
+        let found = Self { unknowns: self.unknowns.clone(), steps: None, ..all };
+        let steps = Some(Steps::new(&found.problem(on)));
+        Self { steps, ..found.with_stiction(found.stiction()) }.descended(on, Window::Whole, tolerance)
+    }
+
+    /// With its starts fitted and nothing else, the window growing: what the model is worth as it stands.
+    pub fn started(&self, on: &Problem) -> Self {
+        let fixed = Self { unknowns: Vec::new(), steps: None, ..self.clone() };
+        let started = fixed.regrown(on).descended(on, Window::Whole, Tolerance::FINE);
+        Self { unknowns: self.unknowns.clone(), steps: None, ..started }
+    }
+
+    /// Fitted to all but the last swings before rest, Ms and DV as they are.
+    pub fn lively(&self, on: &Problem, tolerance: Tolerance) -> Self {
+        self.descended(on, Window::Lively, tolerance)
+    }
+
+    /// Begun anew with the first swings, on decimated ones: out of the side valley where a fit got stuck.
+    pub fn regrown(&self, on: &Problem) -> Self {
+        self.after(super::windows::grow(&self.problem(on), &self.point()))
+    }
+}
+
+/// A model on decimated swings with each stop level that may be the best on all of them, the best first. Never empty.
+pub fn levels(decimated: &Problem, from: &Fitted) -> Vec<Fitted> {
+    let levels = stop_level::levels(decimated, from);
+    if from.has_band() {
+        let with_band = from.refined(decimated, Band::Held, Tolerance::ROUGH);
+        if with_band.cost <= levels[0].cost {
+            return vec![with_band];
+        }
+    }
+    levels
+}
+
+/// The best of some stop levels on all samples, until nothing moves.
+pub fn on_all(on: &Problem, levels: &[Fitted]) -> Fitted {
+    if levels[0].has_band() {
+        return levels[0].refined(on, Band::Free, Tolerance::JUDGE);
+    }
+    best_on(on, levels, Tolerance::JUDGE)
+}
+
+/// The best of some models on the swings of a problem. There must be one.
+pub(super) fn best_on(on: &Problem, models: &[Fitted], tolerance: Tolerance) -> Fitted {
+    let mut all: Vec<Fitted> = models.par_iter().map(|model| model.refined(on, Band::Held, tolerance)).collect();
+    sort(&mut all);
+    all.swap_remove(0)
+}

@@ -1,0 +1,230 @@
+//! How well each number of a fitted model is known: standard deviations, upper bounds, correlations, and a status.
+//!
+//! One covariance serves every command. A number on its bound is known to be there and takes no part in it.
+//! Ms and DV act in jumps: without a velocity band, Ms is what all levels share that stop the pendulum alike; without a
+//! rest it has an upper bound only, and so has a DV that no swing shows: the value at which the error, profiled over
+//! the other numbers to first order, rises by [`PROFILE_95`].
+
+use super::covariance::{Covariance, covariance};
+use super::fitted::{Fitted, Stiction};
+use super::linear::{Linear, Steps, linearise};
+use super::problem::{PER_SWING, Problem, Quantity, Unknown};
+use super::stiction::{answered_costs, stiction_unknowns};
+use super::stop_level;
+use crate::swing::{Swing, Window};
+use serde::Serialize;
+
+/// How far a number may be trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// The swings tell it, to its standard deviation.
+    Identified,
+    /// The swings only tell that it is not larger.
+    UpperBound,
+    /// It lies on the end of its range.
+    AtBound,
+    /// The swings do not tell it, or only together with another number.
+    NotIdentified,
+}
+
+/// A number of a fitted model.
+#[derive(Clone, Debug)]
+pub struct Number {
+    /// What it is.
+    pub unknown: Unknown,
+    /// Its value.
+    pub value: f64,
+    /// Standard deviation, if the swings give one.
+    pub std: Option<f64>,
+    /// How far it may be trusted.
+    pub status: Status,
+    /// With 95 % confidence it is not larger; where that is all the swings tell.
+    pub upper: Option<f64>,
+}
+
+/// All numbers of a fitted model.
+#[derive(Clone, Debug)]
+pub struct Uncertainty {
+    /// The unknowns of the model, then Ms and DV.
+    pub numbers: Vec<Number>,
+    /// Correlations in the same order; absent where the covariance says nothing.
+    pub correlations: Vec<Vec<Option<f64>>>,
+    /// Symbols of numbers that make up for each other, so that only what they do together is known.
+    pub alike: Vec<Vec<&'static str>>,
+    /// Are the residuals correlated in time? The standard deviations allow for it.
+    pub coloured: bool,
+}
+
+/// Numbers that are correlated beyond this, and uncertain by more than half their value, are only known together.
+const ALIKE_CORRELATION: f64 = 0.995;
+
+/// A number is not identified from this relative standard deviation on.
+pub const UNKNOWN_SHARE: f64 = 0.5;
+
+/// Rise of the error, in variances, at the 95 % bound of one number (chi-square with one degree of freedom, one-sided).
+const PROFILE_95: f64 = 2.71;
+
+/// Steps of a profile: each so many times the one before, from this share of what matters.
+const PROFILE_GROWTH: f64 = 1.25;
+const N_PROFILE: usize = 36;
+const PROFILE_FROM: f64 = 0.02;
+
+/// The uncertainty of a model that was fitted to the swings of a problem.
+pub fn uncertainty(on: &Problem, model: &Fitted) -> Uncertainty {
+    let (mut found, smooth) = of_smooth_numbers(on, model);
+    if !smooth.has_stiction {
+        let [.., level, band] = found.numbers.as_mut_slice() else { return found };
+        bound_stiction(on, model, &smooth, level, band);
+    }
+    found
+}
+
+/// The same without what bounds Ms and DV where the covariance says nothing of them, which takes many simulations.
+pub fn without_bounds(on: &Problem, model: &Fitted) -> Uncertainty {
+    of_smooth_numbers(on, model).0
+}
+
+/// What the covariance was made from.
+struct Smooth {
+    linear: Linear,
+    covariance: Option<Covariance>,
+    /// Are Ms and DV among its columns?
+    has_stiction: bool,
+}
+
+fn of_smooth_numbers(on: &Problem, model: &Fitted) -> (Uncertainty, Smooth) {
+    let mut unknowns = model.unknowns.clone();
+    unknowns.extend(stiction_unknowns(&model.parameters));
+    let has_stiction = model.has_band() && on.swings.iter().any(Swing::comes_to_rest);
+    let value = |unknown: &Unknown| unknown.get(&model.parameters);
+    let is_inside = |unknown: &Unknown| value(unknown) > unknown.low && value(unknown) < unknown.high;
+    let takes_part = |unknown: &Unknown| is_inside(unknown) && (has_stiction || !unknown.is_stiction());
+    let known: Vec<usize> = (0..unknowns.len()).filter(|j| takes_part(&unknowns[*j])).collect();
+    let part = Fitted { unknowns: known.iter().map(|j| unknowns[*j].clone()).collect(), steps: None, ..model.clone() };
+    let linear = part.linearised(on);
+    let covariance = covariance(&linear);
+    let column = |j: usize| known.iter().position(|k| *k == j);
+    let correlation = |i: usize, j: usize| covariance.as_ref()?.correlation(column(i)?, column(j)?);
+    let number = |(j, unknown): (usize, &Unknown)| {
+        let std = column(j).and_then(|k| covariance.as_ref()?.std(k));
+        let status = match std.map(|std| std / size(unknown, model)) {
+            _ if !is_inside(unknown) => Status::AtBound,
+            Some(relative) if relative < UNKNOWN_SHARE => Status::Identified,
+            _ => Status::NotIdentified,
+        };
+        Number { unknown: unknown.clone(), value: value(unknown), std, status, upper: None }
+    };
+    let mut numbers: Vec<Number> = unknowns.iter().enumerate().map(number).collect();
+    let alike = alike(&mut numbers, &correlation, model);
+    let row = |i: usize| (0..unknowns.len()).map(|j| correlation(i, j)).collect();
+    let correlations = (0..unknowns.len()).map(row).collect();
+    let coloured = covariance.as_ref().is_some_and(|covariance| covariance.coloured);
+    (Uncertainty { numbers, correlations, alike, coloured }, Smooth { linear, covariance, has_stiction })
+}
+
+/// Ms and DV where the covariance says nothing of them.
+fn bound_stiction(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut Number, band: &mut Number) {
+    let decimated = on.decimated();
+    let rough = on.on(&decimated);
+    let share = rough.n_samples(Window::Whole) as f64 / on.n_samples(Window::Whole).max(1) as f64;
+    let variance = smooth.linear.cost / smooth.linear.n_samples.max(1) as f64;
+    let allowed = PROFILE_95 * share * variance.max(on.noise_rad().powi(2));
+    let (level_scale, band_scale) = (level.unknown.scale, band.unknown.scale);
+    let wider = |more: f64, at: Stiction| Stiction { velocity_band: at.velocity_band + more, ..at };
+    (band.status, band.std) = (Status::UpperBound, None);
+    band.upper = profile_bound(&rough, model, allowed, band_scale, wider).map(|at| at.velocity_band);
+    if on.swings.iter().any(Swing::comes_to_rest) {
+        let (low, high) = stop_level::likely(&rough, model, allowed);
+        let spread = (high - low).powi(2) / 12.0 + stop_variance(&smooth.linear, smooth.covariance.as_ref(), model);
+        level.std = (high > low).then(|| spread.sqrt());
+        let is_known = level.std.is_some_and(|std| std < UNKNOWN_SHARE * level.value);
+        level.status = if is_known { Status::Identified } else { Status::NotIdentified };
+    } else {
+        let higher = |more: f64, at: Stiction| Stiction { level_nm: at.level_nm + more, ..at };
+        (level.status, level.std) = (Status::UpperBound, None);
+        level.upper = profile_bound(&rough, model, allowed, level_scale, higher).map(|at| at.level_nm);
+    }
+}
+
+impl Uncertainty {
+    /// Where a quantity stands.
+    pub fn index_of(&self, quantity: Quantity) -> Option<usize> {
+        self.numbers.iter().position(|number| number.unknown.quantity == quantity)
+    }
+}
+
+/// What a standard deviation is compared with: the inertia about the centre is a small part of the one about the pivot,
+/// which the period tells.
+fn size(unknown: &Unknown, model: &Fitted) -> f64 {
+    match unknown.quantity {
+        Quantity::Inertia => model.parameters.pendulum.pivot_inertia_kg_m2(),
+        Quantity::Effect { .. } => unknown.get(&model.parameters).abs(),
+    }
+}
+
+/// Where the error has risen by more than is `allowed` (rad²) with a growing Ms or DV, the other numbers answering to first
+/// order; `None` if it never does.
+fn profile_bound(
+    on: &Problem,
+    model: &Fitted,
+    allowed: f64,
+    scale: f64,
+    moved: impl Fn(f64, Stiction) -> Stiction,
+) -> Option<Stiction> {
+    let (problem, point) = (model.problem(on), model.point());
+    let linear = linearise(&problem, &point, Window::Whole, &mut Steps::found(&problem, &point));
+    let more = |k: usize| PROFILE_FROM * scale * PROFILE_GROWTH.powi(k as i32);
+    let mut tried = vec![model.stiction()];
+    tried.extend((0..N_PROFILE).map(|k| moved(more(k), model.stiction())));
+    let costs = answered_costs(&problem, &linear, &point, &tried);
+    (1..tried.len()).find(|k| costs[*k] > costs[0] + allowed).map(|k| tried[k])
+}
+
+/// Variance of the torque at which the model stops, (N·m)²: its last angle is known no better than its numbers.
+fn stop_variance(linear: &Linear, covariance: Option<&Covariance>, model: &Fitted) -> f64 {
+    let Some(covariance) = covariance else { return 0.0 };
+    let gravity = model.parameters.pendulum.gravity_torque_nm();
+    let n_unknowns = model_columns(linear);
+    let of_swing = |(swing_idx, swing): (usize, &super::linear::SwingLinear)| {
+        let place = |j: usize| if j < n_unknowns { j } else { j + PER_SWING * swing_idx };
+        let last: Vec<f64> = swing.columns.iter().map(|column| column.last().copied().unwrap_or(0.0)).collect();
+        let product = |i: usize, j: usize| last[i] * last[j] * covariance.matrix[(place(i), place(j))];
+        let sum: f64 =
+            (0..last.len()).flat_map(|i| (0..last.len()).map(move |j| (i, j))).map(|(i, j)| product(i, j)).sum();
+        sum
+    };
+    let largest = linear.swings.iter().enumerate().map(of_swing).filter(|x| x.is_finite()).fold(0.0, f64::max);
+    gravity.powi(2) * largest
+}
+
+fn model_columns(linear: &Linear) -> usize {
+    linear.gradient.len() - PER_SWING * linear.swings.len()
+}
+
+/// Marks numbers that make up for each other, and says which.
+fn alike(
+    numbers: &mut [Number],
+    correlation: &dyn Fn(usize, usize) -> Option<f64>,
+    model: &Fitted,
+) -> Vec<Vec<&'static str>> {
+    let is_vague = |number: &Number| number.std.is_none_or(|std| std > UNKNOWN_SHARE * size(&number.unknown, model));
+    let vague: Vec<bool> = numbers.iter().map(is_vague).collect();
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for i in 0..numbers.len() {
+        let partners: Vec<usize> = (0..numbers.len())
+            .filter(|j| *j != i && vague[i] && vague[*j])
+            .filter(|j| correlation(i, *j).is_some_and(|r| r.abs() > ALIKE_CORRELATION))
+            .collect();
+        if partners.is_empty() {
+            continue;
+        }
+        numbers[i].status = Status::NotIdentified;
+        match groups.iter_mut().find(|group| partners.iter().any(|partner| group.contains(partner))) {
+            Some(group) => group.push(i),
+            None => groups.push(vec![i]),
+        }
+    }
+    let names = |group: Vec<usize>| group.into_iter().map(|i| numbers[i].unknown.symbol).collect::<Vec<_>>();
+    groups.into_iter().filter(|group| group.len() > 1).map(names).collect()
+}
