@@ -1,7 +1,7 @@
 //! The one place where files are written, so that nothing is lost: no file is replaced unasked, none that is being read
 //! at all, and whoever looks sees the old file or the new one, never half of it.
 //!
-//! What is complete at once goes into a file beside its place and is renamed ([`write`], [`NewFile::whole`]). A
+//! What is complete at once goes into a file beside its place and is renamed ([`write()`], [`NewFile::whole`]). A
 //! recording grows in its place ([`NewFile::growing`]): killed in the middle, the program leaves the beginning of it.
 
 use std::fs::{File, OpenOptions};
@@ -153,7 +153,7 @@ impl NewFile {
     /// A file that appears when it is complete; one that is not finished is taken away again.
     ///
     /// # Errors
-    /// As [`write`].
+    /// As [`write()`].
     pub fn whole(path: &Path, existing: Existing) -> Result<Self, FileError> {
         if is_device(path) {
             return Self::in_its_place(path, existing);
@@ -165,7 +165,7 @@ impl NewFile {
     /// takes its place at the end; if it never comes to that, both are there.
     ///
     /// # Errors
-    /// As [`write`].
+    /// As [`write()`].
     pub fn growing(path: &Path, existing: Existing) -> Result<Self, FileError> {
         if existing == Existing::Keep || is_device(path) || !path.exists() {
             return Self::in_its_place(path, existing);

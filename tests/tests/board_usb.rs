@@ -143,7 +143,7 @@ fn strange_request(chance: &mut Chance) -> [u8; 8] {
     let mut request = [byte(), byte(), byte(), byte(), byte(), byte(), byte(), byte()];
     if chance.coin() {
         request[0] = [0x00, 0x80, 0x01, 0x81, 0x02, 0x82, 0x21, 0xa1][usize::from(request[0] % 8)];
-        request[1] = if request[0] & 0x20 == 0 { request[1] % 13 } else { 0x20 | request[1] % 4 };
+        request[1] = if request[0] & 0x20 == 0 { request[1] % 13 } else { 0x20 | (request[1] % 4) };
     }
     if chance.coin() {
         request[7] = 0;

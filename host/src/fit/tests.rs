@@ -16,8 +16,8 @@ use std::sync::atomic::AtomicUsize;
 
 const PENDULUM: Pendulum<f64> = Pendulum { mass_kg: 0.15, length_m: 0.16, inertia_kg_m2: 2.7e-3, gravity_m_s2: 9.81 };
 
-/// So small that sin θ = θ to 2e-7 of it.
-const RELEASE_RAD: f64 = 1e-3;
+/// So small that sin θ = θ to 2e-5 of it, so large that a finite difference of 1e-5 rad is a thousandth of it.
+const RELEASE_RAD: f64 = 1e-2;
 
 /// θ = A·e^(−λt)·(cos ω_d t + λ/ω_d·sin ω_d t), from rest; λ = Mw/2J.
 fn viscous_rad(viscous: f64, inertia_kg_m2: f64, time_s: f64) -> f64 {

@@ -3,7 +3,7 @@
 //! One covariance serves every command. A number on its bound is known to be there and takes no part in it.
 //! Ms and DV act in jumps: without a velocity band, Ms is what all levels share that stop the pendulum alike; without a
 //! rest it has an upper bound only, and so has a DV that no swing shows: the value at which the error, profiled over
-//! the other numbers to first order, rises by [`PROFILE_95`].
+//! the other numbers to first order, rises by `PROFILE_95`.
 
 use super::covariance::{Covariance, covariance};
 use super::fitted::{Fitted, Stiction};

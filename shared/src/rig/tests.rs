@@ -197,7 +197,7 @@ fn settings_outside_their_range_are_refused_by_position() {
     let mut rig = rig();
     let good = *rig.settings();
     for (index, bad) in [
-        Settings { rate_hz: 99.0, ..good },
+        Settings { rate_hz: 49.0, ..good },
         Settings { cutoff_hz: 480.0, ..good },
         Settings { bandwidth_rad_s: f32::NAN, ..good },
         Settings { potentiometer: Potentiometer { radian_per_code: 0.0, ..good.potentiometer }, ..good },
