@@ -2,7 +2,7 @@
 //! times, recorded until rest by a noisy 12-bit converter.
 //!
 //! Plant and sensor are independent of the product: own integrator, own laws, own measuring chain. Only an effect that
-//! has no law of its own there yet acts by the list's ([`listed`]).
+//! has no law of its own there yet acts by the list's (`listed`).
 
 mod listed;
 mod plant;

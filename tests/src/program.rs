@@ -54,7 +54,7 @@ pub fn host_with(folder: &Path, arguments: &[&str]) -> Run {
     run(program_in(folder).args(arguments).env(PATIENT.0, PATIENT.1))
 }
 
-/// The same as [`host`], but it gives up on a rig as soon as it does for a user.
+/// The same as [`host()`], but it gives up on a rig as soon as it does for a user.
 pub fn impatient_host(folder: &Path, arguments: &str) -> Run {
     run(program_in(folder).args(arguments.split_whitespace()))
 }

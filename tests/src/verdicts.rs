@@ -12,7 +12,7 @@ pub const NAMED_FIRST: f64 = 0.97;
 /// Both of two hidden effects are named, in at least this share of such rigs.
 pub const BOTH_NAMED: f64 = 0.85;
 
-/// No more than [`NOISE_LEFT`] noises are left, or the rest is said to be unexplained, in at least this share of rigs.
+/// No more than `NOISE_LEFT` noises are left, or the rest is said to be unexplained, in at least this share of rigs.
 pub const SETTLED: f64 = 0.93;
 
 /// So many noises count as nothing but noise.
