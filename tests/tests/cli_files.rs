@@ -141,8 +141,11 @@ fn the_next_command_can_be_copied_whatever_the_names() {
     let text = run.succeeded();
     assert!(text.contains("'my rig.toml'"), "{text}");
     let many: Vec<String> = (0..10).map(|idx| format!("copy{idx}.csv")).collect();
-    for name in &many {
-        fs::copy(path.join("my first swing.csv"), path.join(name)).unwrap();
+    let whole = fs::read_to_string(path.join("my first swing.csv")).unwrap();
+    let lines: Vec<&str> = whole.split_inclusive('\n').collect();
+    for (idx, name) in many.iter().enumerate() {
+        // Each ends a little earlier, because a recording given twice is refused.
+        fs::write(path.join(name), lines[..lines.len() - 10 * idx].concat()).unwrap();
     }
     let arguments = [&["fit", "--method", "least-squares"][..], &many.iter().map(String::as_str).collect::<Vec<_>>()];
     let text = host_with(path, &arguments.concat()).stdout;

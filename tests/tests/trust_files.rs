@@ -29,10 +29,10 @@ fn rows(text: &str) -> Vec<&str> {
 }
 
 /// Records with a limit on the size of files, bytes. What writes beyond it is killed by the system (SIGXFSZ), so that a
-/// kill comes after so many bytes however fast the computer is.
+/// kill comes after so many bytes however fast the computer is. Nothing of that name may be there: an old file would stay.
 fn record(folder: &Path, most_bytes: u64) -> ExitStatus {
     let limit = format!("--fsize={most_bytes}");
-    let record = ["record", "--quiet", "--port", "sim", "-o", "swing.csv", "--force"];
+    let record = ["record", "--quiet", "--port", "sim", "-o", "swing.csv"];
     let mut command = Command::new("prlimit");
     command.args([&limit, "--core=0"]).arg(program::path()).args(record).current_dir(folder);
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().unwrap()
@@ -50,6 +50,7 @@ fn a_recording_killed_after_any_byte_is_the_beginning_of_the_whole() {
     let mut n_read = 0;
     for seed in 0..n_runs {
         let n_bytes = Chance::new(seed).within(0.0..text.len() as f64) as usize;
+        std::fs::remove_file(&path).unwrap();
         let status = record(folder.path(), n_bytes as u64);
         assert!(status.signal().is_some(), "seed {seed}: {status}");
         let kept = std::fs::read_to_string(&path).unwrap();
@@ -202,6 +203,15 @@ fn a_file_that_is_replaced_while_it_is_read_is_read_whole_before_or_after() {
 }
 
 /// Written over in its place, as an editor or a second recording may do it.
+/// Ends the other thread however this one ends.
+struct AtLast<'a>(&'a AtomicBool);
+
+impl Drop for AtLast<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
 #[test]
 fn a_file_that_is_cut_while_it_is_read_is_its_beginning_or_an_error() {
     let folder = tempfile::tempdir().unwrap();
@@ -223,6 +233,7 @@ fn a_file_that_is_cut_while_it_is_read_is_its_beginning_or_an_error() {
                 }
             }
         });
+        let _until_then = AtLast(&done);
         let (mut n_read, mut n_refused) = (0, 0);
         let began = Instant::now();
         while n_read < 1000 && began.elapsed() < HANG {
@@ -238,7 +249,6 @@ fn a_file_that_is_cut_while_it_is_read_is_its_beginning_or_an_error() {
             }
             n_reads.fetch_add(1, Ordering::Relaxed);
         }
-        done.store(true, Ordering::Relaxed);
         println!("{n_read} read, {n_refused} refused");
         assert_eq!(n_read, 1000);
     });
