@@ -4,7 +4,7 @@
 //! that names line, column and value. No bytes whatever make it panic.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::angle::Angles;
@@ -51,7 +51,25 @@ pub struct ReadOptions {
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
     let with_name = |fault| ReadError { file: path.display().to_string(), fault };
     let file = open(path).map_err(with_name)?;
-    parse(BufReader::new(file), options).map_err(with_name)
+    parse(BufReader::new(UntilItsEnd { file, has_ended: false }), options).map_err(with_name)
+}
+
+/// A file up to where its end was once met: one that is cut and written anew meanwhile would go on in the middle of a
+/// number.
+struct UntilItsEnd {
+    file: File,
+    has_ended: bool,
+}
+
+impl Read for UntilItsEnd {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.has_ended {
+            return Ok(0);
+        }
+        let n = self.file.read(buffer)?;
+        self.has_ended = n == 0 && !buffer.is_empty();
+        Ok(n)
+    }
 }
 
 /// Reads a recording from the bytes of a file; `file` is what messages call it.
