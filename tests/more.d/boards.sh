@@ -2,3 +2,4 @@
 export SAVES=2000 RECYCLES=10 POWER_CUTS=100 USB_FAULTS=100 USB_REQUESTS=100000 LINK_BYTES=50000 STREAM_S=7200
 cargo test --locked -p tests --test board_store --test board_usb --test board_start -- --nocapture
 cargo test --locked -p tests --test board_stream -- --nocapture --include-ignored
+cargo test --locked -p tests --test board_start -- --nocapture --ignored

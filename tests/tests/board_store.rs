@@ -23,7 +23,8 @@ const ERASE_S: f64 = 0.5;
 /// Until the ring that was overtaken meanwhile is read again, s.
 const CATCH_UP_S: f64 = 0.06;
 
-/// A frame that was begun when samples were lost goes with them: so many more than were paused are missing a gap at most.
+/// A frame that was begun when samples were lost goes with them, and the rig's own count does not have its samples: so
+/// many more than `paused` are missing a gap at most. They should be counted; then this is zero.
 const BEGUN_FRAME: u64 = 15;
 
 /// How many saves at most until everything has been seen.
