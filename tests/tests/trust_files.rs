@@ -29,10 +29,10 @@ fn rows(text: &str) -> Vec<&str> {
 }
 
 /// Records with a limit on the size of files, bytes. What writes beyond it is killed by the system (SIGXFSZ), so that a
-/// kill comes after so many bytes however fast the computer is. Nothing of that name may be there: an old file would stay.
+/// kill comes after so many bytes however fast the computer is.
 fn record(folder: &Path, most_bytes: u64) -> ExitStatus {
     let limit = format!("--fsize={most_bytes}");
-    let record = ["record", "--quiet", "--port", "sim", "-o", "swing.csv"];
+    let record = ["record", "--quiet", "--port", "sim", "-o", "swing.csv", "--force"];
     let mut command = Command::new("prlimit");
     command.args([&limit, "--core=0"]).arg(program::path()).args(record).current_dir(folder);
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().unwrap()
@@ -66,6 +66,27 @@ fn a_recording_killed_after_any_byte_is_the_beginning_of_the_whole() {
     }
     println!("{n_runs} runs cut in {} bytes, {n_read} read back", text.len());
     assert!(n_read > n_runs * 9 / 10, "{n_read}");
+}
+
+#[test]
+fn a_recording_killed_over_an_old_file_leaves_that_and_its_own_beginning() {
+    const N_BYTES: usize = 100_000;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("swing.csv");
+    assert!(record(folder.path(), u64::MAX >> 1).success());
+    let old = std::fs::read_to_string(&path).unwrap();
+    assert!(record(folder.path(), N_BYTES as u64).signal().is_some());
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), old);
+    let files: Vec<PathBuf> = std::fs::read_dir(folder.path()).unwrap().map(|file| file.unwrap().path()).collect();
+    let beside: Vec<&PathBuf> = files.iter().filter(|file| **file != path).collect();
+    assert_eq!(beside.len(), 1, "{files:?}");
+    assert!(beside[0].extension().is_some_and(|extension| extension == "new"), "{files:?}");
+    let kept = std::fs::read_to_string(beside[0]).unwrap();
+    assert_eq!(kept.len(), N_BYTES);
+    // The header has the time of day.
+    let (rows_kept, rows_old) = (rows(&kept), rows(&old));
+    let n_whole = rows_kept.len() - 1;
+    assert!(n_whole > 1000 && rows_kept[..n_whole] == rows_old[..n_whole], "{n_whole} rows");
 }
 
 /// The simulated rig, with a look at the file on the disk before every read: what is there then, a kill would leave.
