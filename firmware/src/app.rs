@@ -125,10 +125,10 @@ impl<Y: System> Shared<Y> {
         let announced = self.saved.take() | self.saving.get();
         let mut rig = self.rig.borrow_mut();
         let mut stages = self.stages.borrow_mut();
-        if batch.lost > 0 {
-            rig.on_samples_lost(batch.lost, !announced);
-        }
         let mut n_dropped = 0;
+        if batch.lost > 0 {
+            rig.on_samples_lost(batch.lost, !announced, |frame| n_dropped += self.queue.push(&frame));
+        }
         for code in &batch.codes {
             let began = Y::cycles();
             let mut framing = 0;

@@ -236,14 +236,17 @@ impl Rig {
         }
     }
 
-    /// Accounts for samples that the converter could not deliver: time goes on without them.
-    pub fn on_samples_lost(&mut self, count: u32, by_overrun: bool) {
+    /// Accounts for samples that the converter could not deliver: time goes on without them. `send` is called with the
+    /// frames that were begun before them, because a frame holds samples without a gap.
+    pub fn on_samples_lost(&mut self, count: u32, by_overrun: bool, mut send: impl FnMut(Frame)) {
         let counter = if by_overrun { &mut self.statistics.overruns } else { &mut self.statistics.paused };
         *counter = counter.saturating_add(count);
         self.next_sample = self.next_sample.wrapping_add(u64::from(count));
-        // A frame holds samples without a gap, so what was begun is lost with them.
-        self.raw = Samples { status: self.raw.status | status::SAMPLES_LOST, codes: Vec::new(), ..self.raw };
-        self.live = Live { status: self.live.status | status::SAMPLES_LOST, points: Vec::new(), ..self.live };
+        if self.stream.is_some() {
+            self.send_begun(&mut send);
+        }
+        self.raw.status |= status::SAMPLES_LOST;
+        self.live.status |= status::SAMPLES_LOST;
         self.until_point = 0;
         self.observer.on_gap(count as f32 / self.settings.rate_hz);
     }
@@ -286,9 +289,7 @@ impl Rig {
         // A full frame is sent and emptied at once, so there is always room.
         let _ = self.raw.codes.push(code.0);
         if self.raw.codes.is_full() {
-            let sequence = self.raw.sequence.wrapping_add(1);
-            let fresh = Samples { sequence, ..empty_samples() };
-            send(Frame::Samples(core::mem::replace(&mut self.raw, fresh)));
+            self.send_raw(send);
         }
     }
 
@@ -316,10 +317,27 @@ impl Rig {
             friction_nm: estimate.friction_nm,
         });
         if self.live.points.is_full() {
-            let sequence = self.live.sequence.wrapping_add(1);
-            let fresh = Live { sequence, every, ..empty_live() };
-            send(Frame::Live(core::mem::replace(&mut self.live, fresh)));
+            self.send_live(send);
         }
+    }
+
+    fn send_begun(&mut self, send: &mut impl FnMut(Frame)) {
+        if !self.raw.codes.is_empty() {
+            self.send_raw(send);
+        }
+        if !self.live.points.is_empty() {
+            self.send_live(send);
+        }
+    }
+
+    fn send_raw(&mut self, send: &mut impl FnMut(Frame)) {
+        let fresh = Samples { sequence: self.raw.sequence.wrapping_add(1), ..empty_samples() };
+        send(Frame::Samples(core::mem::replace(&mut self.raw, fresh)));
+    }
+
+    fn send_live(&mut self, send: &mut impl FnMut(Frame)) {
+        let fresh = Live { sequence: self.live.sequence.wrapping_add(1), every: self.live.every, ..empty_live() };
+        send(Frame::Live(core::mem::replace(&mut self.live, fresh)));
     }
 
     // --- commands ---

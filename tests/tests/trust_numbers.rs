@@ -124,7 +124,7 @@ fn exercise(rig: &mut Rig, what: &dyn std::fmt::Debug) {
         let code = if (300..320).contains(&k) { 0 } else { swing as u16 };
         rig.on_sample(Code(code), |frame| assert_finite(&frame, what));
     }
-    rig.on_samples_lost(u32::MAX, true);
+    rig.on_samples_lost(u32::MAX, true, |frame| assert_finite(&frame, what));
     rig.on_sample(Code(2048), |frame| assert_finite(&frame, what));
     let statistics = rig.on_frame(Frame::Command(2, Command::Statistics));
     let Outcome::Send(Frame::Answer(2, Answer::Statistics(statistics))) = statistics else { panic!() };

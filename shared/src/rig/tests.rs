@@ -38,16 +38,34 @@ fn it_streams_only_when_asked_and_every_sample_once() {
 }
 
 #[test]
-fn lost_samples_leave_an_exact_gap_in_the_count() {
+fn lost_samples_leave_an_exact_gap_and_take_nothing_with_them() {
     let mut rig = rig();
-    ask(&mut rig, Command::Start(Stream { raw: true, live_every: 0 }));
-    feed(&mut rig, 2048, 20);
-    rig.on_samples_lost(7, true);
-    let frames = feed(&mut rig, 2048, 16);
-    let Frame::Samples(samples) = &frames[0] else { panic!() };
-    assert_eq!((samples.first_sample, samples.status), (27, status::SAMPLES_LOST));
+    ask(&mut rig, Command::Start(Stream { raw: true, live_every: 3 }));
+    let mut frames = feed(&mut rig, 2048, 20);
+    rig.on_samples_lost(7, true, |frame| frames.push(frame));
+    frames.extend(feed(&mut rig, 2048, 32));
+    let raw = frames.iter().filter_map(|frame| match frame {
+        Frame::Samples(raw) => Some((raw.sequence, raw.first_sample, raw.codes.len(), raw.status)),
+        _ => None,
+    });
+    let lost = status::SAMPLES_LOST;
+    assert_eq!(raw.collect::<std::vec::Vec<_>>(), [(0, 0, 16, 0), (1, 16, 4, 0), (2, 27, 16, lost), (3, 43, 16, 0)]);
+    let live = frames.iter().filter_map(|frame| match frame {
+        Frame::Live(live) => Some((live.sequence, live.first_sample, live.points.len(), live.every, live.status)),
+        _ => None,
+    });
+    assert_eq!(live.collect::<std::vec::Vec<_>>(), [(0, 0, 7, 3, 0), (1, 27, 8, 3, lost)]);
     let Answer::Statistics(statistics) = ask(&mut rig, Command::Statistics) else { panic!() };
-    assert_eq!((statistics.samples, statistics.overruns), (36, 7));
+    assert_eq!((statistics.samples, statistics.overruns), (52, 7));
+}
+
+#[test]
+fn samples_lost_after_a_stream_has_ended_send_nothing() {
+    let mut rig = rig();
+    ask(&mut rig, Command::Start(Stream { raw: true, live_every: 1 }));
+    feed(&mut rig, 2048, 5);
+    ask(&mut rig, Command::Stop);
+    rig.on_samples_lost(7, true, |frame| panic!("{frame:?}"));
 }
 
 #[test]
