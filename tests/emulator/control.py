@@ -96,9 +96,9 @@ class Control:
             raise ValueError(f"USB knows no {what}")
         getattr(self._chip.host, what)()
 
-    def request(self, setup, data="", within=1.0):
+    def request(self, setup, data="", within=1.0, gap_s=50e-6):
         """A control transfer as a strange program makes it: what came, "refused" or a failure."""
-        done = self._chip.host.request(bytes.fromhex(setup), bytes.fromhex(data))
+        done = self._chip.host.request(bytes.fromhex(setup), bytes.fromhex(data), ticks(gap_s))
         end = self._chip.clock.now() + ticks(within)
         while not done and self._chip.clock.now() < end:
             self._chip.run(TICKS_PER_S // 2000)

@@ -156,8 +156,8 @@ class Host:
                 raise Failed(f"{what} was answered by NAK for {CONTROL_LIMIT / TICKS_PER_S:.0f} s")
             yield AGAIN
 
-    def _control(self, request, value=0, index=0, length=0, data=b""):
-        """A control transfer; gives what came, or None if it was refused."""
+    def _control(self, request, value=0, index=0, length=0, data=b"", gap=TRANSACTION):
+        """A control transfer; gives what came, or None if it was refused. `gap` lies between request and data."""
         kind, number = request
         length = len(data) or length
         what = f"request {kind:#04x} {number:#04x}"
@@ -165,7 +165,7 @@ class Host:
         if self.otg.address() != self._address:
             raise Failed(f"nobody answers at address {self._address}")
         self.otg.setup(struct.pack("<BBHHH", kind, number, value, index, length))
-        yield TRANSACTION
+        yield gap
         came = b""
         if kind & 0x80:
             while len(came) < length:
@@ -241,7 +241,7 @@ class Host:
                 self.endpoints["in" if address & 0x80 else "out"] = address & 15
             at += length
 
-    def request(self, setup, data=b""):
+    def request(self, setup, data=b"", gap=TRANSACTION):
         """A raw control transfer of a strange program; it may end in anything but silence."""
         done = []
         kind, number, value, index, length = struct.unpack("<BBHHH", setup)
@@ -249,7 +249,7 @@ class Host:
         def transfer():
             data_out = data[:length] if not kind & 0x80 else b""
             try:
-                came = yield from self._control((kind, number), value, index, length, data_out)
+                came = yield from self._control((kind, number), value, index, length, data_out, gap)
                 done.append("refused" if came is None else came)
             except Failed as failure:
                 done.append(failure)

@@ -9,6 +9,7 @@
 //! | light | red, PC1: blinks when the crystal does not run, without which there is no USB |
 //! | update | `Bootloader` command, then DFU over the same USB |
 
+use super::stm32::usb_endpoints::Careful;
 use super::stm32::{self, Chip, Converter, Input, STORE, Sectors, usb_recovery};
 use core::convert::Infallible;
 use embassy_executor::Spawner;
@@ -50,7 +51,7 @@ bind_interrupts!(struct Irqs {
     FLASH => flash::InterruptHandler;
 });
 
-type Usb = Driver<'static, USB_OTG_FS>;
+type Usb = Careful<Driver<'static, USB_OTG_FS>>;
 
 /// In the greeting.
 const NAME: &str = "feather-f405";
@@ -70,7 +71,7 @@ pub fn start(spawner: Spawner) -> Board<Converter, Receiver, Sender, Sectors, Ch
         let mut config = usb::Config::default();
         // The Feather does not wire the USB supply to the chip's sensing pin.
         config.vbus_detection = false;
-        Driver::new_fs(p.USB_OTG_FS, Irqs, p.PA12, p.PA11, OUT.init([0; 256]), config)
+        Careful::new(Driver::new_fs(p.USB_OTG_FS, Irqs, p.PA12, p.PA11, OUT.init([0; 256]), config))
     };
     let (device, sender, receiver) = serial_over_usb(driver);
     spawner.spawn(run_usb(device).expect("there is one USB device"));

@@ -5,6 +5,8 @@ mod clock;
 mod converter;
 mod sectors;
 #[cfg(feature = "board-feather-f405")]
+pub mod usb_endpoints;
+#[cfg(feature = "board-feather-f405")]
 pub mod usb_recovery;
 mod watchdog;
 
