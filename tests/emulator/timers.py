@@ -21,7 +21,7 @@ CHANNELS = range(1, 5)
 class Timer(Peripheral):
     """One of them."""
 
-    _event = None
+    _event = _driver = None
 
     REGISTERS = {
         0x00: "CR1",
@@ -56,7 +56,7 @@ class Timer(Peripheral):
 
     def reset(self):
         super().reset()
-        self._driver = None
+        self._let_go()
         # The counter had the value `_base` at `_since`; everything up to the count `_seen` has been noticed.
         self._base, self._since, self._seen = 0, self.clock.now(), 0
         self._event = cancel(self._event)
@@ -176,9 +176,7 @@ class Timer(Peripheral):
         self.notice()
         self._restart()
         self.values["SMCR"] = value
-        if self._driver:
-            self._driver.listeners.remove(self._on_triggers)
-            self._driver = None
+        self._let_go()
         mode, source = value & 7, value >> 4 & 7
         if mode == 0:
             return
@@ -188,6 +186,12 @@ class Timer(Peripheral):
         self._driver = self.chip.timers[number]
         self._driver.notice()
         self._driver.listeners.append(self._on_triggers)
+
+    def _let_go(self):
+        """Counts no other timer's triggers any more."""
+        if self._driver:
+            self._driver.listeners.remove(self._on_triggers)
+            self._driver = None
 
     def read_SR(self):
         self.notice()
