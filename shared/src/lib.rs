@@ -11,6 +11,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod bank;
 pub mod dual;
 pub mod effect;
 pub mod filter;

@@ -146,7 +146,7 @@ fn changes<R: Real, const N: usize>(matrix: &[[R; N]; N], column: usize) -> bool
 /// The inverse of the symmetric, positive definite block from `from` to `to` but for columns that change nothing; zero
 /// elsewhere. `None` if a column depends on the others. By Gauss–Jordan steps on
 /// the matrix scaled to a diagonal of one, so that units do not matter.
-fn inverted<R: Real, const N: usize>(matrix: &[[R; N]; N], from: usize, to: usize) -> Option<[[R; N]; N]> {
+pub(crate) fn inverted<R: Real, const N: usize>(matrix: &[[R; N]; N], from: usize, to: usize) -> Option<[[R; N]; N]> {
     let live = |i: &usize| changes(matrix, *i);
     let scale: [R; N] = core::array::from_fn(|i| if live(&i) { R::one() / matrix[i][i].sqrt() } else { R::zero() });
     let mut rest: [[R; N]; N] = core::array::from_fn(|i| core::array::from_fn(|j| matrix[i][j] * scale[i] * scale[j]));

@@ -1,0 +1,27 @@
+//! The bank: which physics does the model lack? Found from a few swings, without trying any model.
+//!
+//! In go evenly sampled angles of up to eight releases and the model that ought to follow them ([`refit::Releases`]),
+//! out come the suspects with their sizes, and a name or the reason why there is none ([`findings::look`]). On the way:
+//!
+//! 1. releases are cut into windows of a few periods, each with a start of its own ([`window`]);
+//! 2. the model swings through each, with the derivatives of its readings by every number that may be wrong or missing:
+//!    one shared transition, one column a number ([`column`], [`swing`], [`follow`]);
+//! 3. the model is put right by Gauss and Newton's steps, because a test around a stale one accuses the innocent
+//!    ([`refit`]);
+//! 4. products of columns and residuals are summed window by window, the windows' own starts projected out, and
+//!    neighbours joined until at most fourteen clusters are left ([`sums`], [`clusters`]);
+//! 5. each candidate is judged by what it gains and by whether all clusters agree ([`judge`], [`chance`]), and named
+//!    or not ([`findings`]).
+//!
+//! No allocation, generic over the number. The list of effects is the only source of candidates.
+
+pub mod chance;
+pub mod clusters;
+pub mod column;
+pub mod findings;
+pub mod follow;
+pub mod judge;
+pub mod refit;
+pub mod sums;
+pub mod swing;
+pub mod window;

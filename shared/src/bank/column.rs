@@ -1,0 +1,307 @@
+//! What the reading is derived by: one column a number that may be other than the model says.
+//!
+//! The first columns are known to every model: where a window starts, the zero, friction and inertia, and the strengths
+//! of effects that the model has already. Behind them stand the candidates: every start of every effect of the list
+//! that the model lacks. In a number that the law is linear in, at zero ([`Column::unit`]), the column is the exact
+//! derivative. An effect of the sensor that is linear in none, such as play, is taken as a whole, at the size that its
+//! start proposes.
+
+use crate::effect::{Action, Effect, MAX_VALUES, MEMORY, SENSOR_MEMORY, Sensor};
+use crate::motion::{Motion, Pendulum};
+use crate::parameters::{Parameters, base};
+use crate::real::Real;
+use heapless::Vec;
+
+/// The start angle and the start velocity of a window: the first two columns.
+pub const N_STARTS: usize = 2;
+
+/// Zero, viscous and dry friction, inertia: the next ones.
+pub const N_BASE: usize = 4;
+
+/// The most columns that a model may have beside its candidates: starts, base and strengths of effects it has.
+pub const MAX_KNOWN: usize = 12;
+
+/// The most columns of candidates.
+pub const MAX_COLUMNS: usize = 72;
+
+/// The most numbers that a candidate is linear in.
+pub const MAX_STRENGTHS: usize = 3;
+
+/// What makes a column.
+#[derive(Clone, Copy)]
+pub enum Column<R: 'static> {
+    /// A start of the window: known at its first instant, nothing adds to it.
+    Start,
+    /// The zero of the sensor.
+    Offset,
+    /// Viscous friction, Mw.
+    Viscous,
+    /// Dry friction, Mc.
+    Coulomb,
+    /// Moment of inertia, I.
+    Inertia,
+    /// The width of the velocity band, DV: acts where sliding begins and ends.
+    Band,
+    /// A law at these values, so many units of its strength.
+    Law {
+        /// The law.
+        action: Action<R>,
+        /// Its values: one strength, and the shape.
+        values: [R; MAX_VALUES],
+        /// By how much the strength differs from zero in them.
+        units: R,
+    },
+    /// A sensor's law that the model has and that is linear in no strength: between two values of it.
+    Between {
+        /// The law.
+        sensor: Sensor<R>,
+        /// Its values, with a little less and a little more of the strength.
+        values: [[R; MAX_VALUES]; 2],
+        /// How much more.
+        units: R,
+    },
+}
+
+/// An effect at one of its starts.
+#[derive(Clone)]
+pub struct Candidate<R: 'static> {
+    /// The effect.
+    pub effect: &'static Effect<R>,
+    /// Its values there.
+    pub start: [R; MAX_VALUES],
+    /// Its first column among those of the candidates.
+    pub first: usize,
+    /// Which of its numbers the columns are.
+    pub strengths: Vec<u8, MAX_STRENGTHS>,
+}
+
+/// All columns for a model.
+pub struct Columns<R: 'static> {
+    /// Starts, base, and strengths of effects that the model has.
+    pub known: Vec<Column<R>, MAX_KNOWN>,
+    /// Which effect and number each known column from `N_STARTS + N_BASE` on is.
+    pub present: Vec<(u16, u8), { MAX_KNOWN - N_STARTS - N_BASE }>,
+    /// Those of the candidates.
+    pub added: Vec<Column<R>, MAX_COLUMNS>,
+    /// The candidates.
+    pub candidates: Vec<Candidate<R>, MAX_COLUMNS>,
+}
+
+impl<R: Real<Mask = bool>> Columns<R> {
+    /// Columns for a model with these parameters; effects for which there is no room are left out.
+    pub fn new(parameters: &Parameters<R>) -> Self {
+        let first = [Column::Start, Column::Start, Column::Offset, Column::Viscous, Column::Coulomb, Column::Inertia];
+        let mut columns = Self {
+            known: Vec::from_slice(&first).unwrap_or_default(),
+            present: Vec::new(),
+            added: Vec::new(),
+            candidates: Vec::new(),
+        };
+        for effect in Effect::<R>::ALL.iter().filter(|effect| !effect.is_base()) {
+            match parameters.values(effect.id) {
+                Some(values) => columns.add_present(effect, values),
+                None if effect.rules.is_free_offset => {}
+                None => effect.starts.iter().for_each(|start| columns.add_candidate(effect, &start.map(R::of))),
+            }
+        }
+        columns.add_band();
+        columns
+    }
+
+    /// Strengths of an effect that the model has, at the shape it has.
+    fn add_present(&mut self, effect: &'static Effect<R>, values: &[R]) {
+        let strengths = effect.starts.first().map(|start| strengths(effect, &start.map(R::of))).unwrap_or_default();
+        let shape: [R; MAX_VALUES] = core::array::from_fn(|i| match values.get(i) {
+            Some(value) if !strengths.contains(&(i as u8)) => *value,
+            _ => R::zero(),
+        });
+        let (columns, strengths) = columns_of(effect, &shape, strengths);
+        for (column, index) in columns.into_iter().zip(strengths) {
+            let column = column.about(&shape);
+            if self.known.push(column).is_ok() {
+                let _ = self.present.push((effect.id, index));
+            }
+        }
+    }
+
+    fn add_candidate(&mut self, effect: &'static Effect<R>, start: &[R; MAX_VALUES]) {
+        let (columns, strengths) = columns_of(effect, start, strengths(effect, start));
+        self.push(effect, start, columns, strengths);
+    }
+
+    /// Friction about rest: no effect that is added, but what may look like one.
+    fn add_band(&mut self) {
+        if let Some(effect) = Effect::<R>::by_id(base::STICTION) {
+            let columns = [Column::Band].into_iter().collect();
+            self.push(effect, &[R::zero(); MAX_VALUES], columns, [1].into_iter().collect());
+        }
+    }
+
+    fn push(
+        &mut self,
+        effect: &'static Effect<R>,
+        start: &[R; MAX_VALUES],
+        columns: Vec<Column<R>, MAX_STRENGTHS>,
+        strengths: Vec<u8, MAX_STRENGTHS>,
+    ) {
+        let first = self.added.len();
+        if columns.is_empty() || first + columns.len() > MAX_COLUMNS {
+            return;
+        }
+        self.added.extend(columns);
+        let _ = self.candidates.push(Candidate { effect, start: *start, first, strengths });
+    }
+}
+
+/// A column for each strength; an effect of the sensor that is linear in none is one as a whole.
+fn columns_of<R: Real<Mask = bool>>(
+    effect: &Effect<R>,
+    shape: &[R; MAX_VALUES],
+    strengths: Vec<u8, MAX_STRENGTHS>,
+) -> (Vec<Column<R>, MAX_STRENGTHS>, Vec<u8, MAX_STRENGTHS>) {
+    let is_whole = R::zero().lt(shape[0].abs()) && matches!(effect.action, Action::Sensor(_));
+    if strengths.is_empty() && is_whole {
+        let whole = Column::Law { action: effect.action, values: *shape, units: shape[0] };
+        return ([whole].into_iter().collect(), [0].into_iter().collect());
+    }
+    (strengths.iter().map(|index| Column::unit(effect, shape, *index)).collect(), strengths)
+}
+
+/// A sensor's law as a whole is derived over this share of its strength, to either side.
+const NEAR: f64 = 0.05;
+
+impl<R: Real<Mask = bool>> Column<R> {
+    /// Does it act on the pendulum, not on its sensor alone?
+    pub fn turns(&self) -> bool {
+        let Self::Law { action, .. } = self else {
+            return !matches!(self, Self::Start | Self::Offset | Self::Between { .. });
+        };
+        !matches!(action, Action::Sensor(_))
+    }
+
+    /// As it is where the model has the effect already.
+    fn about(self, shape: &[R; MAX_VALUES]) -> Self {
+        match self {
+            Self::Law { action: Action::Sensor(sensor), units, .. } if R::zero().lt(shape[0].abs()) => {
+                let near = R::of(NEAR) * units;
+                let values = [units - near, units + near].map(|strength| with(shape, 0, strength));
+                Self::Between { sensor, values, units: near + near }
+            }
+            other => other,
+        }
+    }
+
+    /// One unit of a strength of an effect of this shape, all its other strengths zero as the shape has them.
+    fn unit(effect: &Effect<R>, shape: &[R; MAX_VALUES], index: u8) -> Self {
+        Self::Law { action: effect.action, values: with(shape, index, R::one()), units: R::one() }
+    }
+}
+
+fn with<R: Copy>(values: &[R; MAX_VALUES], index: u8, value: R) -> [R; MAX_VALUES] {
+    let mut values = *values;
+    values[usize::from(index)] = value;
+    values
+}
+
+/// Which of an effect's numbers, zero at a start, it is linear in: the law is absent there, and a part of the number has
+/// that part of the effect.
+fn strengths<R: Real<Mask = bool>>(effect: &Effect<R>, start: &[R; MAX_VALUES]) -> Vec<u8, MAX_STRENGTHS> {
+    let absent = probed(&effect.action, start);
+    let is_strength = |index: &u8| {
+        let is_zero = !R::zero().lt(start[usize::from(*index)].abs());
+        let [part, whole] = [PART, 1.0].map(|size| probed(&effect.action, &with(start, *index, R::of(size))));
+        let acts = whole.iter().any(|value| R::zero().lt(value.abs()));
+        let is_share = |(part, whole): (&R, &R)| (*part - R::of(PART) * *whole).abs().le(R::of(ROUNDING) * whole.abs());
+        is_zero && acts && part.iter().zip(&whole).all(is_share)
+    };
+    if absent.iter().any(|value| R::zero().lt(value.abs())) {
+        return Vec::new();
+    }
+    (0..effect.parameters.len() as u8).filter(is_strength).take(MAX_STRENGTHS).collect()
+}
+
+/// A law is linear in a strength if this share of a unit has this share of its effect …
+const PART: f64 = 0.125;
+
+/// … but for what `f32` rounds.
+const ROUNDING: f64 = 1e-3;
+
+/// Angles (rad) and velocities (rad/s) at which laws are looked at: none of them special.
+const PLACES: [[f64; 2]; 4] = [[0.31, 1.7], [0.54, 0.6], [-0.43, -2.3], [-1.17, 1.1]];
+
+/// What a law adds at a few places, one after the other.
+fn probed<R: Real<Mask = bool>>(action: &Action<R>, values: &[R; MAX_VALUES]) -> [R; PLACES.len()] {
+    let at = |index: usize| {
+        let [angle, velocity] = PLACES[index].map(R::of);
+        Motion {
+            angle_rad: angle,
+            velocity_rad_s: velocity,
+            direction: velocity.sign(),
+            time_s: R::of(0.01 * index as f64),
+            pendulum: Pendulum::paper(),
+        }
+    };
+    let mut memory = Remembered::start(action, &at(0), R::of(PLACES[0][0]), values);
+    core::array::from_fn(|index| {
+        let here = at(index);
+        let added = match action {
+            Action::Sensor(sensor) => (sensor.read)(here.angle_rad, &here, &mut memory.sensor, values) - here.angle_rad,
+            _ => memory.torque_nm(action, &here, &here, R::one(), values),
+        };
+        memory.advance(action, &at(index.max(1) - 1), &here, values);
+        added
+    })
+}
+
+/// What a law remembers.
+#[derive(Clone, Copy)]
+pub struct Remembered<R> {
+    /// Of a torque.
+    pub torque: [R; MEMORY],
+    /// Of a sensor.
+    pub sensor: [R; SENSOR_MEMORY],
+    /// Of a sensor with a little more of its strength.
+    pub more: [R; SENSOR_MEMORY],
+}
+
+impl<R: Real> Remembered<R> {
+    /// Nothing.
+    pub fn nothing() -> Self {
+        Self { torque: [R::zero(); MEMORY], sensor: [R::zero(); SENSOR_MEMORY], more: [R::zero(); SENSOR_MEMORY] }
+    }
+
+    /// On a pendulum that begins here, its sensor reading this.
+    pub fn start(action: &Action<R>, here: &Motion<R>, reading_rad: R, values: &[R; MAX_VALUES]) -> Self {
+        let mut memory = Self::nothing();
+        match action {
+            Action::State(law) => memory.torque = (law.start)(here, values),
+            Action::Sensor(law) => memory.sensor = (law.start)(reading_rad, here, values),
+            _ => {}
+        }
+        memory
+    }
+
+    /// The law's torque, N·m: as a drive sees the motion, and as friction does, which rubs or not (1 or 0).
+    pub fn torque_nm(
+        &self,
+        action: &Action<R>,
+        drive: &Motion<R>,
+        friction: &Motion<R>,
+        rubs: R,
+        values: &[R; MAX_VALUES],
+    ) -> R {
+        match action {
+            Action::Drive(law) => law(drive, values),
+            Action::Friction(law) => rubs * law(friction, values),
+            Action::State(law) => (law.torque)(drive, &self.torque, values),
+            Action::Base | Action::Sensor(_) | Action::Formula(_) => R::zero(),
+        }
+    }
+
+    /// After a step from one instant to another.
+    pub fn advance(&mut self, action: &Action<R>, before: &Motion<R>, after: &Motion<R>, values: &[R; MAX_VALUES]) {
+        if let Action::State(law) = action {
+            self.torque = (law.advance)(before, after, &self.torque, values);
+        }
+    }
+}

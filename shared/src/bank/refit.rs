@@ -1,0 +1,168 @@
+//! The model put right before anything is judged: zero, friction, inertia and the strengths it has, by Gauss and
+//! Newton's steps over the windows.
+//!
+//! A test around a stale model accuses the innocent: with an inertia 5 % off nearly all of them. Short windows
+//! come first, because over them even a period that is several per cent off is no more than a small angle off.
+
+use super::column::{Columns, MAX_KNOWN, N_BASE, N_STARTS};
+use super::follow::Follower;
+use super::sums::Sums;
+use super::window::{Readings, Windows, noise_rad};
+use crate::parameters::{Parameters, base};
+use crate::real::Real;
+use crate::score::inverted;
+use heapless::Vec;
+
+/// The most releases that are looked at together.
+pub const MAX_RELEASES: usize = 8;
+
+/// Periods of the windows of each step.
+const PERIODS_OF_STEPS: [usize; 4] = [1, 1, 3, 3];
+
+/// Steps of a model that was put right, when an effect has been added to it.
+const PERIODS_OF_LATER_STEPS: [usize; 9] = [3; 9];
+
+/// If the last step still moves the inertia about the pivot by more than this share, the model is none of this
+/// pendulum.
+const SETTLED: f64 = 6e-3;
+
+/// Windows are so many periods long, the first of these of which there are enough: shorter ones see little of a slow
+/// effect, longer ones are too few.
+const PERIODS: [usize; 3] = [3, 2, 1];
+const ENOUGH_WINDOWS: usize = 10;
+
+/// A step changes the inertia about the pivot by no more than this share: what is further off comes by several.
+const LARGEST_STEP: f64 = 0.1;
+
+/// The readings of several releases, evenly sampled.
+pub struct Releases<'a, R, D: ?Sized> {
+    /// Of each release, from about its first instant on.
+    pub readings: Vec<&'a D, MAX_RELEASES>,
+    /// Between two readings, s.
+    pub interval_s: R,
+    /// Their noise, rad.
+    pub noise_rad: R,
+}
+
+impl<'a, R: Real<Mask = bool>, D: Readings<R> + ?Sized> Releases<'a, R, D> {
+    /// The last ones of those given, evenly sampled with this interval in s.
+    pub fn new(readings: &[&'a D], interval_s: R) -> Self {
+        let last = &readings[readings.len().max(MAX_RELEASES) - MAX_RELEASES..];
+        let mut squares = R::zero();
+        let mut n = R::zero();
+        for readings in last {
+            let (noise, own) = (noise_rad(*readings), R::of(readings.len() as f64));
+            (squares, n) = (squares + own * noise * noise, n + own);
+        }
+        let noise_rad = (squares / n.max(R::one())).sqrt();
+        Self { readings: last.iter().copied().collect(), interval_s, noise_rad }
+    }
+}
+
+/// A model with the zero of its sensor.
+#[derive(Clone, Debug)]
+pub struct Refitted<R> {
+    /// The model.
+    pub parameters: Parameters<R>,
+    /// What is added to its readings, rad.
+    pub offset_rad: R,
+}
+
+impl<R: Real<Mask = bool>> Refitted<R> {
+    /// The model as it was given.
+    pub fn new(parameters: &Parameters<R>) -> Self {
+        Self { parameters: parameters.clone(), offset_rad: R::zero() }
+    }
+
+    /// Put right by the readings. `None` where they do not determine it.
+    pub fn settled<D: Readings<R> + ?Sized>(self, on: &Releases<R, D>) -> Option<Self> {
+        self.stepped(on, &PERIODS_OF_STEPS)
+    }
+
+    /// With an effect at these values, put right again.
+    pub fn with<D: Readings<R> + ?Sized>(&self, on: &Releases<R, D>, id: u16, values: &[R]) -> Option<Self> {
+        let mut larger = self.clone();
+        larger.parameters.set(id, values).ok()?;
+        larger.stepped(on, &PERIODS_OF_LATER_STEPS)
+    }
+
+    fn stepped<D: Readings<R> + ?Sized>(mut self, on: &Releases<R, D>, periods: &[usize]) -> Option<Self> {
+        let mut last = R::zero();
+        for n_periods in periods {
+            let columns = Columns::new(&self.parameters);
+            let mut sums = Sums::default();
+            self.each_window(on, *n_periods, &columns, false, |_, window| sums.add(window));
+            last = self.step(&columns, &sums)?;
+        }
+        last.abs().lt(R::of(SETTLED)).then_some(self)
+    }
+
+    /// How long the windows of a look are, in periods.
+    pub fn n_periods<D: Readings<R> + ?Sized>(&self, on: &Releases<R, D>) -> usize {
+        PERIODS.into_iter().find(|n_periods| ENOUGH_WINDOWS <= self.n_windows(on, *n_periods)).unwrap_or(1)
+    }
+
+    /// How many windows of so many periods there are.
+    pub fn n_windows<D: Readings<R> + ?Sized>(&self, on: &Releases<R, D>, n_periods: usize) -> usize {
+        let zero = (self.offset_rad, on.noise_rad);
+        let windows = |readings: &&D| Windows::new(*readings, on.interval_s, zero, n_periods).count();
+        on.readings.iter().map(windows).sum()
+    }
+
+    /// Follows every window and gives its release and its sums, its own start eliminated.
+    pub fn each_window<D: Readings<R> + ?Sized>(
+        &self,
+        on: &Releases<R, D>,
+        n_periods: usize,
+        columns: &Columns<R>,
+        has_candidates: bool,
+        mut take: impl FnMut(usize, &Sums<R>),
+    ) {
+        let mut follower = Follower::new(&self.parameters, columns, has_candidates);
+        for (release, readings) in on.readings.iter().enumerate() {
+            for window in Windows::new(*readings, on.interval_s, (self.offset_rad, on.noise_rad), n_periods) {
+                let mut sums = Sums::default();
+                follower.start(window.angle_rad, window.velocity_rad_s, R::of(window.first as f64) * on.interval_s);
+                for index in window.first..window.end {
+                    if index > window.first {
+                        follower.advance(on.interval_s);
+                    }
+                    let prediction = follower.read();
+                    let residual = readings.at(index) - self.offset_rad - prediction.reading_rad;
+                    sums.add_reading(residual, prediction.known, prediction.added);
+                }
+                sums.eliminate_starts();
+                take(release, &sums);
+            }
+        }
+    }
+
+    /// One step to where the windows are explained best; by which share it moves the inertia about the pivot.
+    fn step(&mut self, columns: &Columns<R>, sums: &Sums<R>) -> Option<R> {
+        let inverse = inverted(&sums.known, N_STARTS, columns.known.len())?;
+        let step: [R; MAX_KNOWN] = core::array::from_fn(|i| {
+            (0..MAX_KNOWN).fold(R::zero(), |sum, j| sum + inverse[i][j] * sums.known_score[j])
+        });
+        let pendulum = &mut self.parameters.pendulum;
+        let whole = pendulum.pivot_inertia_kg_m2();
+        let largest = R::of(LARGEST_STEP) * whole;
+        let [_, _, offset, viscous, coulomb, inertia, ..] = step;
+        let share = (largest / inertia.abs().max(largest)).min(R::one());
+        pendulum.inertia_kg_m2 = (pendulum.inertia_kg_m2 + share * inertia).max(R::zero());
+        self.offset_rad = self.offset_rad + share * offset;
+        let dry = [(base::VISCOUS, viscous), (base::COULOMB, coulomb)];
+        dry.iter().for_each(|(id, change)| self.change(*id, 0, share * *change, R::zero()));
+        let strengths = step.iter().skip(N_STARTS + N_BASE);
+        for ((id, index), change) in columns.present.iter().zip(strengths) {
+            self.change(*id, usize::from(*index), share * *change, -R::of(f64::from(f32::MAX)));
+        }
+        Some(inertia / whole)
+    }
+
+    fn change(&mut self, id: u16, index: usize, by: R, least: R) {
+        let effect = self.parameters.effects.iter_mut().find(|effect| effect.id == id);
+        if let Some(value) = effect.and_then(|effect| effect.values.get_mut(index)) {
+            *value = (*value + by).max(least);
+        }
+    }
+}
