@@ -27,7 +27,9 @@ pub mod verdict;
 pub mod weak;
 
 use crate::fit::identify::FitError;
-use crate::swing::Swing;
+use crate::geometry::{self, GeometryError};
+use crate::recording::Measured;
+use crate::swing::{MixedReadings, Swing, one_kind};
 use energy::Energy;
 use grid::Grid;
 use knowledge::Knowledge;
@@ -60,6 +62,12 @@ pub enum CompareError {
     /// No recording at all.
     #[error("there is no recording to compare with; give at least one")]
     NoRecording,
+    /// Mass, length or inertia are not those of the pendulum that swung.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// Angles and rates at once.
+    #[error(transparent)]
+    Mixed(#[from] MixedReadings),
     /// The first fit failed.
     #[error(transparent)]
     Fit(#[from] FitError),
@@ -74,6 +82,8 @@ pub struct Comparison {
     pub answer: Answer,
     /// The verdict, a sentence an entry.
     pub verdict: Vec<String>,
+    /// What the recordings hold: angles, or rates; of rates, what is called `…_rad` is in rad/s.
+    pub measured: Measured,
     /// Were the parameters fitted to these recordings first?
     pub fitted_first: bool,
     /// The model that was compared.
@@ -116,6 +126,8 @@ pub fn compare(
         return Err(CompareError::NoRecording);
     }
     let swings: Vec<Swing> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
+    let measured = one_kind(swings.iter().chain(held_out.iter().map(|measurement| &measurement.swing)))?;
+    geometry::check(rig, &swings)?;
     let parameters = if options.fit_first { numbers::least_squares(&swings, rig)?.parameters } else { rig.clone() };
     let judge_all = |all: &[Measurement], follow: Follow| -> Vec<Judged> {
         let judge = |m: &Measurement| recording::judge(m, &parameters, follow(&m.swing, &parameters));
@@ -139,8 +151,10 @@ pub fn compare(
     let tables: Vec<_> = recordings.iter().map(|r| (r.swings.as_slice(), r.stop_angles_rad.is_some())).collect();
     let places = per_swing::places(&tables);
     let energy = energy::energy(&recordings.iter().map(Judged::pair).collect::<Vec<_>>());
-    let torque = mismatches.is_empty().then(|| torque_of(&recordings, &parameters)).flatten();
+    let shows_torque = mismatches.is_empty() && measured == Measured::Angle;
+    let torque = shows_torque.then(|| torque_of(&recordings, &parameters)).flatten();
     let seen = Seen {
+        measured,
         recordings: &recordings,
         held_out: &held_out,
         totals: &totals,
@@ -154,6 +168,7 @@ pub fn compare(
     };
     let (answer, verdict) = (seen.answer(), seen.sentences());
     Ok(Comparison {
+        measured,
         version: VERSION,
         answer,
         verdict,

@@ -28,6 +28,7 @@ use crate::fit::by_least_squares::fitted_as_it_is;
 use crate::fit::identify::problem_of;
 use crate::fit::problem::Problem;
 use crate::formula::effect_of;
+use crate::recording::Measured;
 use crate::swing::Swing;
 use search::search;
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
@@ -106,7 +107,10 @@ pub fn diagnose_counted(
 /// swings could not tell, with the reason.
 fn candidates(swings: &[Swing]) -> (Vec<&'static Effect<f64>>, Vec<NotTried>) {
     let (mut tried, mut not_tried) = (Vec::new(), Vec::new());
-    for effect in Effect::ALL.iter().filter(|effect| !effect.is_base() && !effect.rules.is_free_offset) {
+    // Of a sensor of rates the scale is free in every fit, as the offset is.
+    let is_rate = swings.iter().any(|swing| swing.measured == Measured::Rate);
+    let is_free = |effect: &Effect<f64>| effect.rules.is_free_offset || is_rate && effect.rules.is_calibrated;
+    for effect in Effect::ALL.iter().filter(|effect| !effect.is_base() && !is_free(effect)) {
         if effect.rules.needs_several_releases && swings.len() < 2 {
             let reason = "needs several releases: within one swing the amplitude falls as time goes by, so that it \
                           can't be told from a law of speed or angle";

@@ -12,6 +12,7 @@ pub mod export;
 pub mod files;
 pub mod fit;
 pub mod formula;
+pub mod geometry;
 pub mod improve;
 pub mod lanes;
 pub mod link;

@@ -1,21 +1,26 @@
-//! A recording of a swinging pendulum: times, raw angles and how they were taken.
+//! A recording of a swinging pendulum: times, raw angles or angular velocities, and how they were taken.
 //!
 //! In: a file (ours or anybody's CSV) or samples from the link. Out: a [`Recording`] whose times increase strictly and
 //! whose values are finite, so that what comes after (noise, segments, fits) cannot fail on its shape.
-//! Times in s, angles in rad; 0 = hanging, counter-clockwise positive; never filtered.
+//! Times in s, angles in rad; 0 = hanging, counter-clockwise positive; never filtered. Where [`Recording::measured`] says
+//! so, the readings are rates in rad/s instead.
 //! This part knows files and samples, but neither models nor the link.
 
 mod angle;
 pub mod check;
+mod choose;
 mod circle;
 mod clock;
 mod columns;
 mod error;
 mod foreign;
 mod header;
+mod measured;
 mod number;
 pub mod plausible;
+mod rate;
 mod read;
+mod samples;
 pub mod segment;
 pub(crate) mod smooth;
 mod source;
@@ -25,9 +30,10 @@ mod words;
 mod write;
 
 pub use crate::files::Existing;
-pub use columns::{AngleUnit, ColumnRef, Columns, ColumnsError, TimeUnit};
+pub use columns::{AngleUnit, ColumnRef, Columns, ColumnsError, RateUnit, TimeUnit};
 pub use error::{Fault, ReadError, WriteError};
 pub use header::{Calibration, FORMAT_NAME, FORMAT_VERSION, Header};
+pub use measured::Measured;
 pub use read::{ReadOptions, read, read_bytes};
 pub use write::{Writer, save};
 
@@ -108,7 +114,12 @@ impl Recording {
         &self.times_s
     }
 
-    /// Raw angles, rad; 0 = hanging, counter-clockwise positive.
+    /// What the readings are.
+    pub fn measured(&self) -> Measured {
+        self.header.measured.unwrap_or_default()
+    }
+
+    /// Raw readings: angles in rad, 0 = hanging, counter-clockwise positive; where rates are measured, those in rad/s.
     pub fn angles_rad(&self) -> &[f64] {
         &self.angles_rad
     }

@@ -2,11 +2,13 @@
 
 mod step;
 
+use crate::recording::plausible::Swings;
 use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
-use crate::recording::{Fault, Recording};
+use crate::recording::{Fault, Measured, Recording};
 use crate::trajectory::Schedule;
 use shared::effect::Effect;
 use shared::parameters::Parameters;
+use std::f64::consts::TAU;
 use step::{FINE_STEP_S, longest_step_s};
 
 /// Why a recording has no swing to fit.
@@ -20,6 +22,35 @@ pub enum SwingError {
     Fault(#[from] Fault),
 }
 
+/// Swings of an angle and of a rate together: the scale of the one sensor is not that of the other.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "{angle} holds angles and {rate} rates: they come from two sensors with a scale each; give recordings of one kind"
+)]
+pub struct MixedReadings {
+    /// A recording of angles.
+    pub angle: String,
+    /// A recording of rates.
+    pub rate: String,
+}
+
+/// What all swings measure; angles where there are none.
+///
+/// # Errors
+/// They are not of one kind.
+pub fn one_kind<'a>(swings: impl Iterator<Item = &'a Swing>) -> Result<Measured, MixedReadings> {
+    let (mut angle, mut rate) = (None, None);
+    for swing in swings {
+        let first = if swing.measured == Measured::Angle { &mut angle } else { &mut rate };
+        first.get_or_insert_with(|| swing.name.clone());
+    }
+    match (angle, rate) {
+        (Some(angle), Some(rate)) => Err(MixedReadings { angle, rate }),
+        (None, Some(_)) => Ok(Measured::Rate),
+        _ => Ok(Measured::Angle),
+    }
+}
+
 /// Seconds of rest that are kept behind a swing.
 const KEPT_REST_S: f64 = 0.5;
 
@@ -30,10 +61,14 @@ pub struct Swing {
     pub name: String,
     /// Seconds since the first sample, rising strictly.
     pub times_s: Vec<f64>,
-    /// Measured angle in rad, unfiltered.
+    /// What was measured.
+    pub measured: Measured,
+    /// The readings, unfiltered: angles in rad, or rates in rad/s where those were measured.
     pub angles_rad: Vec<f64>,
-    /// Total rms noise of the angle, rad.
+    /// Total rms noise of the readings, in their unit.
     pub noise_rad: f64,
+    /// A reading of so much is an amplitude of a radian: 1, or for rates the angular frequency of small swings.
+    reading_per_rad: f64,
     /// No integration step should be longer, s.
     longest_step_s: f64,
     /// How to step through the times, usually and with effects that change within a few degrees.
@@ -58,17 +93,60 @@ pub enum Window {
 impl Swing {
     /// From times and angles of the free motion, noise in rad. At least three samples, times rising strictly.
     pub fn new(name: &str, times_s: &[f64], angles_rad: &[f64], noise_rad: f64) -> Self {
+        Self::build(name, Measured::Angle, 1.0, times_s, angles_rad, noise_rad)
+    }
+
+    /// The same from readings of either kind and their noise.
+    pub fn of(name: &str, measured: Measured, times_s: &[f64], readings: &[f64], noise: f64) -> Self {
+        let small_rad_s = || Swings::of(times_s, readings).map_or(TAU, |swings| swings.small_rad_s());
+        let reading_per_rad = if measured == Measured::Rate { small_rad_s() } else { 1.0 };
+        Self::build(name, measured, reading_per_rad, times_s, readings, noise)
+    }
+
+    /// Other readings of the same sensor on the same pendulum.
+    pub fn like(&self, times_s: &[f64], readings: &[f64]) -> Self {
+        Self::build(&self.name, self.measured, self.reading_per_rad, times_s, readings, self.noise_rad)
+    }
+
+    fn build(
+        name: &str,
+        measured: Measured,
+        reading_per_rad: f64,
+        times_s: &[f64],
+        readings: &[f64],
+        noise_rad: f64,
+    ) -> Self {
         let times_s: Vec<f64> = times_s.iter().map(|t| t - times_s[0]).collect();
-        let longest_step_s = longest_step_s(&times_s, &angles_rad[..n_lively(angles_rad)], noise_rad);
+        let sizes_rad: Vec<f64> = readings.iter().map(|reading| reading / reading_per_rad).collect();
+        let n_lively = n_lively(&sizes_rad);
+        let longest_step_s = longest_step_s(&times_s, &sizes_rad[..n_lively], noise_rad / reading_per_rad);
         Self {
             name: name.to_owned(),
-            n_lively: n_lively(angles_rad),
-            angles_rad: angles_rad.to_vec(),
-            schedules: schedules(&times_s, longest_step_s, 1.0),
+            n_lively,
+            measured,
+            angles_rad: readings.to_vec(),
+            reading_per_rad,
+            schedules: schedules(&times_s, longest_step_s, 1.0, measured),
             times_s,
             noise_rad,
             longest_step_s,
         }
+    }
+
+    /// The readings as sizes of the motion, rad: angles as they are, rates as the amplitude that would make them.
+    pub fn sizes_rad(&self) -> impl Iterator<Item = f64> {
+        self.angles_rad.iter().map(|reading| self.size_rad(*reading))
+    }
+
+    /// The same of one reading.
+    pub fn size_rad(&self, reading: f64) -> f64 {
+        reading / self.reading_per_rad
+    }
+
+    /// The same swing, of which the model's angles are asked, whatever was measured.
+    pub fn asking_for_angles(&self) -> Self {
+        let schedules = self.schedules.clone().map(|schedule| schedule.reading(Measured::Angle));
+        Self { schedules, ..self.clone() }
     }
 
     /// The free swing of a recording and what was cut off. Of the rest at the end only the beginning is kept: it tells
@@ -89,7 +167,8 @@ impl Swing {
             }
         };
         let part = recording.part(range)?;
-        Ok((Self::new(name, part.times_s(), part.angles_rad(), segments.noise.total_rms), segments))
+        let noise = segments.noise.total_rms;
+        Ok((Self::of(name, recording.measured(), part.times_s(), part.angles_rad(), noise), segments))
     }
 
     /// How to step through the times with this model.
@@ -126,13 +205,13 @@ impl Swing {
     pub fn thinned(&self, rate_hz: f64) -> Self {
         let every = ((self.len() as f64 / self.duration_s() / rate_hz) as usize).max(1);
         let pick = |values: &[f64]| values.iter().step_by(every).copied().collect::<Vec<f64>>();
-        Self::new(&self.name, &pick(&self.times_s), &pick(&self.angles_rad), self.noise_rad)
+        self.like(&pick(&self.times_s), &pick(&self.angles_rad))
     }
 
     /// Enough of it to find the way to the best values: few samples, and steps that are too long for the last digit.
     pub fn decimated(&self) -> Self {
         let thin = self.thinned(DECIMATED_RATE_HZ);
-        Self { schedules: schedules(&thin.times_s, self.longest_step_s, DECIMATED_STEP), ..thin }
+        Self { schedules: schedules(&thin.times_s, self.longest_step_s, DECIMATED_STEP, self.measured), ..thin }
     }
 
     /// Number of samples in a window.
@@ -145,22 +224,43 @@ impl Swing {
         }
     }
 
-    /// Angle (rad) and velocity (rad/s) at the first sample, by a parabola through the first samples.
+    /// Angle (rad) and velocity (rad/s) at the first sample.
     pub fn start_guess(&self) -> (f64, f64) {
+        let (reading, slope) = self.first_reading();
+        match self.measured {
+            Measured::Angle => (reading, slope),
+            Measured::Rate => (self.angle_at_start(reading, slope), reading),
+        }
+    }
+
+    /// Reading and slope at the first sample, by a parabola through the first samples.
+    fn first_reading(&self) -> (f64, f64) {
         let n_samples =
             self.samples_within(Window::First(START_FIT_S)).clamp(MIN_START_SAMPLES.min(self.len()), self.len());
         let rows = nalgebra::DMatrix::from_fn(n_samples, 3, |i, j| self.times_s[i].powi(j as i32));
-        let angles = nalgebra::DVector::from_column_slice(&self.angles_rad[..n_samples]);
-        match rows.svd(true, true).solve(&angles, 1e-12) {
+        let readings = nalgebra::DVector::from_column_slice(&self.angles_rad[..n_samples]);
+        match rows.svd(true, true).solve(&readings, 1e-12) {
             Ok(fit) => (fit[0], fit[1]),
             Err(_) => (self.angles_rad[0], 0.0),
         }
     }
+
+    /// From the rate at the start and the largest of the first swing by the energy, `½ ω² − ω0² cos θ` being even; it
+    /// speeds up towards the lowest point.
+    fn angle_at_start(&self, rate_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
+        let small_rad_s = self.reading_per_rad;
+        let first_s = FIRST_SWING * TAU / small_rad_s;
+        let first = self.times_s.partition_point(|t| *t <= first_s);
+        let largest = self.angles_rad[..first].iter().fold(rate_rad_s.abs(), |largest, rate| largest.max(rate.abs()));
+        let fallen = (largest.powi(2) - rate_rad_s.powi(2)) / (2.0 * small_rad_s.powi(2));
+        -acceleration_rad_s2.signum() * (1.0 - fallen).clamp(-1.0, 1.0).acos()
+    }
 }
 
 /// Usual and fine steps, each so many times as long as it need be.
-fn schedules(times_s: &[f64], longest_step_s: f64, factor: f64) -> [Schedule; 2] {
-    [longest_step_s, longest_step_s.min(FINE_STEP_S)].map(|step_s| Schedule::new(times_s, factor * step_s))
+fn schedules(times_s: &[f64], longest_step_s: f64, factor: f64, measured: Measured) -> [Schedule; 2] {
+    [longest_step_s, longest_step_s.min(FINE_STEP_S)]
+        .map(|step_s| Schedule::new(times_s, factor * step_s).reading(measured))
 }
 
 /// Samples up to the last one at which the pendulum is still far from its middle.
@@ -185,6 +285,9 @@ const REST_NOISES: f64 = 1.5;
 
 /// A parabola follows the pendulum this long.
 const START_FIT_S: f64 = 0.06;
+
+/// The largest rate of the first swing comes within so many periods of small swings.
+const FIRST_SWING: f64 = 1.3;
 
 /// Fewer would not tell noise from velocity.
 const MIN_START_SAMPLES: usize = 5;

@@ -424,9 +424,18 @@ impl<R: Real> Model<R> {
 
     /// The sensor on a pendulum that is held still in this state.
     pub fn sensor_at_rest(&self, state: &State<R>) -> SensorState<R> {
+        self.sensor_settled(state.angle_rad, state)
+    }
+
+    /// The same for a sensor of the angular velocity.
+    pub fn rate_sensor_at_rest(&self, state: &State<R>) -> SensorState<R> {
+        self.sensor_settled(state.velocity_rad_s, state)
+    }
+
+    fn sensor_settled(&self, measured: R, state: &State<R>) -> SensorState<R> {
         let motion = self.motion_of(state);
         let mut memories = [[R::zero(); SENSOR_MEMORY]; MAX_SENSORS];
-        let mut reading = state.angle_rad;
+        let mut reading = measured;
         for (memory, term) in memories.iter_mut().zip(&self.sensors) {
             *memory = (term.law.start)(reading, &motion, &term.values);
             reading = (term.law.read)(reading, &motion, memory, &term.values);
@@ -436,12 +445,23 @@ impl<R: Real> Model<R> {
 
     /// What the sensor reads in this state, in rad. Call it at each sample in turn: some sensors remember.
     pub fn read(&self, state: &State<R>, sensor: &mut SensorState<R>) -> R {
+        self.read_of(state.angle_rad, state, sensor)
+    }
+
+    /// What a sensor of the angular velocity (a gyroscope, a tachometer) reads, in rad/s: gain, lag and zero act on the
+    /// velocity as those of an angle's sensor do on the angle.
+    pub fn read_rate(&self, state: &State<R>, sensor: &mut SensorState<R>) -> R {
+        self.read_of(state.velocity_rad_s, state, sensor)
+    }
+
+    #[inline(always)]
+    fn read_of(&self, measured: R, state: &State<R>, sensor: &mut SensorState<R>) -> R {
         if self.sensors.is_empty() {
-            return state.angle_rad;
+            return measured;
         }
         let motion = self.motion_of(state);
         let chain = self.sensors.iter().zip(&mut sensor.0);
-        chain.fold(state.angle_rad, |reading, (term, memory)| (term.law.read)(reading, &motion, memory, &term.values))
+        chain.fold(measured, |reading, (term, memory)| (term.law.read)(reading, &motion, memory, &term.values))
     }
 
     /// Does the sensor read the angle as it is?

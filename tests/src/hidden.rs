@@ -4,9 +4,12 @@
 //! Plant and sensor are independent of the product: own integrator, own laws, own measuring chain. Only an effect that
 //! has no law of its own there yet acts by the list's (`listed`).
 
+mod gyroscope;
 mod listed;
 mod plant;
 mod sensor;
+
+pub use gyroscope::Gyroscope;
 
 use host::fit::identify::{Method, Options, fit};
 use host::recording::Recording;

@@ -170,3 +170,22 @@ fn a_folder_that_is_not_there() {
     host(folder.path(), "init --unknown-geometry -o nowhere/rig.toml").failed(1, &["nowhere/rig.toml", "folder"]);
     assert!(!Path::new("nowhere").exists());
 }
+
+/// The paper's pendulum, recorded; then a model file in which one number is in another unit. Every command that holds
+/// a model against a recording refuses, and says which line cures it.
+#[test]
+fn a_mass_in_grams_and_a_length_in_centimetres_are_refused_with_the_line_that_cures_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    host(folder, "init --mass 0.1466084 --length 0.1562177 --inertia 0.00284252").succeeded();
+    host(folder, "simulate plain --seconds 20 --rate 100 -o swing.csv").succeeded();
+    host(folder, "init --mass 146.6084 --length 0.1562177 --inertia 0.00284252 -o grams.toml").succeeded();
+    for command in ["fit", "compare", "diagnose", "improve", "plan"] {
+        let run = host(folder, &format!("{command} swing.csv --rig grams.toml"));
+        run.failed(1, &["swing.csv", "146.6084 kg", "grams", "`mass = 0.1466084` in rig.toml"]);
+    }
+    host(folder, "init --mass 0.1466084 --length 15.62177 --inertia 0.00284252 -o cm.toml").succeeded();
+    host(folder, "fit swing.csv --rig cm.toml").failed(1, &["period", "metres", "`length = 0.1562177`"]);
+    host(folder, "init --mass 0.1466084 --length 0.1562177 --inertia 28.4252 -o gcm2.toml").succeeded();
+    host(folder, "fit swing.csv --rig gcm2.toml").failed(1, &["period", "kg·m²", "`inertia = 2."]);
+}

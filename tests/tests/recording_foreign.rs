@@ -2,7 +2,7 @@
 //!
 //! `corpus/foreign` holds one swing in the dress of many; `make.py` there integrates and writes it.
 
-use host::recording::{ReadOptions, Recording, read, read_bytes};
+use host::recording::{Measured, ReadOptions, Recording, read, read_bytes};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -95,9 +95,8 @@ fn read_rightly() -> Vec<Read> {
 }
 
 /// Files that are refused, each with words of the reason and of the cure.
-const REFUSED: [(&str, &[&str]); 14] = [
-    ("phyphox_gyroscope.csv", &["angular velocit", "--columns theta="]),
-    ("bare_gyroscope.csv", &["angular", "--radians"]),
+const REFUSED: [(&str, &[&str]); 13] = [
+    ("bare_gyroscope.csv", &["angular", "--columns t=0,rate=1:rad/s", "--radians"]),
     ("phi_punkt.csv", &["no angle column", "--columns theta="]),
     ("position_in_metres.csv", &["no angle column", "Position (m)"]),
     ("small_degrees.csv", &["--degrees", "period"]),
@@ -145,6 +144,62 @@ impl EqDefault for ReadOptions {
     }
 }
 
+/// How far the rates, added up from the release, are from the angles of truth.csv at most, rad.
+fn off_when_added_up(recording: &Recording) -> f64 {
+    let truth = open("truth.csv", &ReadOptions::default()).unwrap();
+    assert_eq!((recording.measured(), recording.len()), (Measured::Rate, truth.len()), "{:?}", recording.notes());
+    let (times_s, rates) = (recording.times_s(), recording.angles_rad());
+    let mut angle_rad = truth.angles_rad()[0];
+    let mut off_rad = 0.0_f64;
+    for idx in 1..recording.len() {
+        angle_rad += (rates[idx] + rates[idx - 1]) / 2.0 * (times_s[idx] - times_s[idx - 1]);
+        off_rad = off_rad.max((angle_rad - truth.angles_rad()[idx]).abs());
+    }
+    off_rad
+}
+
+/// The trapezoid's share of a cosine at 50 Hz is 1 − (ω·Δt)²/12 = 0.9987; the noise adds up to 1e-3 rad.
+const ADDED_UP_RAD: f64 = 4e-3;
+
+#[test]
+fn a_gyroscopes_rates_stay_rates_by_name_by_header_and_as_told() {
+    let phone = open("phyphox_gyroscope.csv", &ReadOptions::default()).unwrap();
+    assert!(off_when_added_up(&phone) < ADDED_UP_RAD, "{}", off_when_added_up(&phone));
+    let notes = phone.notes().join("; ");
+    assert!(notes.contains("of 3 axes 1 (Gyroscope x (rad/s)) moves most"), "{notes}");
+    let told = open("bare_gyroscope.csv", &columns("t=0,rate=1:rad/s")).unwrap();
+    assert!(off_when_added_up(&told) < ADDED_UP_RAD && told.notes().len() == 1, "{:?}", told.notes());
+    let bare = std::fs::read_to_string(folder().join("bare_gyroscope.csv")).unwrap();
+    for header in ["# measured: rate\n", "# measured = \"rate\"\n", "# measured=rate\nt,theta\n"] {
+        let text = format!("{header}{bare}");
+        let recording = read_bytes("bare.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
+        assert!(off_when_added_up(&recording) < ADDED_UP_RAD, "{header}");
+    }
+}
+
+#[test]
+fn rates_in_degrees_are_told_from_rates_in_radians_by_the_fastest_fall() {
+    let in_degrees = |name: &str| {
+        let text = std::fs::read_to_string(folder().join("phyphox_gyroscope.csv")).unwrap();
+        let rows = text.lines().skip(1).map(|row| {
+            let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+            format!("{},{}", cells[0], cells[1].to_degrees())
+        });
+        format!("Time (s),{name}\n{}\n", rows.collect::<Vec<_>>().join("\n"))
+    };
+    let read = |name: &str, options: &ReadOptions| read_bytes("phone.csv", in_degrees(name).as_bytes(), options);
+    let refused = read("gyro", &ReadOptions::default()).unwrap_err().to_string();
+    assert!(refused.contains("lowest point") && refused.contains("rate=1:deg/s"), "{refused}");
+    for (name, options) in [("gyro (deg/s)", ReadOptions::default()), ("gyro", columns("t=0,rate=1:deg/s"))] {
+        let recording = read(name, &options).unwrap();
+        assert!(off_when_added_up(&recording) < ADDED_UP_RAD, "{name}");
+    }
+    // And radians a second that are named degrees: the period grows as it does for rates 57 times as large.
+    let text = std::fs::read_to_string(folder().join("phyphox_gyroscope.csv")).unwrap().replace("rad/s", "deg/s");
+    let refused = read_bytes("phone.csv", text.as_bytes(), &ReadOptions::default()).unwrap_err().to_string();
+    assert!(refused.contains("radians a second") && refused.contains("rate=1:rad/s"), "{refused}");
+}
+
 #[test]
 fn what_would_be_read_wrongly_is_refused_with_the_cure() {
     for (name, words) in REFUSED {
@@ -172,6 +227,7 @@ fn every_file_of_the_folder_has_its_say() {
         .map(|read| read.name)
         .chain(REFUSED.iter().map(|(name, _)| *name))
         .chain(DOUBTED.iter().map(|(name, _)| *name))
+        .chain(["phyphox_gyroscope.csv"])
         .map(str::to_owned)
         .collect();
     let there = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());

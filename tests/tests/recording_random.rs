@@ -1,6 +1,6 @@
 //! A thousand files of random units, columns and countries whose swing is known: none is read wrongly without a word.
 
-use host::recording::{ReadOptions, Recording, read_bytes};
+use host::recording::{Measured, ReadOptions, Recording, read_bytes};
 use tests::chance::Chance;
 
 const N_FILES: u64 = 1000;
@@ -223,12 +223,14 @@ fn off(recording: &Recording, file: &File) -> Option<(f64, f64)> {
     let step_s = truth.times_s[1];
     let begin_s = recording.times_s()[0] - truth.times_s[kept[0]];
     let pairs = || kept.iter().enumerate().map(|(read, idx)| (read, *idx));
-    let zero = pairs().map(|(read, idx)| recording.angles_rad()[read] - truth.angles_rad[idx]).sum::<f64>()
-        / kept.len() as f64;
+    let is_rate = recording.measured() == Measured::Rate;
+    let wanted = if is_rate { &truth.rates_rad_s } else { &truth.angles_rad };
+    let zero = pairs().map(|(read, idx)| recording.angles_rad()[read] - wanted[idx]).sum::<f64>() / kept.len() as f64;
     let time = |(read, idx): (usize, usize)| (recording.times_s()[read] - begin_s - truth.times_s[idx]).abs() / step_s;
-    let angle = |(read, idx): (usize, usize)| (recording.angles_rad()[read] - zero - truth.angles_rad[idx]).abs();
+    let angle = |(read, idx): (usize, usize)| (recording.angles_rad()[read] - zero - wanted[idx]).abs();
     let zero_is_off = zero.abs() > 0.1;
-    let angle = pairs().map(angle).fold(0.0, f64::max) / truth.angles_rad[0];
+    let angle =
+        pairs().map(angle).fold(0.0, f64::max) / wanted.iter().fold(0.0, |largest, reading| reading.abs().max(largest));
     Some((pairs().map(time).fold(0.0, f64::max), if zero_is_off { f64::INFINITY } else { angle }))
 }
 

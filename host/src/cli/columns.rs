@@ -15,13 +15,13 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Reading recordings")]
 pub(super) struct Reading {
-    /// Columns by number from 0 or by name, such as t=0,theta=2 or t=0:ms,theta=angle:deg
+    /// Columns by number from 0 or by name, such as t=0,theta=2 or t=0:ms,theta=angle:deg or t=0,rate=2:deg/s
     #[arg(long, value_name = "COLUMNS")]
     columns: Option<Columns>,
-    /// The angles are in degrees
+    /// The angles are in degrees, rates in degrees a second
     #[arg(long, conflicts_with = "radians")]
     degrees: bool,
-    /// The angles are in radians, however large they are
+    /// The angles are in radians, however large they are; rates in radians a second
     #[arg(long)]
     radians: bool,
     /// Samples per second, for files without a time column
@@ -71,6 +71,7 @@ impl Reading {
             angle_unit,
             zero: self.zero,
             pivot: self.pivot,
+            measured: None,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::columns::Reading;
 use super::comparison::text;
-use super::given::Given;
+use super::given::{Given, check_geometry};
 use super::{output, rig};
 use crate::compare::measurement::Measurement;
 use crate::compare::pictures::pictures;
@@ -45,6 +45,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     check_outputs(options)?;
     let measurements = measurements(&options.given.reading, &options.given.recordings)?;
     let held_out = self::measurements(&options.given.reading, &options.hold_out)?;
+    let swings: Vec<_> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
+    check_geometry(model.parameters(), &swings)?;
     let settings = compare::Options { fit_first: model.is_fresh(), question_numbers: true };
     let comparison = compare(model.parameters(), &measurements, &held_out, &settings).map_err(Failure::failed)?;
     if let Some(folder) = &options.plot {
@@ -69,13 +71,10 @@ fn measurements(reading: &Reading, paths: &[PathBuf]) -> Result<Vec<Measurement>
 /// known which ones there will be.
 fn check_outputs(options: &Options) -> Result<(), Failure> {
     let given = &options.given;
-    rig::check_outputs(
-        given.rig.as_deref(),
-        None,
-        options.report.as_deref(),
-        &[&given.recordings, &options.hold_out],
-        options.force,
-    )?;
+    let rig = rig::chosen_path(given.rig.as_deref());
+    let read: Vec<&Path> = given.recordings.iter().chain(&options.hold_out).chain(&rig).map(PathBuf::as_path).collect();
+    let new: Vec<&Path> = options.report.iter().map(PathBuf::as_path).collect();
+    output::check(&new, &read, options.force)?;
     let inside = |folder: &PathBuf| folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
     let is_picture = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "svg");
     let earlier: Vec<PathBuf> = options.plot.iter().flat_map(inside).filter(is_picture).take(1).collect();

@@ -49,13 +49,10 @@ fn recordings(comparison: &Comparison) -> String {
             or_dash(judged.predictions.step_ahead_rad),
         ]
     };
+    let head = format!("error in {} rms", comparison.measured.milli_unit());
     let fitted = comparison.recordings.iter().map(|judged| row(judged, ""));
     let held_out = comparison.held_out.iter().map(|judged| row(judged, " (held out)"));
-    table(
-        ["error in mrad rms", "noise", "free run", "a swing ahead", "a step ahead"],
-        fitted.chain(held_out).collect(),
-        1,
-    )
+    table([head.as_str(), "noise", "free run", "a swing ahead", "a step ahead"], fitted.chain(held_out).collect(), 1)
 }
 
 fn parameters(parameters: &[Known]) -> String {

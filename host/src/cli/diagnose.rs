@@ -44,7 +44,7 @@ struct Shown<'a> {
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let model = options.given.model()?;
-    let swings = options.given.swings()?;
+    let swings = options.given.swings(&model)?;
     let held_out = options.given.held_out(&options.hold_out, &swings)?;
     output::say("fitting the base model, then every effect …");
     let wishes = Wishes { typed: options.effect, formulas: options.formulas };

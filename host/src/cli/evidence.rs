@@ -67,7 +67,8 @@ fn not_tried(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 fn verdict(diagnosis: &Diagnosis) -> String {
-    let noises = |rmse: f64| format!("{:.2} mrad, {:.2} times the noise", 1e3 * rmse, rmse / diagnosis.noise);
+    let unit = diagnosis.measured.milli_unit();
+    let noises = |rmse: f64| format!("{:.2} {unit}, {:.2} times the noise", 1e3 * rmse, rmse / diagnosis.noise);
     let (before, after) = (noises(diagnosis.rmse_before), noises(diagnosis.rmse_after));
     match (diagnosis.verdict.as_slice(), diagnosis.unexplained) {
         ([], false) => format!("Nothing is missing at this noise level: the base model leaves {after}."),
@@ -141,7 +142,8 @@ fn trust(diagnosis: &Diagnosis, best: &Suggestion) -> String {
         words += " The other formulas below do nearly as well: its form is not certain.";
     }
     if let Some((before, after)) = diagnosis.held_out_after.zip(best.held_out) {
-        words += &format!(" On held-out swings the error goes from {:.2} to {:.2} mrad.", 1e3 * before, 1e3 * after);
+        let unit = diagnosis.measured.milli_unit();
+        words += &format!(" On held-out swings the error goes from {:.2} to {:.2} {unit}.", 1e3 * before, 1e3 * after);
     } else {
         words += " No held-out swing has confirmed it.";
     }
@@ -155,7 +157,7 @@ fn staircase(diagnosis: &Diagnosis) -> String {
     let highest = diagnosis.rmse_before.max(diagnosis.noise);
     let bar = |rmse: f64| "█".repeat((BAR_WIDTH * rmse / highest).round().max(1.0) as usize);
     let held_out = |rmse: Option<f64>| rmse.map_or(String::new(), |rmse| format!("  held out {:.2}", 1e3 * rmse));
-    let mut lines = vec!["Error, mrad rms".to_owned()];
+    let mut lines = vec![format!("Error, {} rms", diagnosis.measured.milli_unit())];
     lines.extend(treads(diagnosis).iter().map(|tread| {
         let Tread { words, rmse_rad, held_out_rad } = tread;
         format!("  {words:<28}{:>8.2}  {}{}", 1e3 * rmse_rad, bar(*rmse_rad), held_out(*held_out_rad))
@@ -180,7 +182,7 @@ fn ranking(diagnosis: &Diagnosis) -> String {
     let line = |candidate: &Candidate| {
         format!("  {:<44}{:>8.2}  {:>7.2}", candidate.name, 1e3 * candidate.rmse, candidate.rmse / diagnosis.noise)
     };
-    let head = format!("{:<46}{:>8}  {:>7}", "Tried", "mrad", "noises");
+    let head = format!("{:<46}{:>8}  {:>7}", "Tried", diagnosis.measured.milli_unit(), "noises");
     let lines = diagnosis.candidates.iter().take(SHOWN).map(line);
     std::iter::once(head).chain(lines).collect::<Vec<_>>().join("\n")
 }

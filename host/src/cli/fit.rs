@@ -7,7 +7,7 @@ mod result;
 mod stages;
 
 use super::columns::Reading;
-use super::given::refuse_doubles;
+use super::given::{check_geometry, refuse_doubles};
 use super::record::{Patience, take};
 use super::values::{Range, custom_effect};
 use super::{output, port, rig};
@@ -136,6 +136,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let swings = options.reading.swings(&recordings)?;
     let held_out = swings_quietly(options, &options.hold_out)?;
     refuse_doubles(&swings, &held_out)?;
+    check_geometry(model.parameters(), &swings)?;
 
     let rig = with_effect(options, &swings, model.parameters())?;
     let plain = identify(options, &swings, &held_out, &rig)?;

@@ -1,11 +1,13 @@
 //! A model and the recordings it is held against: what compare, diagnose, improve and plan are given.
 
 use super::columns::Reading;
-use super::rig;
+use super::{output, rig};
 use crate::error::Failure;
+use crate::geometry;
 use crate::rigfile::RigFile;
-use crate::swing::Swing;
+use crate::swing::{Swing, one_kind};
 use clap::Args;
+use shared::parameters::Parameters;
 use std::path::PathBuf;
 
 /// Recordings, a model file, and how to answer.
@@ -33,10 +35,11 @@ impl Given {
         Ok(file)
     }
 
-    /// The free swings of the recordings.
-    pub(super) fn swings(&self) -> Result<Vec<Swing>, Failure> {
+    /// The free swings of the recordings, which must be able to be this pendulum's.
+    pub(super) fn swings(&self, model: &RigFile) -> Result<Vec<Swing>, Failure> {
         let swings = self.reading.swings(&self.recordings)?;
         refuse_doubles(&swings, &[])?;
+        check_geometry(model.parameters(), &swings)?;
         Ok(swings)
     }
 
@@ -48,8 +51,16 @@ impl Given {
     }
 }
 
-/// A recording that is given twice would count twice, and one that is fitted confirms nothing when it is held out.
+/// Can these be swings of this pendulum? Doubts are told.
+pub(super) fn check_geometry(parameters: &Parameters<f64>, swings: &[Swing]) -> Result<(), Failure> {
+    let doubts = geometry::check(parameters, swings).map_err(Failure::failed)?;
+    doubts.iter().for_each(|doubt| output::warn(doubt));
+    Ok(())
+}
+
+/// Angles and rates do not mix; a recording that is given twice would count twice, and one that is fitted confirms nothing when it is held out.
 pub(super) fn refuse_doubles(fitted: &[Swing], held_out: &[Swing]) -> Result<(), Failure> {
+    one_kind(fitted.iter().chain(held_out)).map_err(Failure::failed)?;
     let all: Vec<(&Swing, bool)> =
         fitted.iter().map(|swing| (swing, false)).chain(held_out.iter().map(|swing| (swing, true))).collect();
     for (i, (swing, is_held_out)) in all.iter().enumerate() {

@@ -10,6 +10,7 @@ use crate::formula::effect_of;
 use crate::improve::{Change, Step, change};
 use crate::plot::staircase::{Tread, staircase};
 use crate::plot::svg::svg;
+use crate::recording::Measured;
 use crate::rigfile::Source;
 use clap::Args;
 use serde::Serialize;
@@ -59,7 +60,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut model = options.given.model()?;
     let changes = changes(options, model.parameters())?;
     check_outputs(options)?;
-    let swings = options.given.swings()?;
+    let swings = options.given.swings(&model)?;
     let held_out = options.given.held_out(&options.hold_out, &swings)?;
     let (parameters, values) = if changes.is_empty() {
         let diagnosis = diagnose_with(
@@ -73,7 +74,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         (diagnosis.parameters, diagnosis.values)
     } else {
         let steps = change(&swings, &held_out, model.parameters(), &changes).map_err(Failure::failed)?;
-        show(options, &Steps { steps: &steps }, || in_words(&steps));
+        let unit = swings.first().map_or(Measured::Angle, |swing| swing.measured).milli_unit();
+        show(options, &Steps { steps: &steps }, || in_words(&steps, unit));
         draw(options, &treads(&steps), steps.first().map_or(0.0, |step| step.noise))?;
         let last = steps.into_iter().next_back();
         last.map_or_else(|| (model.parameters().clone(), Vec::new()), |step| (step.parameters, step.values))
@@ -126,9 +128,9 @@ struct Steps<'a> {
     steps: &'a [Step],
 }
 
-fn in_words(steps: &[Step]) -> String {
+fn in_words(steps: &[Step], unit: &str) -> String {
     let line = |step: &Step| {
-        let held_out = step.held_out.map_or(String::new(), |rmse| format!("  held out {:.3} mrad", 1e3 * rmse));
+        let held_out = step.held_out.map_or(String::new(), |rmse| format!("  held out {:.3} {unit}", 1e3 * rmse));
         let noises = step.rmse / step.noise;
         let said = match step.carries {
             Some(Carries::Confirmed) => ", confirmed",
@@ -136,7 +138,7 @@ fn in_words(steps: &[Step]) -> String {
             Some(Carries::CannotTell) => ", can't tell",
             None => "",
         };
-        format!("  {:<32}{:>9.3} mrad  {noises:>6.2} noises{held_out}{said}", step.words, 1e3 * step.rmse)
+        format!("  {:<32}{:>9.3} {unit}  {noises:>6.2} noises{held_out}{said}", step.words, 1e3 * step.rmse)
     };
     std::iter::once("Error after each step".to_owned()).chain(steps.iter().map(line)).collect::<Vec<_>>().join("\n")
 }

@@ -36,7 +36,7 @@ struct Planned<'a> {
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let file = options.given.model()?;
-    let swings = options.given.swings()?;
+    let swings = options.given.swings(&file)?;
     output::say("looking for the leading explanations …");
     let diagnosis = diagnose(&swings, &[], file.parameters());
     output::say("simulating experiments with each …");

@@ -3,6 +3,7 @@
 use super::measurement::Measurement;
 use super::pictures::short_name;
 use super::recording::Judged;
+use crate::recording::Measured;
 
 /// Swings that a friction law needs to show.
 const FEW_SWINGS: usize = 6;
@@ -16,13 +17,19 @@ pub fn limits(measurements: &[Measurement], recordings: &[Judged]) -> Vec<String
     for (measurement, judged) in measurements.iter().zip(recordings) {
         limits.extend(of_recording(measurement, judged));
     }
-    if recordings.iter().all(|judged| judged.stop_angles_rad.is_none()) {
+    if recordings.iter().any(|judged| judged.kind == Measured::Rate) {
+        limits.push(
+            "Rates, not angles, were measured: energy and period against amplitude, the map of the missing torque and the \
+             stop angle can't be drawn from them; host diagnose tells which effect is missing all the same."
+                .to_owned(),
+        );
+    } else if recordings.iter().all(|judged| judged.stop_angles_rad.is_none()) {
         limits.push(
             "No recording comes to rest: stiction and the stop angle can't be judged; record until it hangs still."
                 .to_owned(),
         );
     }
-    let largest = measurements.iter().flat_map(|m| &m.swing.angles_rad).fold(0.0_f64, |l, a| l.max(a.abs()));
+    let largest = measurements.iter().flat_map(|m| m.swing.sizes_rad()).fold(0.0_f64, |l, a| l.max(a.abs()));
     if largest < LARGE_RELEASE_RAD {
         limits.push(format!(
             "No angle exceeds {largest:.2} rad: effects that show at large amplitude (drag, gain, spring) can't be \

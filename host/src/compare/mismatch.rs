@@ -149,7 +149,9 @@ fn read_as(swing: &Swing, reading: &Reading) -> Swing {
     let times_s: Vec<f64> = swing.times_s[..end].iter().map(|t| t * reading.clock).collect();
     let angle = |angle: &f64| angle * reading.scale + reading.shift_rad;
     let angles_rad: Vec<f64> = swing.angles_rad[..end].iter().map(angle).collect();
-    Swing::new(&swing.name, &times_s, &angles_rad, swing.noise_rad * reading.scale)
+    let mut read = swing.like(&times_s, &angles_rad);
+    read.noise_rad *= reading.scale;
+    read
 }
 
 /// Ratio of the moment about the pivot that follows the first swings to the model's, if one does.

@@ -32,7 +32,7 @@ pub fn rows(swing: &Swing, offset_rad: f64, residuals_rad: &[f64], cuts: &Cuts, 
         let (from, to) = (range[0], range[1]);
         let (from_s, to_s) = (swing.times_s[from], swing.times_s[to]);
         let angles = swing.angles_rad[from..to].iter();
-        let amplitude_rad = angles.fold(0.0_f64, |peak, angle| peak.max((angle - offset_rad).abs()));
+        let amplitude_rad = angles.fold(0.0_f64, |peak, angle| peak.max(swing.size_rad(angle - offset_rad).abs()));
         let within = measured.halves.iter().filter(|half| (from_s..to_s).contains(&half.from_s));
         let lost: Vec<f64> = within.map(|half| half.lost_j).collect();
         let is_whole = k > 0 && k + 2 < ends.len();

@@ -8,12 +8,15 @@ mod time;
 
 use super::Comparison;
 use crate::plot::Picture;
+use crate::recording::Measured;
 
 /// All pictures, in the order in which they are best read.
 pub fn pictures(comparison: &Comparison) -> Vec<Picture> {
     let mut pictures = time::pictures(comparison);
-    pictures.extend(loss::pictures(comparison));
-    pictures.extend(map::pictures(comparison));
+    if comparison.measured == Measured::Angle {
+        pictures.extend(loss::pictures(comparison));
+        pictures.extend(map::pictures(comparison));
+    }
     pictures.extend(against::pictures(comparison));
     pictures.extend(known::pictures(comparison));
     pictures

@@ -4,6 +4,7 @@
 use super::follow::Followed;
 use super::restart::Restart;
 use super::rms;
+use crate::recording::Measured;
 use crate::swing::Swing;
 use serde::Serialize;
 use shared::observer::Observer;
@@ -34,7 +35,9 @@ pub fn predictions(
     parameters: &Parameters<f64>,
 ) -> Predictions {
     let ahead: Vec<f64> = restarts.iter().flat_map(|restart| restart.ahead_rad.iter().copied()).collect();
-    let steps = innovations(swing, followed, parameters);
+    // The rig's observer takes angles.
+    let is_angle = swing.measured == Measured::Angle;
+    let steps = if is_angle { innovations(swing, followed, parameters) } else { Vec::new() };
     let some = |errors: &[f64]| (!errors.is_empty()).then(|| rms(errors));
     Predictions {
         free_run_rad: rms(&followed.residuals_rad),

@@ -12,6 +12,7 @@ use super::rms;
 use super::slope::slopes;
 use super::weak::half_width_s;
 use crate::fit::problem::Start;
+use crate::recording::Measured;
 use crate::swing::{Swing, Window};
 use crate::verdict::{ChiSquare, Left};
 use crate::zero_phase;
@@ -23,6 +24,8 @@ use shared::parameters::Parameters;
 pub struct Judged {
     /// The recording's name.
     pub name: String,
+    /// What it holds; of rates, what is called `…_rad` is in rad/s.
+    pub kind: Measured,
     /// Where the swing begins on the recording's clock, s.
     pub from_s: f64,
     /// Length, s.
@@ -133,7 +136,11 @@ pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>, followed: 
         restarts(swing, parameters, offset_rad, cuts, half_width_s(cuts.half_swing_s, step_s))
     });
     let gravity_nm = parameters.pendulum.gravity_torque_nm();
+    let is_angle = swing.measured == Measured::Angle;
     let around_zero = |angles: &[f64], zero_rad: f64| -> Halves {
+        if !is_angle {
+            return Halves::default();
+        }
         let angles: Vec<f64> = angles.iter().map(|angle| angle - zero_rad).collect();
         halves(&swing.times_s, &angles, swing.noise_rad, gravity_nm)
     };
@@ -148,6 +155,7 @@ pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>, followed: 
     let predictions = predictions(swing, &followed, &restarts, parameters);
     Judged {
         name: swing.name.clone(),
+        kind: swing.measured,
         from_s: measurement.from_s,
         duration_s: swing.duration_s(),
         start: followed.start,
@@ -156,7 +164,7 @@ pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>, followed: 
         verdict: Verdict::of(swing, &followed, &measurement.noise, slow_excess(lively, noise_rad, block)),
         predictions,
         swings,
-        stop_angles_rad: measurement.has_rest.then(|| stop_angles(swing, &followed)),
+        stop_angles_rad: (is_angle && measurement.has_rest).then(|| stop_angles(swing, &followed)),
         autocorrelation: autocorrelation(lively, step_s, SHOWN_HALF_SWINGS * half_swing_s.unwrap_or(1.0)),
         spectrum: spectrum(lively, step_s, noise_rad),
         measured,
@@ -224,7 +232,7 @@ fn stop_angles(swing: &Swing, followed: &Followed) -> (f64, f64) {
 
 fn notes(measurement: &Measurement, offset_rad: f64) -> Vec<String> {
     let mut notes = measurement.notes.clone();
-    notes.extend(zero_words(offset_rad));
+    notes.extend(zero_words(offset_rad).filter(|_| measurement.swing.measured == Measured::Angle));
     notes
 }
 

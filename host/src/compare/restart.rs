@@ -8,6 +8,7 @@ use super::slope::slopes;
 use crate::fit::descent::{Tolerance, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Point, Start};
+use crate::recording::Measured;
 use crate::recording::median;
 use crate::recording::smooth::LocalFit;
 use crate::recording::turning;
@@ -143,10 +144,14 @@ fn restart(
 
 /// A part of a swing; all of it is lively.
 fn piece(swing: &Swing, range: Range<usize>) -> Swing {
-    Swing::new(&swing.name, &swing.times_s[range.clone()], &swing.angles_rad[range], swing.noise_rad)
+    swing.like(&swing.times_s[range.clone()], &swing.angles_rad[range])
 }
 
 fn guess(fitted: &Swing, half_swing_s: f64, offset_rad: f64) -> Option<Start> {
+    if fitted.measured == Measured::Rate {
+        let (angle_rad, rate_rad_s) = fitted.start_guess();
+        return Some(Start { angle_rad, velocity_rad_s: rate_rad_s - offset_rad, offset_rad });
+    }
     let step_s = fitted.duration_s() / (fitted.len() - 1) as f64;
     let width_s = (GUESS_WIDTH * half_swing_s).max(3.0 * step_s);
     let parabola = LocalFit::<3>::new(&fitted.times_s, &fitted.angles_rad, width_s, width_s)?;

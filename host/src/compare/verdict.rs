@@ -8,6 +8,7 @@ use super::per_swing::Place;
 use super::recording::Judged;
 use super::rms;
 use super::torque::TorqueMap;
+use crate::recording::Measured;
 use crate::verdict::Left;
 use serde::Serialize;
 use shared::effect::Effect;
@@ -75,6 +76,8 @@ impl Totals {
 /// Everything that a comparison looked at, before its verdict.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
+    /// What the recordings hold.
+    pub measured: Measured,
     /// Each recording.
     pub recordings: &'a [Judged],
     /// Each held-out recording.
@@ -128,17 +131,21 @@ impl Seen<'_> {
                     format!("{} does not fit this model at all: {}.", mismatch.recording, mismatch.reason)
                 }));
             }
-            Answer::NothingMissing => words.push(nothing(self.totals)),
+            Answer::NothingMissing => words.push(nothing(self)),
             Answer::NoPattern => {
-                words.push(beyond(self.totals, ", so there is more left than noise"));
+                words.push(beyond(self, ", so there is more left than noise"));
                 words.push(
-                    "But neither the energy lost per swing nor the torque over angle and velocity shows a pattern \
+                    if self.measured == Measured::Rate {
+                        "Rates alone do not show where; host diagnose tells which effect is missing."
+                    } else {
+                        "But neither the energy lost per swing nor the torque over angle and velocity shows a pattern \
                      that could be named."
-                        .to_owned(),
+                    }
+                    .to_owned(),
                 );
             }
             Answer::PhysicsMissing => {
-                words.push(beyond(self.totals, ", so physics is missing"));
+                words.push(beyond(self, ", so physics is missing"));
                 words.extend(fails_most(self));
                 words.extend(findings(self));
             }
@@ -152,7 +159,7 @@ impl Seen<'_> {
 /// Wrong numbers come first: what else is missing shows only once they fit.
 fn numbers(seen: &Seen) -> Vec<String> {
     let mut words = vec![
-        beyond(seen.totals, ""),
+        beyond(seen, ""),
         "These numbers do not fit these recordings: fit first, or physics is missing.".to_owned(),
     ];
     words.extend(seen.refit.map(|refit| {
@@ -161,8 +168,9 @@ fn numbers(seen: &Seen) -> Vec<String> {
             Left::Nearly | Left::Noise => "nothing else is missing",
         };
         format!(
-            "Fitted to them, the same model leaves {} mrad, {} times the noise: {rest}.",
+            "Fitted to them, the same model leaves {} {}, {} times the noise: {rest}.",
             in_mrad(refit.residual_rad),
+            seen.measured.milli_unit(),
             times(refit.ratio)
         )
     }));
@@ -181,9 +189,10 @@ fn explained(totals: &Totals) -> String {
     format!("The model explains {explained} % of the motion (fit {fit} % NRMSE).")
 }
 
-fn milliradians(totals: &Totals) -> String {
-    let (residual, noise) = (in_mrad(totals.residual_rad), in_mrad(totals.noise_rad));
-    format!("Residual {residual} mrad, noise {noise} mrad")
+fn milliradians(seen: &Seen) -> String {
+    let (residual, noise) = (in_mrad(seen.totals.residual_rad), in_mrad(seen.totals.noise_rad));
+    let unit = seen.measured.milli_unit();
+    format!("Residual {residual} {unit}, noise {noise} {unit}")
 }
 
 /// Three significant digits.
@@ -193,12 +202,12 @@ pub fn in_mrad(angle_rad: f64) -> String {
     format!("{value:.digits$}")
 }
 
-fn nothing(totals: &Totals) -> String {
-    format!("{}. Nothing is missing at this noise level.", milliradians(totals))
+fn nothing(seen: &Seen) -> String {
+    format!("{}. Nothing is missing at this noise level.", milliradians(seen))
 }
 
-fn beyond(totals: &Totals, conclusion: &str) -> String {
-    format!("{}: {} times the noise{conclusion}.", milliradians(totals), times(totals.ratio))
+fn beyond(seen: &Seen, conclusion: &str) -> String {
+    format!("{}: {} times the noise{conclusion}.", milliradians(seen), times(seen.totals.ratio))
 }
 
 fn fails_most(seen: &Seen) -> Option<String> {
@@ -282,7 +291,8 @@ fn held_out(seen: &Seen) -> Option<String> {
     };
     let residual = in_mrad(totals.residual_rad);
     Some(format!(
-        "On held-out recordings the residual is {residual} mrad, {} times the noise{conclusion}.",
+        "On held-out recordings the residual is {residual} {}, {} times the noise{conclusion}.",
+        seen.measured.milli_unit(),
         times(totals.ratio)
     ))
 }

@@ -4,6 +4,7 @@
 
 use crate::fit::problem::Problem;
 use crate::formula::effect_of;
+use crate::swing::Swing;
 use serde::Serialize;
 use shared::model::Model;
 use shared::parameters::Parameters;
@@ -51,7 +52,7 @@ struct Period {
 
 /// Evidence for each added effect of a fitted model.
 pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence> {
-    let angles = problem.swings.iter().flat_map(|swing| &swing.angles_rad);
+    let angles = problem.swings.iter().flat_map(Swing::sizes_rad);
     let reached_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
     let amplitude_rad = AMPLITUDE_RAD.min(0.9 * reached_rad);
     let added = parameters.effects.iter().filter_map(|present| effect_of(parameters, present.id));
@@ -65,7 +66,7 @@ pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence
             &period(&without, amplitude_rad)?,
         ))
     };
-    added.filter(|effect| !effect.is_base()).filter_map(of).collect()
+    added.filter(|effect| !effect.is_base() && !problem.is_free_scale(effect)).filter_map(of).collect()
 }
 
 /// From a turning point to the next on the same side; `None` if it comes to rest before.

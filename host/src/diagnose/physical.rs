@@ -9,6 +9,7 @@
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
 use crate::formula::effect_of;
+use crate::swing::Swing;
 use shared::effect::{Action, Effect, MAX_VALUES};
 use shared::formula::Program;
 use shared::motion::Motion;
@@ -22,7 +23,7 @@ const N_GRID: i32 = 6;
 
 /// Does friction brake everywhere on the way, and does a spring relax somewhere?
 pub fn is_sound(problem: &Problem, model: &Fitted) -> bool {
-    let angles = problem.swings.iter().flat_map(|swing| &swing.angles_rad);
+    let angles = problem.swings.iter().flat_map(Swing::sizes_rad);
     let amplitude_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
     relaxes(model, amplitude_rad) && brakes_everywhere(problem, model, amplitude_rad)
 }

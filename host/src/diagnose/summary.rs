@@ -8,6 +8,7 @@ use super::verdict::Judge;
 use super::zero;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, held_out_rmse};
+use crate::recording::Measured;
 use crate::swing::{Swing, Window};
 use crate::verdict::Left;
 use serde::Serialize;
@@ -83,6 +84,8 @@ pub struct NotTried {
 pub struct Diagnosis {
     /// Version of this record.
     pub version: u32,
+    /// What the recordings hold; of rates, errors are in rad/s.
+    pub measured: Measured,
     /// Effects claimed to be missing from the base model; empty: nothing is missing, or nothing could be named.
     pub verdict: Vec<&'static str>,
     /// Effects that the data can't tell from one of the verdict.
@@ -169,7 +172,12 @@ impl Summary<'_, '_, '_> {
         let base = &self.judge.found.base;
         let rmse = |cost: f64| (cost / n_samples).sqrt();
         let noise = problem.noise_rad();
-        let rmse_before = rmse(zero::cost_with_offsets_within(problem, base, 0.0));
+        let measured = problem.swings.first().map_or(Measured::Angle, |swing| swing.measured);
+        // A gyroscope has a bias; an angle's zero may be right.
+        let rmse_before = match measured {
+            Measured::Angle => rmse(zero::cost_with_offsets_within(problem, base, 0.0)),
+            Measured::Rate => rmse(base.cost),
+        };
         let rmse_after = rmse(self.claimed.cost);
         let held_out = |parameters: &Parameters<f64>| held_out_rmse(self.held_out, parameters, self.count);
         let mut verdict = self.claimed.names();
@@ -192,6 +200,7 @@ impl Summary<'_, '_, '_> {
         let formulas = if unexplained && with_formulas { self.formulas(&held_out) } else { Vec::new() };
         Diagnosis {
             version: 1,
+            measured,
             undecided: self.undecided,
             not_tried: self.not_tried,
             vetoed: self.vetoed,
@@ -222,7 +231,7 @@ impl Summary<'_, '_, '_> {
     fn formulas(&self, held_out: &dyn Fn(&Parameters<f64>) -> Option<f64>) -> Vec<Suggestion> {
         let problem = self.judge.problem;
         let weight = (problem.n_samples(Window::Whole) as f64).ln();
-        let angles = problem.swings.iter().flat_map(|swing| &swing.angles_rad);
+        let angles = problem.swings.iter().flat_map(Swing::sizes_rad);
         let within_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
         let before = excess(problem, &self.claimed);
         let suggestion = |found: FoundFormula| {

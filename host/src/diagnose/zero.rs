@@ -13,6 +13,7 @@ use crate::fit::fitted::Fitted;
 use crate::fit::linear::Steps;
 use crate::fit::problem::{PER_SWING, Problem};
 use crate::fit::refine::Band;
+use crate::recording::Measured;
 use crate::swing::Window;
 use shared::effect::Effect;
 
@@ -54,7 +55,9 @@ pub struct Zero {
 
 /// Decides for a fitted model; sums of squares (rad²) closer than `indistinguishable` are no reason for anything.
 pub fn decide(problem: &Problem, claimed: Fitted, indistinguishable: f64) -> Zero {
-    let offset_is_missing = is_off(problem, &claimed) && matters(problem, &claimed);
+    // A gyroscope's bias is usual, and no angle.
+    let is_angle = problem.swings.iter().all(|swing| swing.measured == Measured::Angle);
+    let offset_is_missing = is_angle && is_off(problem, &claimed) && matters(problem, &claimed);
     let keep = |model: Fitted, alike| Zero { model, offset_is_missing, alike };
     let Some(rival) = resembling().filter(|rival| offset_is_missing && !claimed.has(rival.name)) else {
         return keep(claimed, None);

@@ -70,7 +70,7 @@ impl Fitted {
         let added = parameters.effects.iter().filter_map(|present| effect_of(&parameters, present.id));
         let level_nm = Stiction::of(&parameters).level_nm;
         Self {
-            effects: added.filter(|effect| !effect.is_base()).collect(),
+            effects: added.filter(|effect| !effect.is_base() && !problem.is_free_scale(effect)).collect(),
             unknowns: problem.unknowns.iter().filter(|unknown| !unknown.is_stiction()).cloned().collect(),
             parameters,
             starts: point.starts.clone(),

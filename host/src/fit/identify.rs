@@ -11,7 +11,9 @@ use super::runs::responses_at;
 use super::sequential::Ranges;
 use super::{ranges, start};
 use crate::formula::effect_of;
-use crate::swing::{Swing, Window};
+use crate::geometry::{self, GeometryError};
+use crate::recording::Measured;
+use crate::swing::{MixedReadings, Swing, Window, one_kind};
 use shared::effect::Effect;
 use shared::parameters::{Parameters, base};
 use std::sync::atomic::AtomicUsize;
@@ -90,6 +92,12 @@ pub enum FitError {
         /// The least value with a meaning.
         limit: f64,
     },
+    /// Mass, length or inertia are not those of the pendulum that swung.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// Angles and rates at once.
+    #[error(transparent)]
+    Mixed(#[from] MixedReadings),
     /// The model never came near.
     #[error(
         "the model does not follow the swings at all: error {error_rad:.3} rad; is the angle in radians, zero where the pendulum hangs, and the geometry right?"
@@ -112,6 +120,8 @@ pub fn fit(
     if swings.is_empty() {
         return Err(FitError::NoSwing);
     }
+    one_kind(swings.iter().chain(held_out))?;
+    geometry::check(rig, swings)?;
     let count = AtomicUsize::new(0);
     let problem = problem_of(swings, rig, &count);
     let first = start::guess(&problem);
@@ -162,6 +172,7 @@ pub fn problem_of<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a Ato
             let _ = template.set(id, &vec![0.0; n_values]);
         }
     }
+    add_scale_of_rates(swings, &mut template);
     let of_effect =
         |id: u16| effect_of(&template, id).map_or(Vec::new(), |effect| Unknown::all_of_effect(effect, &template));
     let added = template.effects.iter().map(|effect| effect.id).filter(|id| *id > base::STICTION);
@@ -170,6 +181,17 @@ pub fn problem_of<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a Ato
     let inertia_at = unknowns.iter().rposition(Unknown::is_stiction).map_or(0, |last| last + 1);
     unknowns.insert(inertia_at, Unknown::inertia(&template));
     Problem::new(swings, &template, unknowns, count)
+}
+
+/// A gyroscope's scale is known to some percent only, so that it is a number of every fit of rates; its bias is the free
+/// offset of each swing.
+fn add_scale_of_rates(swings: &[Swing], template: &mut Parameters<f64>) {
+    let gain = Effect::<f64>::with(|rules| rules.is_calibrated).next();
+    let is_rate = swings.iter().any(|swing| swing.measured == Measured::Rate);
+    if let Some(gain) = gain.filter(|gain| is_rate && template.values(gain.id).is_none()) {
+        // A model that is full keeps the scale that it has.
+        let _ = template.set(gain.id, &[gain.parameters[0].start]);
+    }
 }
 
 fn chosen_ranges(problem: &Problem, first: &Point, given: &[(String, f64, f64)]) -> Result<Ranges, FitError> {

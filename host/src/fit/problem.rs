@@ -1,6 +1,7 @@
 //! What is unknown, and what a guess at it predicts.
 
 use crate::lanes::Lanes;
+use crate::recording::Measured;
 use crate::swing::{Swing, Window};
 use crate::trajectory::{Schedule, simulate};
 use crate::verdict::ChiSquare;
@@ -157,6 +158,11 @@ impl<'a> Problem<'a> {
         n_simulations: &'a AtomicUsize,
     ) -> Self {
         Self { swings, template: template.clone(), unknowns, offsets_are_free: true, n_simulations }
+    }
+
+    /// Is an effect the scale of a sensor of rates? Then it is free in every fit, and no finding.
+    pub fn is_free_scale(&self, effect: &Effect<f64>) -> bool {
+        effect.rules.is_calibrated && self.swings.iter().any(|swing| swing.measured == Measured::Rate)
     }
 
     /// The parameters that a guess means.

@@ -56,7 +56,7 @@ pub fn from_recording(problem: &Problem, inertia_kg_m2: f64) -> Ranges {
 
 fn decay(swing: &Swing) -> Option<Decay> {
     let n_samples = swing.samples_within(Window::Lively);
-    let angles = &swing.angles_rad[..n_samples];
+    let angles: Vec<f64> = swing.sizes_rad().take(n_samples).collect();
     let crossings: Vec<usize> = (1..n_samples).filter(|i| angles[i - 1] * angles[*i] < 0.0).collect();
     // Noise may cross zero more than once: crossings closer than a tenth of the usual distance are one.
     let mut lobes: Vec<(usize, f64)> = Vec::new();

@@ -6,7 +6,7 @@ use super::fitted::{Fitted, Stiction};
 use super::linear::{Linear, Steps, linearise};
 use super::problem::{Point, Problem};
 use super::stiction::{MAX_ROUNDS, answered_costs};
-use crate::swing::Window;
+use crate::swing::{Swing, Window};
 use rayon::prelude::*;
 use shared::parameters::base;
 
@@ -149,6 +149,9 @@ pub(super) fn likely(on: &Problem, model: &Fitted, allowed: f64) -> Range {
 
 /// Ranges of Ms, each of which stops the pendulum at another turning point; DV = 0.
 pub(super) fn ranges(problem: &Problem, point: &Point) -> Vec<Range> {
+    // Where rates were measured, the turning points are still those of the angle.
+    let angles: Vec<Swing> = problem.swings.iter().map(Swing::asking_for_angles).collect();
+    let problem = &problem.on(&angles);
     let parameters = problem.parameters(&point.values);
     let coulomb = parameters.values(base::COULOMB).map_or(0.0, |values| values[0]);
     let gravity = parameters.pendulum.gravity_torque_nm();

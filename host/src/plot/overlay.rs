@@ -3,6 +3,7 @@
 //! In: series in SI units. Out: the text of an SVG of a few hundred kilobytes at most: a long series is thinned to a few
 //! points a pixel, always with the extremes, so that no peak is lost.
 
+use crate::recording::Measured;
 use plotters::coord::ranged1d::Ranged;
 use plotters::prelude::*;
 use std::ops::Range;
@@ -20,6 +21,8 @@ pub struct Row {
     pub model_rad: Vec<f64>,
     /// Rms noise of the measurement, rad; the band shows twice as much to either side.
     pub noise_rad: f64,
+    /// What was measured.
+    pub measured: Measured,
 }
 
 /// The whole drawing.
@@ -107,7 +110,7 @@ impl Row {
     fn draw_angles(&self, area: &Area, n_intervals: usize) -> Drawn {
         let reach = largest(self.measured_rad.iter().chain(&self.model_rad)) * 1.08;
         let mut chart = chart(area, self.times(), reach, 12)?;
-        axes(&mut chart, "angle (rad)", "")?;
+        axes(&mut chart, &format!("{} ({})", self.measured.name(), self.measured.unit()), "")?;
         for (angles_rad, colour, width) in [(&self.measured_rad, MEASURED, 3), (&self.model_rad, MODEL, 1)] {
             let points = thinned(&self.times_s, angles_rad, n_intervals);
             chart.draw_series(LineSeries::new(points, colour.stroke_width((width * FINE) as u32)))?;
@@ -123,7 +126,7 @@ impl Row {
         let mut chart = chart(area, times.clone(), reach, 40)?;
         let corners = [(times.start, -band_mrad), (times.end, band_mrad)];
         chart.draw_series([Rectangle::new(corners, BAND.filled())])?;
-        axes(&mut chart, "left over (mrad)", "time (s)")?;
+        axes(&mut chart, &format!("left over ({})", self.measured.milli_unit()), "time (s)")?;
         let points = thinned(&self.times_s, &left_mrad, n_intervals);
         chart.draw_series(LineSeries::new(points, RESIDUAL.stroke_width(FINE as u32 / 2)))?;
         Ok(())
@@ -240,7 +243,14 @@ mod tests {
         let times_s: Vec<f64> = (0..n_samples).map(|i| i as f64 * 1e-3).collect();
         let model_rad: Vec<f64> = times_s.iter().map(|t| (7.6 * t).cos() * (-0.05 * t).exp()).collect();
         let measured_rad = model_rad.iter().enumerate().map(|(i, x)| x + 1e-3 * (1.7 * i as f64).sin()).collect();
-        let row = Row { title: "a & <b>".into(), times_s, measured_rad, model_rad, noise_rad: 7e-4 };
+        let row = Row {
+            title: "a & <b>".into(),
+            times_s,
+            measured_rad,
+            model_rad,
+            noise_rad: 7e-4,
+            measured: Measured::Angle,
+        };
         Overlay { title: "t".into(), subtitle: "s".into(), rows: vec![row; n_rows] }
     }
 
@@ -273,6 +283,7 @@ mod tests {
             measured_rad: vec![0.0],
             model_rad: vec![0.0],
             noise_rad: 0.0,
+            measured: Measured::Angle,
         };
         let svg = Overlay { title: String::new(), subtitle: String::new(), rows: vec![still] }.svg();
         assert!(!svg.contains("NaN"));

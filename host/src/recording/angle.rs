@@ -51,7 +51,7 @@ impl Angles<'_> {
         self.unwrap(&mut angles_rad);
         let swings = Swings::of(self.times_s, &angles_rad);
         if let Some(swings) = &swings {
-            self.judge_period(swings)?;
+            swings.judge_period()?;
             self.judge_unit(swings, unit)?;
             self.set_zero(swings, &mut angles_rad);
         }
@@ -67,7 +67,7 @@ impl Angles<'_> {
         let zero_rad = self.options.zero.unwrap_or(0.0).to_radians();
         angles_rad.iter_mut().for_each(|angle| *angle -= zero_rad);
         if let Some(swings) = Swings::of(self.times_s, &angles_rad) {
-            self.judge_period(&swings)?;
+            swings.judge_period()?;
         }
         Ok(angles_rad)
     }
@@ -88,17 +88,6 @@ impl Angles<'_> {
         if n_wraps > 0 {
             self.notes
                 .push(format!("the angle wraps around {n_wraps} times: full turns added so that it goes on evenly"));
-        }
-    }
-
-    fn judge_period(&self, swings: &Swings) -> Result<(), Fault> {
-        match swings.impossible_period_s() {
-            Some(period_s) => Err(Fault::ImpossiblePeriod {
-                period_s,
-                shortest_s: plausible::SHORTEST_PERIOD_S,
-                longest_s: plausible::LONGEST_PERIOD_S,
-            }),
-            None => Ok(()),
         }
     }
 

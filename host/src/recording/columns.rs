@@ -21,7 +21,7 @@ pub struct Columns {
     /// See `x`.
     pub y: Option<ColumnRef>,
     /// Angular velocity column and its unit.
-    pub rate: Option<(ColumnRef, Option<AngleUnit>)>,
+    pub rate: Option<(ColumnRef, Option<RateUnit>)>,
 }
 
 /// A column by place or by name.
@@ -65,6 +65,30 @@ pub enum AngleUnit {
     Turns,
 }
 
+/// Unit of an angular velocity: an angle in a time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RateUnit {
+    /// So large an angle …
+    pub angle: AngleUnit,
+    /// … in this time.
+    pub time: TimeUnit,
+}
+
+impl RateUnit {
+    /// rad/s
+    pub const RADIANS_PER_SECOND: Self = Self::per_second(AngleUnit::Radians);
+
+    /// An angle a second.
+    pub const fn per_second(angle: AngleUnit) -> Self {
+        Self { angle, time: TimeUnit::Seconds }
+    }
+
+    /// How many rad/s one unit has.
+    pub fn rad_per_s(self) -> f64 {
+        self.angle.radians() / self.time.seconds()
+    }
+}
+
 /// What is wrong with a choice of columns.
 #[derive(Debug, Error, PartialEq)]
 pub enum ColumnsError {
@@ -75,7 +99,9 @@ pub enum ColumnsError {
         part: String,
     },
     /// A left side that is not known.
-    #[error("--columns: \"{role}\" is not known; expected t, theta or code, or x and y, such as t=0,theta=2")]
+    #[error(
+        "--columns: \"{role}\" is not known; expected t, theta or code, rate for an angular velocity, or x and y, such as t=0,theta=2"
+    )]
     UnknownRole {
         /// As written.
         role: String,
@@ -88,7 +114,7 @@ pub enum ColumnsError {
     },
     /// A unit that does not fit.
     #[error(
-        "--columns: \"{unit}\" is no unit of {role}; expected s, ms, us, ns, min or day for t, rad, deg, mrad, gon or turn for theta, rad/s or deg/s for rate"
+        "--columns: \"{unit}\" is no unit of {role}; expected s, ms, us, ns, min or day for t, rad, deg, mrad, gon or turn for theta, rad/s, deg/s or rpm for rate"
     )]
     UnknownUnit {
         /// Left side.
@@ -159,7 +185,7 @@ impl Columns {
                 parse_unit(role, unit, |_| None::<()>)?;
                 put(if role.eq_ignore_ascii_case("x") { &mut self.x } else { &mut self.y }, role, column)
             }
-            "rate" | "omega" => put(&mut self.rate, role, (column, parse_unit(role, unit, rate_unit)?)),
+            "rate" | "omega" => put(&mut self.rate, role, (column, parse_unit(role, unit, words::rate_unit)?)),
             _ => Err(ColumnsError::UnknownRole { role: role.to_owned() }),
         }
     }
@@ -184,10 +210,6 @@ impl From<&str> for ColumnRef {
     }
 }
 
-fn rate_unit(unit: &str) -> Option<AngleUnit> {
-    unit.strip_suffix("/s").and_then(words::angle_unit)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -198,6 +220,15 @@ mod tests {
         assert_eq!(columns.time, Some((ColumnRef::Index(0), Some(TimeUnit::Milliseconds))));
         assert_eq!(columns.angle, Some((ColumnRef::Name("Pendulum angle".to_owned()), Some(AngleUnit::Degrees))));
         assert_eq!(columns.code, Some(ColumnRef::Index(2)));
+    }
+
+    #[test]
+    fn a_rate_has_the_unit_of_an_angle_in_a_time() {
+        let unit = |text: &str| text.parse::<Columns>().unwrap().rate.unwrap().1.map(RateUnit::rad_per_s);
+        assert_eq!(unit("t=0,rate=2"), None);
+        assert_eq!(unit("rate=2:rad/s"), Some(1.0));
+        assert_eq!(unit("rate=gyro z:deg/s"), Some(std::f64::consts::PI / 180.0));
+        assert_eq!(unit("omega=2:rpm"), Some(std::f64::consts::TAU / 60.0));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::columns::ColumnsError;
 use super::header::{FORMAT_NAME, FORMAT_VERSION};
-use super::{LARGEST_RAD, MIN_SAMPLES, angle, read};
+use super::{LARGEST_RAD, MIN_SAMPLES, angle, choose, samples};
 use crate::files::FileError;
 
 /// A file that could not be read as a recording.
@@ -151,7 +151,7 @@ pub enum Fault {
     #[error(
         "the median time step is {step} s, expected less than {limit} s for a pendulum; \
          if the column counts milliseconds, or is not the time, say so: --columns t=0:ms,theta=1 or t=1,theta=2",
-        limit = read::LONGEST_STEP_S
+        limit = choose::LONGEST_STEP_S
     )]
     StepTooLong {
         /// Median step as read, s.
@@ -225,19 +225,37 @@ pub enum Fault {
         /// What stands there.
         value: String,
     },
-    /// Rates are not fitted.
+    /// Rates that no pendulum of this period reaches.
     #[error(
-        "column {column} is an angular velocity (a gyroscope, a tachometer); what is fitted is the angle, so name a \
-         column of angles with --columns theta=..., or record the angle"
+        "read in rad/s the rates reach {largest:.1}, but a pendulum that takes {period_s:.2} s there and back passes its lowest \
+         point with {fastest:.1} rad/s at most: these are degrees a second; say --columns t=0,rate=1:deg/s"
     )]
-    RateColumn {
-        /// Name or number of the column.
-        column: String,
+    NotRadiansPerSecond {
+        /// As read, rad/s.
+        largest: f64,
+        /// Of small swings, s.
+        period_s: f64,
+        /// After a fall from upright, rad/s.
+        fastest: f64,
+    },
+    /// Rates far too small for how the period grows with them.
+    #[error(
+        "read in {unit} the rates reach {largest_rad_s:.4} rad/s, but the period grows with the amplitude as it does for rates \
+         {factor:.0} times as large: these are radians a second; say --columns t=0,rate=1:rad/s, or --degrees if they are \
+         degrees all the same"
+    )]
+    NotDegreesPerSecond {
+        /// The unit as stated.
+        unit: &'static str,
+        /// As read, rad/s.
+        largest_rad_s: f64,
+        /// How many times too small.
+        factor: f64,
     },
     /// More than one swing can be.
     #[error(
         "more than {} samples, which is more than a free swing has; cut the file, or thin it to 1000 samples a second",
-        read::MOST_SAMPLES
+        samples::MOST_SAMPLES
     )]
     TooManySamples,
     /// More bytes than any recording has.
@@ -260,7 +278,7 @@ pub enum Fault {
     #[error(
         "read as radians the angles reach {largest_rad:.3}, and the period should be {predicted_percent:.1} % longer in the \
          largest swings than in the smallest, but is {found_percent:.1} %: these are degrees (say --degrees) or angular \
-         velocities (a column of angles is needed); if they are radians all the same, say --radians"
+         velocities (say --columns t=0,rate=1:rad/s); if they are radians all the same, say --radians"
     )]
     NotRadians {
         /// Largest angle as read, rad.

@@ -9,6 +9,7 @@
 //! # radians_per_code: 0.00144874
 //! # cutoff_hz: 10
 //! # started: 2025-03-01T12:00:00Z
+//! # measured: angle
 //! # comment: brass bush, 0.5 rad
 //! t,theta,code
 //! ```
@@ -17,6 +18,7 @@
 use std::fmt;
 
 use super::error::Fault;
+use super::measured::Measured;
 
 /// The name in the `format` line.
 pub const FORMAT_NAME: &str = "pendulum-recording";
@@ -39,6 +41,8 @@ pub struct Header {
     pub cutoff_hz: Option<f64>,
     /// Start, date and time as text (ISO 8601).
     pub started: Option<String>,
+    /// What the readings are; `None` = angles, or what the column names say.
+    pub measured: Option<Measured>,
     /// Anything a person wrote; may have several lines.
     pub comment: Option<String>,
 }
@@ -68,6 +72,7 @@ impl fmt::Display for Header {
         write_number(out, "radians_per_code", self.calibration.map(|calibration| calibration.radians_per_code))?;
         write_number(out, "cutoff_hz", self.cutoff_hz)?;
         write_text(out, "started", self.started.as_deref())?;
+        write_text(out, "measured", self.measured.map(Measured::name))?;
         write_text(out, "comment", self.comment.as_deref())
     }
 }
@@ -100,6 +105,7 @@ impl HeaderReader {
             "radians_per_code" => self.number(line, &key, value).map(|n| self.radians_per_code = n),
             "firmware" => set_text(&mut self.header.firmware, value),
             "started" => set_text(&mut self.header.started, value),
+            "measured" => self.measured(line, value),
             "comment" => set_text(&mut self.header.comment, value),
             _ => Ok(()),
         }
@@ -124,6 +130,16 @@ impl HeaderReader {
         }
         self.header.version = Some(version);
         Ok(())
+    }
+
+    fn measured(&mut self, line: usize, value: &str) -> Result<(), Fault> {
+        match value.parse() {
+            Err(()) if self.header.version.is_some() => Err(bad_value(line, "measured", value, "angle or rate")),
+            found => {
+                self.header.measured = found.ok();
+                Ok(())
+            }
+        }
     }
 
     /// In our own files a number that does not parse is an error; in files of others the line meant something else.
@@ -190,6 +206,7 @@ mod tests {
             calibration: Some(Calibration { zero_code: 2047.5, radians_per_code: 340f64.to_radians() / 4096.0 }),
             cutoff_hz: Some(10.0),
             started: Some("2025-03-01T12:00:00Z".to_owned()),
+            measured: Some(Measured::Rate),
             comment: Some("brass bush\nsecond line".to_owned()),
         }
     }

@@ -5,6 +5,7 @@
 //! radians taken as degrees show thousands of times as much. Springs and magnets change the growth by some factor, but
 //! not by such ones. The period itself tells whether the unit of time can be right.
 
+use super::error::Fault;
 use super::median;
 use super::turning::{self, TurningPoint};
 use crate::noise;
@@ -32,6 +33,12 @@ const LEAST_GROWTH: f64 = 0.2;
 
 /// And this many times: turns taken for radians show 39, radians taken for degrees 3283; a hand or a magnet some.
 const MOST_GROWTH: f64 = 4.0;
+
+/// Near upright the law of the period is steep, and angles in a wrong unit may seem to lie anywhere, rad.
+const LARGEST_TAKEN_OFF_RAD: f64 = 2.5;
+
+/// Just below upright, where the law of the period ends.
+const LARGEST_SINE: f64 = 0.99;
 
 /// Standard errors that a verdict wants.
 const SURE: f64 = 4.0;
@@ -93,10 +100,54 @@ impl Swings {
         Some(Self { largest_rad, middle_rad, period_s: median(&mut steps), periods })
     }
 
-    /// A period that no pendulum has, s.
-    pub fn impossible_period_s(&self) -> Option<f64> {
-        let is_possible = (SHORTEST_PERIOD_S..LONGEST_PERIOD_S).contains(&self.period_s);
-        (!is_possible).then_some(self.period_s)
+    /// Can a pendulum have this period?
+    ///
+    /// # Errors
+    /// It can't: the unit of the time is not what it seems.
+    pub fn judge_period(&self) -> Result<(), Fault> {
+        let (period_s, shortest_s, longest_s) = (self.period_s, SHORTEST_PERIOD_S, LONGEST_PERIOD_S);
+        let is_possible = (shortest_s..longest_s).contains(&period_s);
+        if is_possible { Ok(()) } else { Err(Fault::ImpossiblePeriod { period_s, shortest_s, longest_s }) }
+    }
+
+    /// For readings that are rates (rad/s): angular frequency of small swings, rad/s. From the smallest swings that are
+    /// seen well, with what their amplitude adds to the period taken off.
+    pub fn small_rad_s(&self) -> f64 {
+        let mut seen: Vec<(f64, f64)> =
+            self.periods.iter().copied().filter(|(rate, _)| *rate > SMALLEST_SHARE * self.largest_rad).collect();
+        seen.sort_by(|a, b| a.0.total_cmp(&b.0));
+        seen.truncate((seen.len() / 3).max(MIN_PERIODS));
+        let (mut rates, mut periods): (Vec<f64>, Vec<f64>) = seen.into_iter().unzip();
+        if periods.is_empty() {
+            return TAU / self.period_s;
+        }
+        let (rate, seen_rad_s) = (median(&mut rates), TAU / median(&mut periods));
+        // The amplitude depends on the frequency itself; it settles at once.
+        (0..3).fold(seen_rad_s, |small_rad_s, _| seen_rad_s * lengthening(amplitude_rad(rate, small_rad_s)))
+    }
+
+    /// For readings that are rates (rad/s): the same swings with their amplitudes in rad.
+    pub fn in_angles(mut self) -> Self {
+        let small_rad_s = self.small_rad_s();
+        self.periods.iter_mut().for_each(|(rate, _)| *rate = amplitude_rad(*rate, small_rad_s));
+        self.largest_rad = amplitude_rad(self.largest_rad, small_rad_s);
+        self.middle_rad = 0.0;
+        self
+    }
+
+    /// The period that small swings have, s: of each swing with what its amplitude adds by the pendulum's law taken off.
+    pub fn small_period_s(&self) -> f64 {
+        let small =
+            |(amplitude_rad, period_s): &(f64, f64)| period_s / lengthening(amplitude_rad.min(LARGEST_TAKEN_OFF_RAD));
+        let mut periods: Vec<f64> = self.periods.iter().map(small).collect();
+        if periods.is_empty() { self.period_s } else { median(&mut periods) }
+    }
+
+    /// The middle one of the amplitudes (rad), and the middle one of the periods (s).
+    pub fn typical(&self) -> Option<(f64, f64)> {
+        let (mut amplitudes, mut periods): (Vec<f64>, Vec<f64>) = self.periods.iter().copied().unzip();
+        let amplitude_rad = median(&mut amplitudes);
+        (amplitude_rad < PI).then_some((amplitude_rad, median(&mut periods)))
     }
 
     /// Compares the growth of the period with the amplitude with that of a pendulum.
@@ -123,6 +174,11 @@ impl Swings {
             false => Scale::Unknown,
         }
     }
+}
+
+/// From the rate at the lowest point (rad/s) to the amplitude (rad), by the energy: `ω² = 2 ω0² (1 − cos A)`.
+fn amplitude_rad(rate_rad_s: f64, small_rad_s: f64) -> f64 {
+    2.0 * (rate_rad_s / (2.0 * small_rad_s)).min(LARGEST_SINE).asin()
 }
 
 /// Amplitude and period from every turning point to the next but one, in rising order of time.
@@ -170,7 +226,7 @@ fn growth(points: &[(f64, f64, f64)]) -> Option<(f64, f64, f64)> {
 }
 
 /// Period at an amplitude (rad, below π) over that of small swings, by the arithmetic-geometric mean.
-fn lengthening(amplitude_rad: f64) -> f64 {
+pub(crate) fn lengthening(amplitude_rad: f64) -> f64 {
     let (mut a, mut b) = (1.0, (amplitude_rad / 2.0).cos());
     for _ in 0..6 {
         (a, b) = ((a + b) / 2.0, (a * b).sqrt());

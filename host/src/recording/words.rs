@@ -3,7 +3,7 @@
 //! `Time [s]`, `time_ms`, `thetaRad`, `Winkel / °`, `Temps (s)`. A name with a word of motion (`omega`, `vitesse`,
 //! `theta_punkt`) is no angle, nor is one with a unit that no angle has (`position (m)`).
 
-use super::columns::{AngleUnit, TimeUnit};
+use super::columns::{AngleUnit, RateUnit, TimeUnit};
 
 /// What a column name says about its content.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,8 +18,8 @@ pub(super) enum Meaning {
     X,
     /// And up or down.
     Y,
-    /// An angular velocity.
-    Rate,
+    /// An angular velocity, with the unit if the name has one.
+    Rate { unit: Option<RateUnit> },
     /// Something else.
     Other,
 }
@@ -165,7 +165,7 @@ pub(super) fn meaning(name: &str) -> Meaning {
     let is_per_time = angle.is_some() && time.is_some();
     if has(DERIVED) || is_per_time || words.iter().any(|word| is_derivative(word)) || has_derivative_sign(name) {
         let is_rate = (is_per_time || has(RATE)) && !name.contains(['²', '^']) && !has(&["acceleration", "alpha"]);
-        return if is_rate { Meaning::Rate } else { Meaning::Other };
+        return if is_rate { Meaning::Rate { unit: rate_unit_of(&words, angle, time) } } else { Meaning::Other };
     }
     if has(TIME) {
         return Meaning::Time { unit: time, strength: NAMES_THE_THING };
@@ -246,6 +246,39 @@ pub(super) fn angle_unit(word: &str) -> Option<AngleUnit> {
     }
 }
 
+/// `deg/s`, `rad/min`, `rpm`.
+pub(super) fn rate_unit(unit: &str) -> Option<RateUnit> {
+    if let Some(unit) = rate_word(unit) {
+        return Some(unit);
+    }
+    let (angle, time) = unit.split_once('/')?;
+    Some(RateUnit { angle: angle_unit(angle.trim())?, time: time_unit(time.trim())? })
+}
+
+/// Units of angular velocity that are one word.
+fn rate_word(word: &str) -> Option<RateUnit> {
+    match word {
+        "rpm" => Some(RateUnit { angle: AngleUnit::Turns, time: TimeUnit::Minutes }),
+        "dps" => Some(RateUnit::per_second(AngleUnit::Degrees)),
+        _ => None,
+    }
+}
+
+/// Of the words of a name that is a rate: an angle alone is meant per second.
+fn rate_unit_of(words: &[String], angle: Option<AngleUnit>, time: Option<TimeUnit>) -> Option<RateUnit> {
+    let in_time = angle.map(|angle| RateUnit { angle, time: time.unwrap_or(TimeUnit::Seconds) });
+    words.iter().find_map(|word| rate_word(word)).or(in_time)
+}
+
+/// Is it the size of a vector, which has no sign? `Absolute (rad/s)`, `Gyroscope abs`.
+pub(super) fn is_size(name: &str) -> bool {
+    words(name).iter().any(|word| SIZE.contains(&word.as_str()))
+}
+
+/// Words of a size.
+const SIZE: &[&str] =
+    &["absolute", "abs", "magnitude", "norm", "total", "absolut", "betrag", "absolue", "absoluto", "assoluto"];
+
 /// Lower-case words of a name, split at signs and where a small letter meets a capital; digits at the end fall off.
 fn words(name: &str) -> Vec<String> {
     let mut spaced = String::new();
@@ -273,6 +306,7 @@ mod tests {
     fn names_of_many_labs_are_understood() {
         let time = |unit| Meaning::Time { unit, strength: NAMES_THE_THING };
         let angle = |unit| Meaning::Angle { unit, strength: NAMES_THE_THING };
+        let rate = |angle| Meaning::Rate { unit: Some(RateUnit::per_second(angle)) };
         let cases = [
             ("t", time(None)),
             ("Time [s]", time(Some(TimeUnit::Seconds))),
@@ -287,16 +321,17 @@ mod tests {
             ("Winkel / °", angle(Some(AngleUnit::Degrees))),
             ("position_rad", angle(Some(AngleUnit::Radians))),
             ("deg", Meaning::Angle { unit: Some(AngleUnit::Degrees), strength: NAMES_A_UNIT }),
-            ("omega", Meaning::Rate),
-            ("angle rate", Meaning::Rate),
+            ("omega", Meaning::Rate { unit: None }),
+            ("angle rate", Meaning::Rate { unit: None }),
             ("theta_dot", Meaning::Other),
             ("phi_punkt", Meaning::Other),
             ("theta_v", Meaning::Other),
             ("thetadot", Meaning::Other),
             ("dθ/dt", Meaning::Other),
-            ("Gyroscope x (rad/s)", Meaning::Rate),
-            ("Winkelgeschwindigkeit [°/s]", Meaning::Rate),
-            ("Vitesse angulaire (rad/s)", Meaning::Rate),
+            ("Gyroscope x (rad/s)", rate(AngleUnit::Radians)),
+            ("Winkelgeschwindigkeit [°/s]", rate(AngleUnit::Degrees)),
+            ("Drehzahl (rpm)", Meaning::Rate { unit: rate_unit("rpm") }),
+            ("Vitesse angulaire (rad/s)", rate(AngleUnit::Radians)),
             ("Angular acceleration (rad/s²)", Meaning::Other),
             ("Position (m)", Meaning::Other),
             ("x (m)", Meaning::X),
@@ -309,7 +344,7 @@ mod tests {
             ("Temps (s)", time(Some(TimeUnit::Seconds))),
             ("Tiempo [ms]", time(Some(TimeUnit::Milliseconds))),
             ("Tempo (s)", time(Some(TimeUnit::Seconds))),
-            ("v (rad/s)", Meaning::Rate),
+            ("v (rad/s)", rate(AngleUnit::Radians)),
             ("adc_code", Meaning::Code),
             ("voltage", Meaning::Other),
         ];

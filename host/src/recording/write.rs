@@ -9,6 +9,7 @@ use std::path::Path;
 use super::Recording;
 use super::error::WriteError;
 use super::header::{FORMAT_VERSION, Header};
+use super::measured::Measured;
 use crate::files::{Existing, NewFile};
 
 /// Recorded time after which samples are handed to the system, s.
@@ -45,9 +46,13 @@ impl Writer {
     }
 
     fn begin(file: NewFile, header: &Header) -> Result<Self, WriteError> {
-        let has_codes = header.calibration.is_some();
+        let has_codes = header.calibration.is_some() && header.measured != Some(Measured::Rate);
         let mut writer = Self { file, has_codes, n_samples: 0, last_tick: None, flushed_s: f64::NEG_INFINITY };
-        let names = if has_codes { "t,theta,code" } else { "t,theta" };
+        let names = match (header.measured.unwrap_or_default(), has_codes) {
+            (Measured::Rate, _) => "t,rate",
+            (_, true) => "t,theta,code",
+            (_, false) => "t,theta",
+        };
         let header = Header { version: Some(FORMAT_VERSION), ..header.clone() };
         writer.line(format_args!("{header}{names}"))?;
         Ok(writer)

@@ -23,11 +23,12 @@ pub(super) fn recordings(comparison: &Comparison) -> Markup {
             }
         }
     };
+    let unit = comparison.measured.milli_unit();
     html! {
         h2 { "Recordings" }
         table {
-            tr { th { "recording" } th { "length, s" } th { "noise, mrad" } th { "free run, mrad" }
-                 th { "a swing ahead, mrad" } th { "a step ahead, mrad" } th { "sensor's zero, mrad" } }
+            tr { th { "recording" } th { "length, s" } th { "noise, " (unit) } th { "free run, " (unit) }
+                 th { "a swing ahead, " (unit) } th { "a step ahead, " (unit) } th { "sensor's zero, " (unit) } }
             @for judged in &comparison.recordings { (row(judged, false)) }
             @for judged in &comparison.held_out { (row(judged, true)) }
         }

@@ -12,9 +12,10 @@ use crate::diagnose::{Wishes, diagnose_counted};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit, Method};
 use crate::fit::windows::WINDOWS_S;
+use crate::geometry;
 use crate::improve::{Bench, Change, Step};
 use crate::rigfile::{RigFile, Source};
-use crate::swing::Swing;
+use crate::swing::{Swing, one_kind};
 use rayon::prelude::*;
 use shared::parameters::Parameters;
 use std::collections::HashMap;
@@ -47,6 +48,15 @@ impl Data {
             return Err(Failure::wrong_use("there is no recording to work with").next(next));
         }
         Ok(data)
+    }
+
+    /// Can these be recordings of this pendulum, all of one kind?
+    fn check(&self) -> Result<(), Failure> {
+        let next = "take one kind out of the list";
+        one_kind(self.swings.iter().chain(&self.held_out)).map_err(|error| Failure::failed(error).next(next))?;
+        let next = "correct the value in the model";
+        geometry::check(self.parameters(), &self.swings).map_err(|error| Failure::failed(error).next(next))?;
+        Ok(())
     }
 
     fn parameters(&self) -> &Parameters<f64> {
@@ -103,6 +113,7 @@ pub(super) fn look(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
         app.change(forget_comparison);
         return Ok(());
     };
+    data.check()?;
     let data = if data.model.is_fresh() { first_fit(app, data, progress)? } else { data };
     show_curves(app, &data, progress);
     if app.jobs.is_pressed() {
@@ -273,6 +284,7 @@ pub(super) fn undo(app: &App) -> Result<(), Failure> {
 /// Which effect is missing?
 pub(super) fn find_missing(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
     let data = Data::of(app)?;
+    data.check()?;
     progress.say("fitting the base model, then every effect", None);
     let wishes = Wishes { formulas: true, ..Wishes::default() };
     let found = diagnose_counted(&data.swings, &data.held_out, data.parameters(), wishes, &progress.count);

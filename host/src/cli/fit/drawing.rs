@@ -7,6 +7,7 @@ use crate::fit::problem::Start;
 use crate::paper::data::Published;
 use crate::paper::replay::Replay;
 use crate::plot::overlay::{Overlay, Row};
+use crate::recording::Measured;
 use crate::swing::Swing;
 use crate::trajectory::simulate;
 use shared::model::Model;
@@ -40,6 +41,7 @@ pub(super) fn of_paper(path: &Path, force: bool) -> Result<(), Failure> {
         measured_rad: published.recording_rad.clone(),
         model_rad: replay.angles_rad(&optimum.values),
         noise_rad: simulation.floor_angle.sqrt(),
+        measured: Measured::Angle,
     };
     let overlay = Overlay {
         title: "The paper's simulation at its three optima over the rebuilt recording".to_owned(),
@@ -61,13 +63,15 @@ fn row(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Row {
     let squares: f64 = swing.angles_rad.iter().zip(&model_rad).map(|(m, s)| (m - s).powi(2)).sum();
     let rmse_mrad = 1e3 * (squares / swing.len() as f64).sqrt();
     let name = Path::new(&swing.name).file_name().map_or(swing.name.as_str().into(), |name| name.to_string_lossy());
-    let title = format!("{name}: error {rmse_mrad:.3} mrad rms, noise {:.3} mrad rms", 1e3 * swing.noise_rad);
+    let unit = swing.measured.milli_unit();
+    let title = format!("{name}: error {rmse_mrad:.3} {unit} rms, noise {:.3} {unit} rms", 1e3 * swing.noise_rad);
     Row {
         title,
         times_s: swing.times_s.clone(),
         measured_rad: swing.angles_rad.clone(),
         model_rad,
         noise_rad: swing.noise_rad,
+        measured: swing.measured,
     }
 }
 

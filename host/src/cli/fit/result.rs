@@ -9,6 +9,7 @@ use crate::diagnose::Diagnosis;
 use crate::fit::identify::{Fit, Identified, Verdict};
 use crate::fit::quality::Responses;
 use crate::fit::sequential::Stage;
+use crate::recording::Measured;
 use crate::rigfile::USUAL_NAME;
 use crate::swing::Swing;
 use crate::verdict::Left;
@@ -165,14 +166,15 @@ fn lowered(stages: &[After], fit: &Fit) -> String {
 
 fn sentences(outcome: &Outcome) -> Vec<String> {
     let fit = outcome.fit;
-    let mut sentences = vec![error_against_noise(fit)];
-    sentences.extend(fit.held_out_rmse_rad.map(|rmse_rad| held_out(rmse_rad, fit)));
+    let unit = outcome.swings.first().map_or(Measured::Angle, |swing| swing.measured).milli_unit();
+    let mut sentences = vec![error_against_noise(fit, unit)];
+    sentences.extend(fit.held_out_rmse_rad.map(|rmse_rad| held_out(rmse_rad, fit, unit)));
     sentences.extend(outcome.check.map(innovation));
     sentences.extend(strong_correlations(fit));
     sentences
 }
 
-fn error_against_noise(fit: &Fit) -> String {
+fn error_against_noise(fit: &Fit, unit: &str) -> String {
     let ratio = fit.rmse_rad / fit.noise_rad;
     let meaning = match fit.left {
         _ if ratio < BELOW_NOISE => {
@@ -183,17 +185,17 @@ fn error_against_noise(fit: &Fit) -> String {
         Left::Nearly => "the model explains nearly all but the noise".to_owned(),
         Left::Missing => format!("that is {ratio:.2} times the noise, so the model does not explain everything"),
     };
-    format!("Error {:.3} mrad rms, noise {:.3} mrad rms: {meaning}.", 1e3 * fit.rmse_rad, 1e3 * fit.noise_rad)
+    format!("Error {:.3} {unit} rms, noise {:.3} {unit} rms: {meaning}.", 1e3 * fit.rmse_rad, 1e3 * fit.noise_rad)
 }
 
-fn held_out(rmse_rad: f64, fit: &Fit) -> String {
+fn held_out(rmse_rad: f64, fit: &Fit, unit: &str) -> String {
     let ratio = rmse_rad / fit.rmse_rad;
     let meaning = if ratio <= AS_GOOD {
         "as good as on what was fitted".to_owned()
     } else {
         format!("{ratio:.2} times that of what was fitted")
     };
-    format!("Error on what was held out {:.3} mrad rms: {meaning}.", 1e3 * rmse_rad)
+    format!("Error on what was held out {:.3} {unit} rms: {meaning}.", 1e3 * rmse_rad)
 }
 
 fn innovation(check: &Check) -> String {

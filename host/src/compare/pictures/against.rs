@@ -1,10 +1,12 @@
 //! Residuals against angle, velocity, phase and amplitude; autocorrelation and spectrum.
 
+use super::time::residual_label;
 use super::{milli, short_name};
 use crate::compare::Comparison;
 use crate::compare::recording::Judged;
 use crate::plot::decimate::every;
 use crate::plot::{Axis, Content, Curve, Picture, Style};
+use crate::recording::Measured;
 
 /// Dots of a cloud, all recordings together.
 const N_DOTS: usize = 3000;
@@ -19,6 +21,8 @@ struct Against {
     label: &'static str,
     explanation: &'static str,
     coordinate: fn(&Judged) -> Vec<f64>,
+    /// Of rates there is no such coordinate.
+    needs_angles: bool,
 }
 
 const ALL: [Against; 4] = [
@@ -29,6 +33,7 @@ const ALL: [Against; 4] = [
         explanation: "If the mean (large dots) bends away from zero at certain angles, suspect the sensor (gain, \
                       nonlinearity) or a torque that depends on the angle (spring, magnet, cable).",
         coordinate: |judged| judged.curves.modelled_rad.clone(),
+        needs_angles: true,
     },
     Against {
         key: "residual-velocity",
@@ -37,6 +42,7 @@ const ALL: [Against; 4] = [
         explanation: "A mean that differs between both directions shows a delay of the sensor, play, or a friction \
                       that is not alike on both sides.",
         coordinate: |judged| judged.curves.velocities_rad_s.clone(),
+        needs_angles: true,
     },
     Against {
         key: "residual-phase",
@@ -45,6 +51,7 @@ const ALL: [Against; 4] = [
         explanation: "The phase tells where in its swing the pendulum is: 0 passing the middle, π/2 at the turning \
                       point. A whole wave means a wrong period, two waves a wrong loss of energy.",
         coordinate: phases,
+        needs_angles: true,
     },
     Against {
         key: "residual-amplitude",
@@ -53,11 +60,14 @@ const ALL: [Against; 4] = [
         explanation: "How far the cloud spreads at an amplitude says where the model fails: at large amplitude drag, \
                       springs or the sensor's gain are suspect, at small amplitude dry friction and stiction.",
         coordinate: amplitudes,
+        needs_angles: false,
     },
 ];
 
 pub(super) fn pictures(comparison: &Comparison) -> Vec<Picture> {
-    let mut pictures: Vec<Picture> = ALL.iter().map(|against| picture(comparison, against)).collect();
+    let has_angles = comparison.measured == Measured::Angle;
+    let shown = ALL.iter().filter(|against| has_angles || !against.needs_angles);
+    let mut pictures: Vec<Picture> = shown.map(|against| picture(comparison, against)).collect();
     pictures.push(autocorrelation(comparison));
     pictures.push(spectrum(comparison));
     pictures
@@ -79,7 +89,7 @@ fn picture(comparison: &Comparison, against: &Against) -> Picture {
         title: against.title.to_owned(),
         explanation: against.explanation.to_owned(),
         x: Axis::linear(against.label),
-        y: Axis::linear("residual in mrad"),
+        y: Axis::linear(residual_label(comparison.measured)),
         content: Content::Curves(curves),
     }
 }

@@ -5,6 +5,7 @@ use crate::compare::Comparison;
 use crate::compare::recording::Judged;
 use crate::plot::decimate::decimated;
 use crate::plot::{Axis, Content, Curve, Picture, Style};
+use crate::recording::Measured;
 
 /// Points of a line; zooming still shows every swing.
 const N_POINTS: usize = 6000;
@@ -35,16 +36,30 @@ fn line(name: &str, style: Style, colour: usize, x: &[f64], y: &[f64]) -> Curve 
     Curve::new(name, style, colour, x.into_iter().zip(y))
 }
 
+fn reading_label(kind: Measured) -> &'static str {
+    match kind {
+        Measured::Angle => "angle in rad",
+        Measured::Rate => "rate in rad/s",
+    }
+}
+
+/// Of an axis of residuals.
+pub(super) fn residual_label(kind: Measured) -> &'static str {
+    match kind {
+        Measured::Angle => "residual in mrad",
+        Measured::Rate => "residual in mrad/s",
+    }
+}
+
 fn motion(judged: &Judged, suffix: &str, number: usize) -> Picture {
     Picture {
         key: format!("motion-{number}"),
         title: format!("Measured and modelled: {}{suffix}", short_name(&judged.name)),
-        explanation:
-            "The measured angle and the model, which was only told how this swing began. Where both lines lie \
+        explanation: "What was measured and the model, which was only told how this swing began. Where both lines lie \
                       on each other the model is right; zoom in to see where they part."
-                .to_owned(),
+            .to_owned(),
         x: Axis::linear("time since the start of the free swing in s"),
-        y: Axis::linear("angle in rad"),
+        y: Axis::linear(reading_label(judged.kind)),
         content: Content::Curves(vec![
             line("measured", Style::Line, 0, &judged.curves.times_s, &judged.curves.angles_rad),
             line("modelled", Style::Line, 1, &judged.curves.times_s, &judged.curves.modelled_rad),
@@ -65,7 +80,7 @@ fn residual(judged: &Judged, suffix: &str, number: usize) -> Picture {
                       that a number is wrong."
             .to_owned(),
         x: Axis::linear("time since the start of the free swing in s"),
-        y: Axis::linear("residual in mrad"),
+        y: Axis::linear(residual_label(judged.kind)),
         content: Content::Curves(vec![
             line("residual", Style::Line, 0, &judged.curves.times_s, &residuals),
             limit("± 2 × noise", noise),

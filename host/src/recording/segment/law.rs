@@ -1,9 +1,10 @@
 //! The crude law of a free swing, fitted robustly, and where a recording breaks it.
 
 use super::super::smooth::LocalFit;
-use super::super::{median, median_step_s};
+use super::super::{Measured, median, median_step_s};
 use super::{Cut, MIN_TURNING_POINTS};
 use nalgebra::{SMatrix, SVector};
+use std::f64::consts::PI;
 
 /// Local polynomials per half width.
 const STATES_PER_WIDTH: f64 = 4.0;
@@ -23,7 +24,7 @@ const N_DISTURBED: usize = 3;
 /// Rounds of the robust fit.
 const N_ROUNDS: usize = 6;
 
-/// Motion around one moment.
+/// Motion around one moment; where rates are measured, they and their slopes stand in place of the angle and its.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct State {
     pub(super) time_s: f64,
@@ -38,21 +39,45 @@ pub(super) type Law = SVector<f64, N_TERMS>;
 
 const N_TERMS: usize = 5;
 
-fn law_terms(state: &State, slow_rad_s: f64) -> Law {
+/// What the law needs beside the state: the speed below which friction turns (rad/s), or where rates are measured, the
+/// acceleration of the horizontal pendulum (rad/s²).
+#[derive(Debug, Clone, Copy)]
+enum Scale {
+    Angle { slow_rad_s: f64 },
+    Rate { gravity_rad_s2: f64 },
+}
+
+/// Angles obey the pendulum's law. Of a rate ω with its slope α, `ω̈ = −ω0² ω cos θ` and `sin θ = −α/ω0²` give terms
+/// ω (1 − s²/2 − s⁴/8) with s = α/ω0², beside damping and a slope.
+fn law_terms(state: &State, scale: Scale) -> Law {
     let velocity = state.velocity_rad_s;
-    let sign = (velocity / slow_rad_s).tanh();
-    Law::from([-state.angle_rad.sin(), state.angle_rad.cos(), -sign, -velocity, -velocity * velocity.abs()])
+    match scale {
+        Scale::Angle { slow_rad_s } => {
+            let sign = (velocity / slow_rad_s).tanh();
+            Law::from([-state.angle_rad.sin(), state.angle_rad.cos(), -sign, -velocity, -velocity * velocity.abs()])
+        }
+        Scale::Rate { gravity_rad_s2 } => {
+            let (rate, sine) = (state.angle_rad, velocity / gravity_rad_s2);
+            Law::from([-rate, rate * sine.powi(2), rate * sine.powi(4), -velocity, 1.0])
+        }
+    }
 }
 
 impl Cut<'_> {
     /// Fits the law and marks the states that break it.
     pub(super) fn find_disturbances(&mut self) -> Option<()> {
         let amplitude_rad = self.typical_amplitude_rad();
-        let slow_rad_s = 0.1 * amplitude_rad * std::f64::consts::PI / self.half_swing_s;
-        let (law, misfit) = self.fit_law(slow_rad_s)?;
-        let dry_rad_s2 = 2.0 * law[2].abs();
-        let common = DISTURBED_MISFIT * misfit + DISTURBED_SHARE * law[0].abs() * amplitude_rad.sin().abs();
-        let off = |state: &State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, slow_rad_s))).abs();
+        let frequency_rad_s = PI / self.half_swing_s;
+        let (scale, share) = match self.recording.measured() {
+            Measured::Angle => {
+                (Scale::Angle { slow_rad_s: 0.1 * amplitude_rad * frequency_rad_s }, amplitude_rad.sin())
+            }
+            Measured::Rate => (Scale::Rate { gravity_rad_s2: frequency_rad_s.powi(2) }, amplitude_rad),
+        };
+        let (law, misfit) = self.fit_law(scale)?;
+        let dry_rad_s2 = if let Scale::Angle { .. } = scale { 2.0 * law[2].abs() } else { 0.0 };
+        let common = DISTURBED_MISFIT * misfit + DISTURBED_SHARE * law[0].abs() * share.abs();
+        let off = |state: &State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, scale))).abs();
         let raw: Vec<bool> = self
             .states
             .iter()
@@ -65,7 +90,7 @@ impl Cut<'_> {
 
     /// The law from the middle half of the turning points on, and the typical misfit (rad/s²). Bad states lose their
     /// vote from round to round.
-    fn fit_law(&self, slow_rad_s: f64) -> Option<(Law, f64)> {
+    fn fit_law(&self, scale: Scale) -> Option<(Law, f64)> {
         let n_turns = self.turns.len();
         let from_s = self.turns[(n_turns / 4).min(n_turns - MIN_TURNING_POINTS + 1)].time_s;
         let to_s = self.turns[n_turns - 1 - n_turns / 20].time_s;
@@ -73,8 +98,8 @@ impl Cut<'_> {
         let mut limit = f64::INFINITY;
         let mut fitted = None;
         for _ in 0..N_ROUNDS {
-            let law = least_squares(&trusted, slow_rad_s, fitted.as_ref().map(|law| (law, limit)))?;
-            let off = |state: &&State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, slow_rad_s))).abs();
+            let law = least_squares(&trusted, scale, fitted.as_ref().map(|law| (law, limit)))?;
+            let off = |state: &&State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, scale))).abs();
             let misfit = 1.4826 * median(&mut trusted.iter().map(off).collect::<Vec<f64>>());
             limit = 4.0 * misfit;
             fitted = Some(law);
@@ -107,11 +132,11 @@ pub(super) fn states(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64, wi
 }
 
 /// The law with the least squares; states further off an earlier law than its limit do not count.
-fn least_squares(states: &[&State], slow_rad_s: f64, earlier: Option<(&Law, f64)>) -> Option<Law> {
+fn least_squares(states: &[&State], scale: Scale, earlier: Option<(&Law, f64)>) -> Option<Law> {
     let mut normal = SMatrix::<f64, N_TERMS, N_TERMS>::identity() * 1e-9;
     let mut right = Law::zeros();
     for state in states {
-        let terms = law_terms(state, slow_rad_s);
+        let terms = law_terms(state, scale);
         let is_off = |(law, limit): (&Law, f64)| (state.acceleration_rad_s2 - law.dot(&terms)).abs() > limit;
         if earlier.is_some_and(is_off) {
             continue;

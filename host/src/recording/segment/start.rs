@@ -1,6 +1,8 @@
 //! How the free swing begins: at once, with a release, or with a hand that lets go.
 
+use super::super::Measured;
 use super::{Cut, STILL_SPREADS, mean};
+use std::f64::consts::PI;
 use std::ops::Range;
 
 /// The free range begins this long after the fitted release, s: the release is known to a few ms.
@@ -9,7 +11,7 @@ const GUARD_S: f64 = 0.010;
 /// A free pendulum is seen to fall after some noise rms; still for the time of a fall of this many, it is held.
 const HELD_FALL_NOISE: f64 = 20.0;
 
-/// The release is fitted to the first fall of this size, rad: enough to be seen, too little for anything but gravity …
+/// The release is fitted to the first fall of this size, rad (a rate that makes it so within a swing): enough to be seen, too little for anything but gravity …
 const RELEASE_FALL_RAD: f64 = 0.15;
 
 /// … and at least this many noise rms.
@@ -75,6 +77,10 @@ impl Cut<'_> {
     /// Whether a free pendulum would have fallen visibly in that time. Tells a short hold from the first moments of a
     /// fall when the noise is too large for accelerations.
     fn must_be_held(&self, still: &Range<usize>) -> bool {
+        if self.recording.measured() == Measured::Rate {
+            let gained_rad_s = self.frequency_rad_s() * self.largest_reading() * self.duration_s(still);
+            return gained_rad_s > HELD_FALL_NOISE * self.noise_rms_rad;
+        }
         let angle_rad = mean(&self.angles_rad()[still.clone()]);
         let gravity_rad_s2 = -self.law[0] * angle_rad.sin() + self.law[1] * angle_rad.cos();
         let fall_rad = gravity_rad_s2.abs() * self.duration_s(still).powi(2) / 2.0;
@@ -89,7 +95,9 @@ impl Cut<'_> {
         let held_rad = mean(&self.angles_rad()[held.start..held.start + n_sure]);
         let earliest = self.recording.index_at(still_s - 5.0 * self.width_s).max(held.start);
         let latest = self.recording.index_at(still_s + 1.5 * self.width_s).min(self.asked.end);
-        let fall_rad = RELEASE_FALL_RAD.max(RELEASE_FALL_NOISE * self.noise_rms_rad);
+        let is_rate = self.recording.measured() == Measured::Rate;
+        let large = RELEASE_FALL_RAD * if is_rate { self.frequency_rad_s() } else { 1.0 };
+        let fall_rad = large.max(RELEASE_FALL_NOISE * self.noise_rms_rad);
         let has_fallen = |idx: &usize| (self.angles_rad()[*idx] - held_rad).abs() > fall_rad;
         let range = earliest..(held.end..latest).find(has_fallen).unwrap_or(latest);
         let searched_s = 3.0 * self.width_s;
@@ -104,12 +112,25 @@ impl Cut<'_> {
         Start { lead_in: (!lead_in.is_empty()).then_some(lead_in), free_idx, release_s, was_held: true }
     }
 
+    fn frequency_rad_s(&self) -> f64 {
+        PI / self.half_swing_s
+    }
+
+    /// The largest reading of the asked part.
+    fn largest_reading(&self) -> f64 {
+        self.angles_rad()[self.asked.start..].iter().fold(0.0, |largest, reading| largest.max(reading.abs()))
+    }
+
     /// Sum of squares left by a release at `release_s` with the best acceleration.
     fn misfit_of_release(&self, range: &Range<usize>, held_rad: f64, release_s: f64) -> f64 {
-        let stiffness = self.law[0] * held_rad.cos();
+        let is_rate = self.recording.measured() == Measured::Rate;
+        let stiffness = self.law[0] * if is_rate { 1.0 } else { held_rad.cos() };
         let shape = |time_s: f64| {
             let after_s = (time_s - release_s).max(0.0);
-            after_s.powi(2) / 2.0 - stiffness * after_s.powi(4) / 24.0
+            match is_rate {
+                false => after_s.powi(2) / 2.0 - stiffness * after_s.powi(4) / 24.0,
+                true => after_s - stiffness * after_s.powi(3) / 6.0,
+            }
         };
         let samples = || range.clone().map(|idx| (shape(self.times_s()[idx]), self.angles_rad()[idx] - held_rad));
         let (across, along) =

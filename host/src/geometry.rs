@@ -1,0 +1,237 @@
+//! Can mass, length and inertia be those of the pendulum that was recorded? One check for command line, page and library.
+//!
+//! Gravity alone makes small swings of `T = 2π √((m·l² + I) / (m·g·l))`, so the period T tells what `I` must be beside m
+//! and l, and that l is at most `g·(T/2π)²`. A drive of the model (a spring, a magnet, a typed torque) changes the period;
+//! with one nothing is judged.
+
+use crate::recording::Measured;
+use crate::recording::plausible::{Swings, lengthening};
+use crate::swing::Swing;
+use shared::effect::{Action, CUSTOM_FORMULA_ID, Effect};
+use shared::motion::Pendulum;
+use shared::parameters::Parameters;
+use std::f64::consts::TAU;
+
+/// Springs and magnets that the model lacks change a period, but not to half or twice: four times the moment of inertia.
+const MOST_OFF: f64 = 4.0;
+
+/// Between grams and kilograms lies 1000; a drawing may be off by some.
+const GRAMS: std::ops::Range<f64> = 300.0..3000.0;
+
+/// Who has less than a gram on the shaft does not mean grams.
+const LEAST_KG_IN_GRAMS: f64 = 1.0;
+
+/// An inertia that is a smaller share of m·l² than this is hardly seen in the period.
+const SEEN_SHARE: f64 = 0.05;
+
+/// A pendulum as short as this is one whose geometry is unknown (`host init --unknown-geometry`), m.
+const UNKNOWN_LENGTH_M: f64 = 1e-3;
+
+/// Angles that should lengthen the period by this much …
+const CLEAR_LENGTHENING: f64 = 1.05;
+
+/// … but leave it within so much of that of small swings are doubted.
+const NOT_LENGTHENED: f64 = 0.01;
+
+/// A geometry that the recording contradicts.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GeometryError {
+    /// The centre of mass is too far from the pivot.
+    #[error(
+        "{name}: it swings with a period of {period_s:.3} s, but with its centre of mass {length_m} m from the pivot it \
+         would take at least {least_s:.3} s; the length must be in metres and at most {most_m:.3}: \
+         set `length = {proposed_m}` in rig.toml, or make the file anew with `host init --length {proposed_m}`"
+    )]
+    Length {
+        /// The recording.
+        name: String,
+        /// As measured, s.
+        period_s: f64,
+        /// As given, m.
+        length_m: f64,
+        /// Of a point at this distance, s.
+        least_s: f64,
+        /// What the period allows, m.
+        most_m: f64,
+        /// What would fit, m.
+        proposed_m: f64,
+    },
+    /// The mass was given in grams.
+    #[error(
+        "{name}: with a mass of {mass_kg} kg its period of {period_s:.3} s needs an inertia of {needed_kg_m2:.3e} kg·m², \
+         {factor:.0} times the {inertia_kg_m2} given; if the mass is in grams, set `mass = {proposed_kg}` in rig.toml, or \
+         make the file anew with `host init --mass {proposed_kg}`; if it is right, correct `inertia`"
+    )]
+    Mass {
+        /// The recording.
+        name: String,
+        /// As measured, s.
+        period_s: f64,
+        /// As given, kg.
+        mass_kg: f64,
+        /// As given, kg·m².
+        inertia_kg_m2: f64,
+        /// What the period asks for, kg·m².
+        needed_kg_m2: f64,
+        /// How many times.
+        factor: f64,
+        /// The same in kilograms.
+        proposed_kg: f64,
+    },
+    /// The moment of inertia is far too large.
+    #[error(
+        "{name}: it swings with a period of {period_s:.3} s, but with an inertia of {inertia_kg_m2} kg·m² beside mass and \
+         length it would take {predicted_s:.3} s; give the moment of inertia about the centre of mass in kg·m²: \
+         set `inertia = {needed_kg_m2:.2e}` in rig.toml, which fits the period, or make the file anew with `host init`"
+    )]
+    Inertia {
+        /// The recording.
+        name: String,
+        /// As measured, s.
+        period_s: f64,
+        /// As given, kg·m².
+        inertia_kg_m2: f64,
+        /// What it would make, s.
+        predicted_s: f64,
+        /// What the period asks for, kg·m².
+        needed_kg_m2: f64,
+    },
+}
+
+/// Compares the pendulum of a model with the periods of swings; gives what is doubtful, in words.
+///
+/// # Errors
+/// A number that can't be in the unit in which it was taken.
+pub fn check(parameters: &Parameters<f64>, swings: &[Swing]) -> Result<Vec<String>, GeometryError> {
+    if parameters.pendulum.length_m <= UNKNOWN_LENGTH_M || has_drive(parameters) {
+        return Ok(Vec::new());
+    }
+    let mut doubts = Vec::new();
+    for swing in swings {
+        let Some(seen) = Swings::of(&swing.times_s, &swing.angles_rad) else { continue };
+        let seen = if swing.measured == Measured::Rate { seen.in_angles() } else { seen };
+        judge(&swing.name, seen.small_period_s(), &parameters.pendulum)?;
+        doubts.extend(doubt_of_unit(&swing.name, &seen, &parameters.pendulum));
+    }
+    Ok(doubts)
+}
+
+/// Is there a torque beside gravity that makes it swing?
+fn has_drive(parameters: &Parameters<f64>) -> bool {
+    let is_drive = |id: u16| {
+        Effect::<f64>::by_id(id).is_some_and(|effect| matches!(effect.action, Action::Drive(_) | Action::State(_)))
+    };
+    parameters.effects.iter().any(|effect| effect.id == CUSTOM_FORMULA_ID || is_drive(effect.id))
+}
+
+fn judge(name: &str, period_s: f64, pendulum: &Pendulum<f64>) -> Result<(), GeometryError> {
+    let Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2 } = *pendulum;
+    let name = name.to_owned();
+    let most_m = gravity_m_s2 * (period_s / TAU).powi(2);
+    if length_m > MOST_OFF * most_m {
+        let least_s = TAU * (length_m / gravity_m_s2).sqrt();
+        let proposed_m = in_metres(length_m, most_m);
+        return Err(GeometryError::Length { name, period_s, length_m, least_s, most_m, proposed_m });
+    }
+    let of_point = mass_kg * length_m.powi(2);
+    let needed_kg_m2 = mass_kg * length_m * most_m - of_point;
+    let factor = needed_kg_m2 / inertia_kg_m2;
+    if GRAMS.contains(&factor) && needed_kg_m2 > SEEN_SHARE * of_point && mass_kg >= LEAST_KG_IN_GRAMS {
+        let proposed_kg = plain(mass_kg / 1000.0);
+        return Err(GeometryError::Mass { name, period_s, mass_kg, inertia_kg_m2, needed_kg_m2, factor, proposed_kg });
+    }
+    let predicted_s = small_period_s(pendulum);
+    if predicted_s > MOST_OFF.sqrt() * period_s {
+        let needed_kg_m2 = needed_kg_m2.max(0.0);
+        return Err(GeometryError::Inertia { name, period_s, inertia_kg_m2, predicted_s, needed_kg_m2 });
+    }
+    Ok(())
+}
+
+/// Period of small swings, s.
+fn small_period_s(pendulum: &Pendulum<f64>) -> f64 {
+    TAU * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt()
+}
+
+/// Large angles with the period of small ones are none.
+fn doubt_of_unit(name: &str, seen: &Swings, pendulum: &Pendulum<f64>) -> Option<String> {
+    let (amplitude_rad, period_s) = seen.typical()?;
+    let wanted = lengthening(amplitude_rad);
+    let found = period_s / small_period_s(pendulum);
+    let is_off = wanted > CLEAR_LENGTHENING && (found - 1.0).abs() < NOT_LENGTHENED;
+    is_off.then(|| {
+        format!(
+            "doubtful: {name}: at {amplitude_rad:.2} rad this pendulum's period is {:.1} % longer than that of small swings, \
+             measured is {:+.1} %; are these angles in radians? Say the unit, --columns theta=1:deg",
+            100.0 * (wanted - 1.0),
+            100.0 * (found - 1.0)
+        )
+    })
+}
+
+/// A length in centimetres or millimetres, or the largest there can be.
+fn in_metres(length_m: f64, most_m: f64) -> f64 {
+    let known = [100.0, 1000.0].map(|units| plain(length_m / units));
+    known.into_iter().find(|length_m| *length_m <= most_m).unwrap_or(plain((1e3 * most_m).floor() / 1e3))
+}
+
+/// Without the rounding of a division.
+fn plain(value: f64) -> f64 {
+    format!("{value:.9}").parse().unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Small swings with the period of the paper's pendulum, 1.047 s: m·l² + I = 6.420e-3 kg·m², m·g·l = 0.22468 N·m.
+    fn swings(amplitude_rad: f64, period_s: f64) -> Vec<Swing> {
+        let times_s: Vec<f64> = (0..4000).map(|idx| f64::from(idx) * 5e-3).collect();
+        let angle = |t: &f64| amplitude_rad * (-0.02 * t).exp() * (TAU * t / period_s).cos();
+        let angles_rad: Vec<f64> = times_s.iter().map(angle).collect();
+        vec![Swing::new("swing.csv", &times_s, &angles_rad, 1e-4)]
+    }
+
+    fn paper_but(change: impl Fn(&mut Pendulum<f64>)) -> Parameters<f64> {
+        let mut parameters = Parameters::paper();
+        parameters.pendulum = Pendulum::paper();
+        change(&mut parameters.pendulum);
+        parameters
+    }
+
+    fn refusal(change: impl Fn(&mut Pendulum<f64>)) -> String {
+        let period_s = small_period_s(&Pendulum::paper());
+        check(&paper_but(change), &swings(0.1, period_s)).expect_err("a refusal").to_string()
+    }
+
+    #[test]
+    fn numbers_in_other_units_are_refused_with_the_line_that_cures_them() {
+        let mass = refusal(|pendulum| pendulum.mass_kg *= 1000.0);
+        assert!(mass.contains("grams") && mass.contains("`mass = 0.1466084`"), "{mass}");
+        let length = refusal(|pendulum| pendulum.length_m *= 100.0);
+        assert!(length.contains("metres") && length.contains("`length = 0.1562177`"), "{length}");
+        let length = refusal(|pendulum| pendulum.length_m *= 1000.0);
+        assert!(length.contains("`length = 0.1562177`"), "{length}");
+        let inertia = refusal(|pendulum| pendulum.inertia_kg_m2 *= 1000.0);
+        assert!(inertia.contains("`inertia = 2.8"), "{inertia}");
+    }
+
+    #[test]
+    fn a_right_geometry_passes_and_so_does_one_that_is_unknown_or_has_a_spring() {
+        let period_s = small_period_s(&Pendulum::paper());
+        assert_eq!(check(&paper_but(|_| ()), &swings(0.1, period_s)), Ok(Vec::new()));
+        assert_eq!(check(&paper_but(|p| p.inertia_kg_m2 *= 3.0), &swings(0.1, period_s)), Ok(Vec::new()));
+        assert_eq!(check(&paper_but(|p| p.length_m = 1e-3), &swings(0.1, 0.3)), Ok(Vec::new()));
+        let mut sprung = paper_but(|p| p.length_m *= 100.0);
+        let drive = Effect::<f64>::ALL.iter().find(|effect| matches!(effect.action, Action::Drive(_))).unwrap();
+        sprung.set(drive.id, &vec![0.0; drive.parameters.len()]).unwrap();
+        assert_eq!(check(&sprung, &swings(0.1, period_s)), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn large_angles_with_the_period_of_small_ones_are_doubted() {
+        let period_s = small_period_s(&Pendulum::paper());
+        let doubts = check(&paper_but(|_| ()), &swings(2.0, period_s)).unwrap();
+        assert!(doubts.len() == 1 && doubts[0].contains("theta=1:deg"), "{doubts:?}");
+    }
+}

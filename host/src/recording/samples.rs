@@ -1,0 +1,233 @@
+//! The rows of a table, one after the other: numbers of the chosen columns, gaps, what was cut off.
+
+use super::choose::{Sources, TimeSource};
+use super::clock;
+use super::error::{Fault, check_step};
+use super::number::{Cell, Numerals};
+use super::table::Table;
+
+/// More samples than a day's at 200 Hz, or ten hours' at 480 Hz, are not one swing.
+pub(super) const MOST_SAMPLES: usize = 17_280_000;
+
+/// A file names at most so many columns that are needed at once: three axes, and what else is called a rate.
+pub(super) const MOST_COLUMNS: usize = 8;
+
+/// A clock that goes back by more than this passed midnight, s.
+const MIDNIGHT_S: f64 = 43_200.0;
+
+/// The needed columns as read, in the file's units.
+#[derive(Default)]
+pub(super) struct Samples {
+    pub(super) times: Vec<f64>,
+    /// One list a column: angles, x and y of a point, or the rates about several axes.
+    pub(super) readings: Vec<Vec<f64>>,
+    pub(super) codes: Vec<u16>,
+    /// Which rows they are, where the rate tells the time and rows are missing.
+    pub(super) rows: Vec<u32>,
+    /// Day of the first clock time.
+    first_day: Option<i64>,
+    n_midnights: u32,
+}
+
+/// Rows without a value.
+#[derive(Default)]
+struct Missing {
+    n_rows: usize,
+    first: Option<String>,
+}
+
+/// What became of a row.
+enum Taken {
+    Sample,
+    Gap { column: usize },
+}
+
+impl Samples {
+    /// Reads all rows; what is dropped is noted.
+    pub(super) fn collect(
+        table: &mut Table,
+        sources: &Sources,
+        is_ours: bool,
+        notes: &mut Vec<String>,
+    ) -> Result<Self, Fault> {
+        let columns = sources.reading.columns();
+        let mut samples = Self { readings: vec![Vec::new(); columns.len()], ..Self::default() };
+        let mut numerals = table.numerals.clone();
+        let mut missing = Missing::default();
+        let (mut n_doubled, mut row_idx) = (0_usize, 0_u32);
+        while table.advance()? {
+            // Our own writer ends every line: in a row without an end, even what looks like a number may be the
+            // beginning of one. The writers of others often leave out the last end.
+            let may_be_whole = table.is_complete() || !is_ours;
+            match may_be_whole.then(|| samples.take(table, sources, &columns, &mut numerals)) {
+                Some(Ok(Taken::Sample)) => samples.rows.extend(sources.counts_rows().then_some(row_idx)),
+                Some(Ok(Taken::Gap { column })) if table.is_complete() => missing.count(table, column),
+                Some(Err(fault)) if table.is_complete() => return Err(fault),
+                _ => {
+                    notes.push(format!("line {}: cut off while it was written, left out", table.line()));
+                    continue;
+                }
+            }
+            row_idx += 1;
+            n_doubled += usize::from(samples.drop_doubled());
+            samples.check_last(table, sources)?;
+        }
+        if n_doubled > 0 {
+            notes.push(format!("{n_doubled} rows stood there twice (same time, same angle), left out once each"));
+        }
+        notes.extend(missing.in_words());
+        if samples.n_midnights > 0 {
+            notes.push("the clock passed midnight: a day added".to_owned());
+        }
+        samples.shrink();
+        Ok(samples)
+    }
+
+    /// Reads one row as a whole or not at all.
+    fn take(
+        &mut self,
+        table: &Table,
+        sources: &Sources,
+        columns: &[usize],
+        numerals: &mut Numerals,
+    ) -> Result<Taken, Fault> {
+        let row = Row { table, fields: table.fields() };
+        let mut readings = [0.0; MOST_COLUMNS];
+        for (reading, column) in readings.iter_mut().zip(columns) {
+            let Some(number) = row.number(*column, numerals)? else { return Ok(Taken::Gap { column: *column }) };
+            *reading = number;
+        }
+        let mut code = None;
+        if let Some(column) = sources.code {
+            let Some(number) = row.number(column, numerals)? else { return Ok(Taken::Gap { column }) };
+            code = Some(as_code(table.line(), number)?);
+        }
+        let time = match sources.time {
+            TimeSource::Rate(_) => None,
+            TimeSource::Column { idx, .. } => match row.number(idx, numerals)? {
+                None => return Ok(Taken::Gap { column: idx }),
+                found => found,
+            },
+            TimeSource::Clock { idx } => match self.clock_s(&row, idx)? {
+                None => return Ok(Taken::Gap { column: idx }),
+                found => found,
+            },
+        };
+        self.times.extend(time);
+        self.readings.iter_mut().zip(readings).for_each(|(list, reading)| list.push(reading));
+        self.codes.extend(code);
+        Ok(Taken::Sample)
+    }
+
+    /// Seconds since midnight of the first day.
+    fn clock_s(&mut self, row: &Row, idx: usize) -> Result<Option<f64>, Fault> {
+        let text = row.field(idx)?;
+        if super::number::is_missing(text) {
+            return Ok(None);
+        }
+        let moment = clock::read(text).ok_or_else(|| row.not_a_number(idx, text))?;
+        let day = match moment.day {
+            Some(day) => day - *self.first_day.get_or_insert(day),
+            None => {
+                let before_s = self.times.last().copied().unwrap_or(0.0);
+                let now_s = f64::from(self.n_midnights) * clock::DAY_S + moment.second;
+                self.n_midnights += u32::from(now_s < before_s - MIDNIGHT_S);
+                i64::from(self.n_midnights)
+            }
+        };
+        Ok(Some(day as f64 * clock::DAY_S + moment.second))
+    }
+
+    /// Removes the last sample when it repeats time and angle of the one before.
+    fn drop_doubled(&mut self) -> bool {
+        let repeats = |values: &[f64]| matches!(values, [.., before, last] if before == last);
+        let is_doubled = repeats(&self.times) && self.readings.iter().all(|list| repeats(list));
+        if is_doubled {
+            self.times.pop();
+            self.readings.iter_mut().for_each(|list| list.truncate(list.len().saturating_sub(1)));
+            self.codes.pop();
+        }
+        is_doubled
+    }
+
+    /// Time goes on, and there is an end to it.
+    fn check_last(&self, table: &Table, sources: &Sources) -> Result<(), Fault> {
+        if self.len() > MOST_SAMPLES {
+            return Err(Fault::TooManySamples);
+        }
+        match self.times[..] {
+            [.., before, last] => {
+                let scale = sources.time.scale();
+                check_step(|| format!("line {}", table.line()), before * scale, last * scale)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.readings.first().map_or(self.codes.len(), Vec::len)
+    }
+
+    fn shrink(&mut self) {
+        self.times.shrink_to_fit();
+        self.readings.iter_mut().for_each(Vec::shrink_to_fit);
+        self.codes.shrink_to_fit();
+    }
+}
+
+impl Missing {
+    fn count(&mut self, table: &Table, column: usize) {
+        self.n_rows += 1;
+        self.first.get_or_insert_with(|| {
+            let text = table.fields().get(column).copied().unwrap_or_default().to_owned();
+            format!("line {}, column {}: \"{text}\"", table.line(), table.column_name(column))
+        });
+    }
+
+    fn in_words(self) -> Option<String> {
+        let first = self.first?;
+        Some(format!("{} rows without a value are gaps, the first at {first}", self.n_rows))
+    }
+}
+
+/// A row of the table while its cells are read.
+struct Row<'a> {
+    table: &'a Table<'a>,
+    fields: Vec<&'a str>,
+}
+
+impl<'a> Row<'a> {
+    fn field(&self, idx: usize) -> Result<&'a str, Fault> {
+        let (line, n_found) = (self.table.line(), self.fields.len());
+        let short = || Fault::ShortRow { line, n_found, column: self.table.column_name(idx) };
+        self.fields.get(idx).copied().ok_or_else(short)
+    }
+
+    /// A finite number; `None` where nothing was measured.
+    fn number(&self, idx: usize, numerals: &mut Numerals) -> Result<Option<f64>, Fault> {
+        let text = self.field(idx)?;
+        match numerals.read(text) {
+            Cell::Number(number) if number.is_finite() => Ok(Some(number)),
+            Cell::Missing => Ok(None),
+            Cell::Contradiction => {
+                Err(Fault::ThousandsTooLate { line: self.table.line(), value: text.chars().take(40).collect() })
+            }
+            _ => Err(self.not_a_number(idx, text)),
+        }
+    }
+
+    fn not_a_number(&self, idx: usize, text: &str) -> Fault {
+        Fault::NotANumber {
+            place: format!("line {}", self.table.line()),
+            column: self.table.column_name(idx),
+            value: text.chars().take(40).collect(),
+        }
+    }
+}
+
+fn as_code(line: usize, number: f64) -> Result<u16, Fault> {
+    if number.fract() != 0.0 || !(0.0..=f64::from(u16::MAX)).contains(&number) {
+        return Err(Fault::BadCode { line, value: number.to_string() });
+    }
+    Ok(number as u16)
+}

@@ -1,0 +1,121 @@
+//! Angular velocities, as a phone on the pendulum measures them: fitted as rates, with bias and scale of the gyroscope.
+//!
+//! Pendulum and gyroscope are those of `tests::hidden`, which share no code with the product.
+
+use host::recording::{Existing, save};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use tests::hidden::{Gyroscope, Random, Rig};
+use tests::program::host;
+
+/// A usual phone: 2 % off, some hundredths of a rad/s at rest.
+const PHONE: Gyroscope = Gyroscope { scale: 1.02, bias_rad_s: 0.013, noise_rad_s: 4e-3, rate_hz: 200.0 };
+
+/// So many standard deviations a number may be off.
+const MOST_STDS: f64 = 3.5;
+
+/// A folder with the model of somebody who knows the geometry, and one file a release.
+fn phone_on(rig: &Rig, phone: Gyroscope, unit: &str, per_rad: f64) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let Rig { mass_kg, length_m, drawn_inertia_kg_m2, .. } = rig;
+    let init = format!("init --mass {mass_kg} --length {length_m} --inertia {drawn_inertia_kg_m2}");
+    host(folder.path(), &init).succeeded();
+    for release_idx in 0..rig.releases_rad.len() {
+        let text = phone.file(rig, release_idx, unit, per_rad);
+        fs::write(folder.path().join(format!("swing{}.csv", release_idx + 1)), text).unwrap();
+    }
+    folder
+}
+
+fn json(folder: &Path, arguments: &str) -> Value {
+    serde_json::from_str(host(folder, &format!("{arguments} --json --quiet")).succeeded()).unwrap()
+}
+
+/// Mw, Mc, I and the scale of the sensor, each with the truth.
+fn truths(rig: &Rig, phone: Gyroscope) -> [(&'static str, f64); 4] {
+    [("Mw", rig.viscous), ("Mc", rig.coulomb_nm), ("I", rig.inertia_kg_m2), ("eg", phone.scale - 1.0)]
+}
+
+#[track_caller]
+fn check(fit: &Value, truths: &[(&'static str, f64)]) {
+    for (symbol, truth) in truths {
+        let found = fit["parameters"].as_array().unwrap().iter().find(|found| found["symbol"] == *symbol);
+        let found = found.unwrap_or_else(|| panic!("no {symbol} in {fit}"));
+        let (value, std) = (found["value"].as_f64().unwrap(), found["std"].as_f64().expect("a standard deviation"));
+        println!("{symbol}: {value:.5e} ± {std:.1e}, truth {truth:.5e}: {:.2} stds", (value - truth) / std);
+        assert!((value - truth).abs() < MOST_STDS * std, "{symbol}: {value:e} ± {std:e}, truth {truth:e}");
+    }
+}
+
+fn rig(seed: u64) -> Rig {
+    Rig { releases_rad: vec![1.2, -0.7], ..Rig::random(seed) }
+}
+
+#[test]
+fn a_phones_gyroscope_gives_friction_and_inertia_within_their_errors() {
+    for seed in [3, 4, 5] {
+        let rig = rig(seed);
+        let folder = phone_on(&rig, PHONE, "rad/s", 1.0);
+        let fit = json(folder.path(), "fit swing1.csv --hold-out swing2.csv -o rig.toml");
+        check(&fit, &truths(&rig, PHONE));
+        assert_eq!(fit["left"], "noise", "{fit}");
+        let held_out = fit["held_out_rmse"].as_f64().unwrap();
+        assert!((held_out / PHONE.noise_rad_s - 1.0).abs() < 0.05, "held out {held_out} rad/s");
+        // The same model beside the same rates, and the search for what is missing.
+        let compared = json(folder.path(), "compare swing1.csv --hold-out swing2.csv");
+        assert_eq!(
+            (&compared["answer"], &compared["measured"]),
+            (&Value::from("nothing-missing"), &Value::from("rate"))
+        );
+        let diagnosed = json(folder.path(), "diagnose swing1.csv swing2.csv");
+        assert_eq!(diagnosed["verdict"], Value::from(Vec::<Value>::new()), "{diagnosed}");
+    }
+}
+
+#[test]
+fn degrees_a_second_are_the_same_swing() {
+    let rig = rig(6);
+    let folder = phone_on(&rig, PHONE, "deg/s", 1f64.to_degrees());
+    check(&json(folder.path(), "fit swing1.csv swing2.csv --method least-squares"), &truths(&rig, PHONE));
+}
+
+#[test]
+fn a_drag_that_hides_in_rates_is_found() {
+    let rig = Rig { releases_rad: vec![1.4, -1.0], ..Rig::random(8) }.with("quadratic-drag");
+    let rig = rig.scaled(3.0);
+    let folder = phone_on(&rig, PHONE, "rad/s", 1.0);
+    let diagnosed = json(folder.path(), "diagnose swing1.csv swing2.csv");
+    assert_eq!(diagnosed["verdict"], Value::from(vec!["quadratic-drag"]), "{diagnosed}");
+}
+
+#[test]
+fn rates_and_angles_are_not_fitted_at_once() {
+    let rig = rig(7);
+    let folder = phone_on(&rig, PHONE, "rad/s", 1.0);
+    save(&rig.recording(0), &folder.path().join("angles.csv"), Existing::Keep).unwrap();
+    for command in ["fit", "compare", "diagnose"] {
+        host(folder.path(), &format!("{command} swing1.csv angles.csv"))
+            .failed(1, &["angles.csv holds angles", "swing1.csv"]);
+    }
+}
+
+/// Bias and scale do not depend on luck: many phones, many pendulums.
+#[test]
+#[ignore = "long: some minutes"]
+fn many_phones() {
+    let n_rigs = std::env::var("RATE_RIGS").ok().and_then(|n| n.parse().ok()).unwrap_or(20);
+    for seed in 100..100 + n_rigs {
+        let mut random = Random::new(seed);
+        let phone = Gyroscope {
+            scale: random.between(0.96, 1.04),
+            bias_rad_s: random.between(-0.03, 0.03),
+            noise_rad_s: random.log_between(1e-3, 1e-2),
+            rate_hz: random.pick(&[100.0, 200.0, 400.0]),
+        };
+        let rig = Rig { releases_rad: vec![random.between(0.7, 1.4)], ..Rig::random(seed) };
+        let folder = phone_on(&rig, phone, "rad/s", 1.0);
+        println!("seed {seed}: {phone:?}");
+        check(&json(folder.path(), "fit swing1.csv --method least-squares"), &truths(&rig, phone));
+    }
+}
