@@ -50,7 +50,8 @@ class Adc(Peripheral):
         # Conversions under way: when the first ends, the time between two, how many.
         self._under_way = []
         self._busy_until = 0
-        self.n_conversions = self.n_lost = 0
+        # How often its results began to go to the DMA.
+        self.n_conversions = self.n_lost = self.n_starts = 0
 
     def _channel(self):
         if self.values["SQR1"] >> 20 & 15:
@@ -134,6 +135,7 @@ class Adc(Peripheral):
         self.catch_up()
         if value & (POWER | DMA) and not value & DMA:
             self._waits = False
+        self.n_starts += bool(value & ~self.values["CR2"] & DMA)
         self.values["CR2"] = value & ~SOFTWARE_START
         if value & SOFTWARE_START and value & POWER:
             self._under_way.append((self.clock.now() + self._length(), 1, 1))

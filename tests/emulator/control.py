@@ -44,6 +44,7 @@ class Control:
             "longest_unfed_s": seconds(unfed),
             "sampling_s": chip.timers[3].period_s(),
             "conversions": chip.adc.n_conversions,
+            "converter_starts": chip.adc.n_starts,
             "stopped": chip.has_stopped,
             "usb_configured": bool(chip.host and chip.host.configured),
             "serial": chip.host.serial if chip.host else None,

@@ -100,10 +100,16 @@ class Timer(Peripheral):
             if place < modulus and (count - place) // modulus > (seen - place) // modulus:
                 status |= 1 << channel
         self.values["SR"] = status
-        if n_updates and self._is_clocked() and self.values["CR2"] >> 4 & 7 == UPDATE_TRIGGERS:
-            first = self._time_of((seen // modulus + 1) * modulus)
-            for listener in self.listeners:
-                listener(first, modulus * self._tick(), n_updates)
+        if n_updates and self._is_clocked() and self._triggers_on_update():
+            self._trigger(self._time_of((seen // modulus + 1) * modulus), n_updates)
+
+    def _triggers_on_update(self):
+        """An update is a trigger whether the counter or software made it (RM0090 18.4.2, MMS)."""
+        return self.values["CR2"] >> 4 & 7 == UPDATE_TRIGGERS
+
+    def _trigger(self, first, n):
+        for listener in self.listeners:
+            listener(first, self._modulus() * self._tick(), n)
 
     def _restart(self, count=None):
         """From this count on, with the settings as they are now."""
@@ -211,6 +217,8 @@ class Timer(Peripheral):
             self._restart(0)
             if not self.values["CR1"] & ONLY_OVERFLOW:
                 self.values["SR"] |= 1
+            if self._triggers_on_update():
+                self._trigger(self.clock.now(), 1)
             self._changed()
 
     def read_CNT(self):

@@ -54,6 +54,9 @@ fn the_feather_streams_ten_thousand_samples_a_second_without_a_loss() {
     assert_eq!((statistics.overruns, statistics.paused, statistics.dropped_frames), (0, 0, 0));
 }
 
+/// So many that two hours recycle the store several times.
+const SAVES_A_ROUND: usize = 10;
+
 /// What happens in a round of the long run, one after the other.
 #[derive(Clone, Copy, Debug)]
 enum Then {
@@ -69,7 +72,7 @@ fn for_hours_of_saves_resets_and_rates_every_gap_is_counted() {
     let mut board = Emulated::new(&Chip::of(Board::NucleoF446));
     board.hello();
     let then = [Then::Save, Then::Rate(500.0), Then::Save, Then::Reset, Then::Rate(2000.0), Then::Rate(1000.0)];
-    let (mut n_samples, mut n_missing, mut n_resets) = (0, 0, 0);
+    let (mut n_samples, mut n_missing, mut n_saves, mut n_resets) = (0, 0, 0, 0);
     for then in then.into_iter().cycle() {
         if board.now_s > seconds {
             break;
@@ -79,7 +82,8 @@ fn for_hours_of_saves_resets_and_rates_every_gap_is_counted() {
         board.stream(10);
         board.run(10.0);
         if matches!(then, Then::Save) {
-            board.order(Command::Save);
+            (0..SAVES_A_ROUND).for_each(|_| board.order(Command::Save));
+            n_saves += SAVES_A_ROUND;
             board.run(1.0);
         }
         board.order(Command::Stop);
@@ -97,6 +101,7 @@ fn for_hours_of_saves_resets_and_rates_every_gap_is_counted() {
                 board.run(0.5);
                 board.hello();
                 n_resets += 1;
+                println!("{:.0} s: {n_samples} samples, {n_missing} missing and counted, {n_saves} saves", board.now_s);
             }
             Then::Rate(rate_hz) => {
                 let settings = Settings { rate_hz, ..settings(&mut board) };
@@ -105,5 +110,6 @@ fn for_hours_of_saves_resets_and_rates_every_gap_is_counted() {
             }
         }
     }
-    println!("{:.0} s: {n_samples} samples, {n_missing} missing and counted, {n_resets} resets asked for", board.now_s);
+    let n_erases = board.events_of("erase").count();
+    println!("{n_saves} saves, {n_erases} erases, {n_resets} resets asked for");
 }

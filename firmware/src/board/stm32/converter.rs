@@ -92,8 +92,9 @@ impl Converter {
         pac::TIM2.cnt().read()
     }
 
-    /// Converter and DMA from the beginning of the ring; the trigger must stand still.
-    fn arm(&self) {
+    /// Converter and DMA from the beginning of the ring; gives the trigger behind which its first result comes. Should one
+    /// come just then, the next look finds a result too many and does this again.
+    fn arm(&self) -> u32 {
         let stream = DMA2.st(STREAM);
         stream.cr().modify(|w| w.set_en(false));
         while stream.cr().read().en() {}
@@ -134,13 +135,16 @@ impl Converter {
         ADC1.sqr1().modify(|w| w.set_l(0));
         ADC1.sqr3().modify(|w| w.set_sq(0, self.input.channel));
         ADC1.smpr2().modify(|w| w.set_smp(usize::from(self.input.channel), SAMPLE_TIME));
-        ADC1.cr2().modify(|w| {
-            w.set_adon(true);
-            w.set_dds(Dds::CONTINUOUS);
-            w.set_dma(true);
-            w.set_extsel(TRIGGER_TIM3_TRGO);
-            w.set_exten(Exten::RISING_EDGE);
-        });
+        cortex_m::interrupt::free(|_| {
+            ADC1.cr2().modify(|w| {
+                w.set_adon(true);
+                w.set_dds(Dds::CONTINUOUS);
+                w.set_dma(true);
+                w.set_extsel(TRIGGER_TIM3_TRGO);
+                w.set_exten(Exten::RISING_EDGE);
+            });
+            self.triggers()
+        })
     }
 
     /// What can be read now, and what had to be left out to get there.
@@ -153,12 +157,9 @@ impl Converter {
             Ok(ready) => (ready, 0),
             Err(Trouble::Overtaken) => (0, self.reader.skip_to(triggers)),
             Err(Trouble::Stalled) => {
-                self.trigger.stop();
-                let triggers = self.triggers();
-                self.arm();
+                let triggers = self.arm();
                 self.reader.restarted(triggers);
                 let lost = self.reader.skip_to(triggers);
-                self.trigger.start();
                 defmt::warn!("the converter overran: {} samples lost", lost);
                 (0, lost)
             }
