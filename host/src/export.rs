@@ -1,11 +1,12 @@
-//! The model in another language: one C header or Python module that needs nothing else.
+//! The model in another language: one C header, Python module or MATLAB function that needs nothing else.
 //!
 //! The physics is not written a second time. The model is generic over its number type, so it is run once with numbers
 //! that write down what is done to them (`symbol.rs`); what they wrote is printed in the other language (`print.rs`).
 //! Every effect in the list is exported that way, those added later and typed formulas too. Only the loop over the pieces of a step is
-//! written by hand, in `c.rs` and `python.rs`.
+//! written by hand, in `c.rs`, `python.rs` and `matlab.rs`.
 
 mod c;
+mod matlab;
 mod print;
 mod python;
 mod symbol;
@@ -23,6 +24,8 @@ pub enum Language {
     C,
     /// A Python 3 module.
     Python,
+    /// A MATLAB function.
+    Matlab,
 }
 
 /// Why a model can't be exported.
@@ -50,6 +53,7 @@ pub fn export(file: &RigFile, language: Language) -> Result<String, ExportError>
     Ok(match language {
         Language::C => c::header(&numbers, &trace, &laws(parameters)),
         Language::Python => python::module(&numbers, &trace, &laws(parameters)),
+        Language::Matlab => matlab::function_file(&numbers, &trace, &laws(parameters)),
     })
 }
 

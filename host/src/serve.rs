@@ -16,6 +16,7 @@ mod files;
 mod guard;
 mod jobs;
 mod live;
+mod preview;
 mod recordings;
 mod request;
 mod rig;

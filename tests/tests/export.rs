@@ -106,6 +106,47 @@ for step in range({N_STEPS}):
     said_by(Command::new("python3").arg("-B").arg("main.py").current_dir(folder))
 }
 
+/// Octave runs what MATLAB runs.
+fn matlab(folder: &Path, file: &RigFile) -> String {
+    std::fs::write(folder.join("rig.m"), export(file, Language::Matlab).unwrap()).unwrap();
+    let program = format!(
+        "clear rig\ndt_s = 0;\nfor step = 0:{N_STEPS}-1\n  [angle, velocity, reading, torque] = rig([{RELEASE_RAD:?} 0], dt_s);\n  \
+         dt_s = {DT_S:?};\n  if mod(step, {EVERY}) == 0\n    printf('%.17g %.17g %.17g %.17g\\n', angle, velocity, torque, \
+         reading);\n  end\nend\n"
+    );
+    std::fs::write(folder.join("main.m"), program).unwrap();
+    said_by(Command::new("octave-cli").args(["--norc", "--quiet", "main.m"]).current_dir(folder))
+}
+
+/// Every effect at once would take Octave too long; each alone over a shorter swing shows the same.
+#[test]
+#[ignore = "needs Octave; tests/more octave runs it"]
+fn the_matlab_function_goes_the_same_way_with_every_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    for effect in Effect::<f64>::ALL {
+        let file = with(effect);
+        check(effect.name, &file, &matlab(folder.path(), &file));
+    }
+}
+
+/// What no Octave is needed for: one function for the block, each other one after it, no call of what is not there.
+#[test]
+fn the_matlab_function_has_all_that_it_calls() {
+    for effect in Effect::<f64>::ALL {
+        let text = export(&with(effect), Language::Matlab).unwrap();
+        assert!(text.starts_with("function [angle_rad, ") && text.contains("%#codegen"), "{}", effect.name);
+        let names = text.match_indices("rig_").map(|(at, _)| &text[at..]);
+        for rest in names {
+            let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            let is_there = |line: &str| line.starts_with("function") && line.contains(&format!("{name}("));
+            assert!(text.lines().any(is_there), "{}: {name} is not there", effect.name);
+        }
+        let count = |word: &str| text.lines().filter(|line| line.split_whitespace().next() == Some(word)).count();
+        assert_eq!(count("function") + count("if") + count("for"), count("end"), "{}", effect.name);
+        assert!(!text.contains('?') && !text.contains("!"), "{}: C is left in it", effect.name);
+    }
+}
+
 fn said_by(command: &mut Command) -> String {
     let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     assert!(output.status.success(), "{command:?}\n{}", String::from_utf8_lossy(&output.stderr));
@@ -158,6 +199,7 @@ fn a_typed_formula_goes_the_same_way() {
     let file = RigFile::parse("rig.toml", &(dry().to_string() + &custom)).unwrap();
     check("custom", &file, &c(folder.path(), &file));
     check("custom", &file, &python(folder.path(), &file));
+    assert!(export(&file, Language::Matlab).unwrap().contains("rig_pow"));
 }
 
 #[test]

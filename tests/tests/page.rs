@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tests::browser::Browser;
 use tests::device::Device;
+use tests::hidden::{Gyroscope, Rig};
 use tests::page::Server;
 use tests::program::host;
 
@@ -233,4 +234,84 @@ fn a_swing_is_recorded_on_the_page_and_appears_in_the_list() {
     let csv =
         |entry: std::io::Result<std::fs::DirEntry>| entry.unwrap().path().extension().is_some_and(|end| end == "csv");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().filter_map(|entry| csv(entry).then_some(())).count(), 1);
+}
+
+/// Phone, tablet, laptop, large screen.
+const WIDTHS: [u32; 4] = [390, 768, 1440, 1920];
+
+/// Nothing is wider than the window, and every element with text of its own ends within it.
+const FITS: &str = "
+    const wide = document.documentElement.scrollWidth;
+    const out = [...document.querySelectorAll('main *, header *')].filter((one) => {
+        const box = one.getBoundingClientRect();
+        return box.width > 0 && (box.right > innerWidth + 1 || box.left < -1) && !one.closest('.scroll, .plot, svg, .skip');
+    });
+    return wide <= innerWidth ? out.map((one) => one.id || one.className || one.tagName).join() : `page ${wide} wide`;";
+
+#[test]
+fn the_page_fits_phones_and_large_screens_in_light_and_dark() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    prepare(folder.path());
+    let server = Server::start(folder.path(), "--rig rig.toml swing1.csv swing2.csv");
+    block_on(async {
+        for width in WIDTHS {
+            let browser = Browser::open(&server.url, width, 900).await;
+            browser.wait_for("document.querySelector('#verdict.bad')").await;
+            browser.wait_for(IDLE).await;
+            browser.wait_for("document.querySelectorAll('#pictures .main-svg').length >= 2").await;
+            let inside = browser.run("return innerWidth").await.as_u64().unwrap();
+            assert!(inside.abs_diff(u64::from(width)) <= 20, "{inside} pixels for {width}");
+            for theme in ["light", "dark"] {
+                browser.wait_for(&format!("(document.documentElement.dataset.theme = '{theme}') === '{theme}'")).await;
+                for tab in ["model", "live", "fit"] {
+                    browser.click(&format!("#tab-{tab}")).await;
+                    assert_eq!(browser.run(FITS).await, "", "{tab} at {width} pixels, {theme}");
+                    browser.keep_picture(&format!("width-{width}-{tab}-{theme}")).await;
+                }
+            }
+            browser.close().await;
+        }
+    });
+}
+
+/// A gyroscope's file whose columns nobody can guess, read from the page alone.
+#[test]
+fn columns_units_and_sign_are_asked_with_the_curve_and_rates_are_fitted() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let rig = Rig { releases_rad: vec![1.2], ..Rig::random(5) };
+    let phone = Gyroscope { scale: 1.02, bias_rad_s: 0.013, noise_rad_s: 4e-3, rate_hz: 200.0 };
+    let rows = phone.file(&rig, 0, "rad/s", 1.0);
+    let bare: String = rows.lines().skip(1).map(|row| row.to_owned() + "\n").collect();
+    std::fs::write(folder.path().join("phone.csv"), format!("a,b,c,d,e\n{bare}")).unwrap();
+    let Rig { mass_kg, length_m, drawn_inertia_kg_m2, .. } = &rig;
+    host(folder.path(), &format!("init --mass {mass_kg} --length {length_m} --inertia {drawn_inertia_kg_m2}"))
+        .succeeded();
+    let server = Server::start(folder.path(), "--rig rig.toml");
+    let choose = |id: &str, value: &str| {
+        format!(
+            "const chosen = document.getElementById('{id}'); chosen.value = '{value}'; chosen.dispatchEvent(new Event('change', {{ bubbles: true }}));"
+        )
+    };
+    block_on(async {
+        let browser = Browser::open(&server.url, 1280, 900).await;
+        browser.wait_for("document.body.dataset.ready === 'true'").await;
+        browser.upload("#upload", &folder.path().join("phone.csv")).await;
+        browser.wait_for("document.getElementById('columns-dialog').open").await;
+        browser.wait_for("document.querySelectorAll('#columns-rows tbody tr').length >= 5").await;
+        browser.run(&choose("columns-time", "0")).await;
+        browser.run(&choose("columns-reading", "3")).await;
+        browser.run(&choose("columns-unit", "rate, rad/s")).await;
+        browser.wait_for("document.body.dataset.columns === 'rate'").await;
+        browser.keep_picture("14-columns").await;
+        browser.click("#columns-yes").await;
+        browser.wait_for("document.querySelectorAll('#recordings li').length === 1").await;
+        browser.wait_for("document.querySelector('#verdict.good')").await;
+        browser.wait_for(IDLE).await;
+        let verdict = browser.text("#verdict").await;
+        assert!(verdict.contains("mrad/s") && verdict.contains("Nothing is missing"), "{verdict}");
+        browser.keep_picture("15-rates").await;
+        browser.close().await;
+    });
 }

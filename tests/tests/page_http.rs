@@ -126,7 +126,7 @@ fn wrong_bodies_are_refused_with_a_reason_and_nothing_breaks() {
 #[test]
 fn what_is_too_large_is_refused() {
     let (_folder, server) = server("");
-    let answer = server.upload("huge.csv", &vec![b'1'; (64 << 20) + 1]);
+    let answer = server.upload("huge.csv", &vec![b'1'; (256 << 20) + 1]);
     assert!(answer.status == 413 || answer.status == 0, "{}", answer.status);
     assert_eq!(server.post("/api/change", &" ".repeat(1 << 17)).status, 413);
     assert_eq!(server.get("/").status, 200);
@@ -200,4 +200,28 @@ fn an_address_in_use_is_told() {
     let (folder, server) = server("");
     let run = host(folder.path(), &format!("serve --no-open --listen {}", server.address));
     run.failed(1, &["could not listen", &server.address, "next"]);
+}
+
+/// What the page asks before it takes a file in: its columns and rows, and the curve that a choice of them gives.
+#[test]
+fn a_file_is_shown_before_it_is_taken_in_and_read_as_it_was_wished() {
+    let (_folder, server) = server("");
+    let angle_deg = |t: f64| 8.0 * (-0.03 * t).exp() * (6.0 * t).cos();
+    let rows = (0..600).map(|k| f64::from(k) * 0.02).map(|t| format!("{t:.2};{:.4};1\n", angle_deg(t)));
+    let file = format!("when;pot;other\n{}", rows.collect::<String>());
+    let ask = |path: &str| server.ask("POST", path, &[], file.as_bytes());
+    let blind = ask("/api/preview?name=strange.csv").json();
+    assert_eq!(blind["columns"], serde_json::json!(["when", "pot", "other"]));
+    assert_eq!((blind["rows"][0][1].as_str(), blind["rows"].as_array().map(Vec::len)), (Some("8.0000"), Some(6)));
+    assert!(
+        blind["reading"].is_null() && blind["fault"].as_str().is_some_and(|fault| fault.contains("column")),
+        "{blind}"
+    );
+    let told = ask("/api/preview?name=strange.csv&columns=t%3D0,theta%3D1:deg&mirrored=true").json();
+    let readings = told["reading"]["readings"].as_array().unwrap();
+    assert!((readings[0].as_f64().unwrap() + 8_f64.to_radians()).abs() < 1e-6, "{told}");
+    assert_eq!(told["reading"]["unit"], "rad");
+    ask("/api/recordings?name=strange.csv").refused(422, "column");
+    assert_eq!(ask("/api/recordings?name=strange.csv&columns=t%3D0,theta%3D1:deg").status, 200);
+    ask("/api/recordings?name=strange.csv&columns=t%3D0,theta%3D1:furlong").refused(422, "furlong");
 }

@@ -33,6 +33,9 @@ pub(super) struct Reading {
     /// The pivot in the file's x and y, for a point that was followed in a video
     #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
     pivot: Option<[f64; 2]>,
+    /// The sensor counts the other way, clockwise positive
+    #[arg(long)]
+    mirror: bool,
     /// The free swing begins here, s
     #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
     from: Option<f64>,
@@ -71,6 +74,7 @@ impl Reading {
             angle_unit,
             zero: self.zero,
             pivot: self.pivot,
+            mirrored: self.mirror,
             measured: None,
         }
     }

@@ -6,6 +6,7 @@ use super::given::{Given, check_geometry};
 use super::{output, rig};
 use crate::compare::measurement::Measurement;
 use crate::compare::pictures::pictures;
+use crate::compare::recording::Curves;
 use crate::compare::{self, Comparison, compare};
 use crate::error::Failure;
 use crate::plot::svg::svg;
@@ -29,7 +30,10 @@ pub(super) struct Options {
     /// Write a report for the browser, one file that needs no network
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Replace pictures and a report that exist there
+    /// Write every sample here: measured, modelled and what is left, as a table
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Replace pictures, a report and a table that exist there
     #[arg(long)]
     force: bool,
 }
@@ -37,7 +41,7 @@ pub(super) struct Options {
 const EXAMPLE: &str = "\
 Example:
   host compare --rig rig.toml swing.csv
-  host compare a.csv b.csv --hold-out c.csv --report report.html
+  host compare a.csv b.csv --hold-out c.csv --report report.html --csv series.csv
   host compare swing.csv --from 0.7 --plot pictures --json";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
@@ -54,6 +58,9 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     if let Some(path) = &options.report {
         output::write(path, &report(&comparison), options.force)?;
+    }
+    if let Some(path) = &options.csv {
+        output::write(path, &series(&comparison), options.force)?;
     }
     if options.given.json {
         output::json("compare", &comparison)
@@ -73,12 +80,28 @@ fn check_outputs(options: &Options) -> Result<(), Failure> {
     let given = &options.given;
     let rig = rig::chosen_path(given.rig.as_deref());
     let read: Vec<&Path> = given.recordings.iter().chain(&options.hold_out).chain(&rig).map(PathBuf::as_path).collect();
-    let new: Vec<&Path> = options.report.iter().map(PathBuf::as_path).collect();
+    let new: Vec<&Path> = options.report.iter().chain(&options.csv).map(PathBuf::as_path).collect();
     output::check(&new, &read, options.force)?;
     let inside = |folder: &PathBuf| folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
     let is_picture = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "svg");
     let earlier: Vec<PathBuf> = options.plot.iter().flat_map(inside).filter(is_picture).take(1).collect();
     output::check(&earlier.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &[], options.force)
+}
+
+/// One row a sample of every recording, on the recordings' own clocks; names with their unit.
+fn series(comparison: &Comparison) -> String {
+    let unit = comparison.measured.unit().replace('/', "_");
+    let mut text = format!("recording,t_s,measured_{unit},modelled_{unit},residual_{unit}\n");
+    for judged in comparison.recordings.iter().chain(&comparison.held_out) {
+        let Curves { times_s, angles_rad, modelled_rad, residuals_rad, .. } = &judged.curves;
+        let name = judged.name.replace('"', "\"\"");
+        let readings = angles_rad.iter().zip(modelled_rad).zip(residuals_rad);
+        for (time_s, ((measured, modelled), residual)) in times_s.iter().zip(readings) {
+            let time_s = time_s + judged.from_s;
+            text += &format!("\"{name}\",{time_s:.6},{measured:.7},{modelled:.7},{residual:.7}\n");
+        }
+    }
+    text
 }
 
 fn draw(folder: &Path, comparison: &Comparison, force: bool) -> Result<(), Failure> {

@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Write the model as a C header or a Python module that needs nothing else.
+/// Write the model as a C header, a Python module or a MATLAB function
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
@@ -37,14 +37,17 @@ enum Format {
     C,
     /// A Python 3 module
     Python,
+    /// A MATLAB function, also for Octave and Simulink
+    Matlab,
 }
 
 const EXAMPLE: &str = "\
 Example:
   host export --format c rig.toml -o rig.h
   host export --format python rig.toml -o rig.py
+  host export --format matlab rig.toml -o rig.m
 
-Both hold every effect of the model, the sensor's too. The formulas are taken from the program that runs on the board,
+All hold every effect of the model, the sensor's too. The formulas are taken from the program that runs on the board,
 in double precision; no effect is written a second time.";
 
 #[derive(Serialize)]
@@ -61,6 +64,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let language = match options.format {
         Format::C => Language::C,
         Format::Python => Language::Python,
+        Format::Matlab => Language::Matlab,
     };
     let text = export(&model, language)?;
     let Some(path) = &options.output else {

@@ -13,8 +13,9 @@ use crate::fit::fitted::Fitted;
 use crate::fit::linear::Steps;
 use crate::fit::problem::{PER_SWING, Problem};
 use crate::fit::refine::Band;
+use crate::noise::smallest_step;
 use crate::recording::Measured;
-use crate::swing::Window;
+use crate::swing::{Swing, Window};
 use shared::effect::Effect;
 
 /// The effect that is named when the zero is off.
@@ -30,8 +31,18 @@ pub(super) fn resembling() -> Option<&'static Effect<f64>> {
 /// A common offset is claimed from this many standard errors …
 const SIGNIFICANT: f64 = 5.0;
 
-/// … and from this angle on, if the converter's step is not known: one step of 12 bits over 340°.
-const LSB_RAD: f64 = 340.0 * std::f64::consts::PI / 180.0 / 4096.0;
+/// … and from one step of the sensor on, where the readings come in steps that are not far below the noise (printed
+/// digits are); else from the noise on.
+const STEP_SHARE: f64 = 0.25;
+
+/// What no offset can be told below, rad: the coarsest of the sensors counts.
+fn visible_rad(problem: &Problem) -> f64 {
+    let of_swing = |swing: &Swing| {
+        let step_rad = smallest_step(&swing.angles_rad).filter(|step_rad| *step_rad > STEP_SHARE * swing.noise_rad);
+        step_rad.unwrap_or(swing.noise_rad)
+    };
+    problem.swings.iter().map(of_swing).fold(0.0, f64::max)
+}
 
 /// Offsets of the recordings may differ by this share of their mean.
 const COMMON: f64 = 0.5;
@@ -64,8 +75,9 @@ pub fn decide(problem: &Problem, claimed: Fitted, indistinguishable: f64) -> Zer
     };
     let Some(asymmetric) = with_rival(problem, &claimed, rival) else { return keep(claimed, None) };
     // Half a step of the converter is no finding.
-    let without = cost_with_offsets_within(problem, &asymmetric, 0.5 * LSB_RAD);
-    let is_sound = mean_offset(&asymmetric).abs() < LSB_RAD && asymmetric.cost < claimed.cost - indistinguishable;
+    let visible_rad = visible_rad(problem);
+    let without = cost_with_offsets_within(problem, &asymmetric, 0.5 * visible_rad);
+    let is_sound = mean_offset(&asymmetric).abs() < visible_rad && asymmetric.cost < claimed.cost - indistinguishable;
     if is_sound || without < claimed.cost - indistinguishable {
         return Zero { model: asymmetric, offset_is_missing: false, alike: None };
     }
@@ -102,7 +114,7 @@ fn mean_offset(model: &Fitted) -> f64 {
 fn is_off(problem: &Problem, model: &Fitted) -> bool {
     let mean = mean_offset(model);
     let differ = |offset: f64| (offset - mean).abs() > COMMON * mean.abs();
-    if mean.abs() < LSB_RAD || model.starts.iter().any(|start| differ(start.offset_rad)) {
+    if mean.abs() < visible_rad(problem) || model.starts.iter().any(|start| differ(start.offset_rad)) {
         return false;
     }
     mean.abs() > SIGNIFICANT * std_of_mean(problem, model)

@@ -90,55 +90,107 @@ impl<'a> Printer<'a> {
             (Language::C, true) => format!("const int {name} = {bare};"),
             (Language::C, false) => format!("const double {name} = {bare};"),
             (Language::Python, _) => format!("{name} = {bare}"),
+            (Language::Matlab, _) => format!("{name} = {bare};"),
         });
         name
     }
 
     fn expression(&mut self, place: usize, t: &[String]) -> String {
-        let is_c = self.language == Language::C;
-        let call = |c: &str, python: &str| format!("{}({})", if is_c { c } else { python }, t.join(", "));
-        let between = |c: &str, python: &str| format!("({} {} {})", t[0], if is_c { c } else { python }, t[1]);
+        let Spelling { function, operator } = Spelling::of(self.language);
+        let call = |name: &str| format!("{}({})", function(name), t.join(", "));
+        let between = |sign: &str| format!("({} {} {})", t[0], operator(sign), t[1]);
         match &self.nodes[place] {
-            Node::Number(bits) => number(f64::from_bits(*bits), is_c),
+            Node::Number(bits) => number(f64::from_bits(*bits), self.language),
             Node::Name(name) => {
                 self.inputs.push(name.clone());
-                // The model's numbers are macros in C, where such names belong to everybody.
-                let is_macro = is_c && name.starts_with(char::is_uppercase);
-                if is_macro { format!("{PREFIX}{name}") } else { name.clone() }
+                self.name(name)
             }
-            Node::Add(..) => between("+", "+"),
-            Node::Subtract(..) => between("-", "-"),
-            Node::Multiply(..) => between("*", "*"),
-            Node::Divide(..) if is_c => between("/", "/"),
-            Node::Divide(..) => call("", "_divide"),
+            Node::Add(..) => between("+"),
+            Node::Subtract(..) => between("-"),
+            Node::Multiply(..) => between("*"),
+            // Python stops at a division by zero, the others go on.
+            Node::Divide(..) if self.language == Language::Python => call("divide"),
+            Node::Divide(..) => between("/"),
             Node::Negate(..) => format!("(-{})", t[0]),
-            Node::Absolute(..) => call("fabs", "abs"),
-            Node::Root(..) => call("sqrt", "_sqrt"),
-            Node::Sine(..) => call("sin", "_sin"),
-            Node::Exponential(..) => call("exp", "_exp"),
-            Node::Logarithm(..) => call("log", "_log"),
-            Node::Power(..) => call("pow", "_pow"),
-            Node::Select(..) if is_c => format!("({} ? {} : {})", t[0], t[1], t[2]),
-            Node::Select(..) => format!("({} if {} else {})", t[1], t[0], t[2]),
-            Node::Known(value) if is_c => i32::from(*value).to_string(),
-            Node::Known(value) => if *value { "True" } else { "False" }.to_owned(),
-            Node::Less(..) => between("<", "<"),
-            Node::LessOrEqual(..) => between("<=", "<="),
-            Node::And(..) => between("&&", "and"),
-            Node::Or(..) => between("||", "or"),
-            Node::Not(..) => format!("({}{})", if is_c { "!" } else { "not " }, t[0]),
+            Node::Absolute(..) => call("abs"),
+            Node::Root(..) => call("sqrt"),
+            Node::Sine(..) => call("sin"),
+            Node::Exponential(..) => call("exp"),
+            Node::Logarithm(..) => call("log"),
+            Node::Power(..) => call("pow"),
+            Node::Select(..) => match self.language {
+                Language::C => format!("({} ? {} : {})", t[0], t[1], t[2]),
+                Language::Python => format!("({} if {} else {})", t[1], t[0], t[2]),
+                Language::Matlab => call("choose"),
+            },
+            Node::Known(value) => match (self.language, value) {
+                (Language::C, value) => i32::from(*value).to_string(),
+                (Language::Python, true) => "True".to_owned(),
+                (Language::Python, false) => "False".to_owned(),
+                (Language::Matlab, value) => value.to_string(),
+            },
+            Node::Less(..) => between("<"),
+            Node::LessOrEqual(..) => between("<="),
+            Node::And(..) => between("&&"),
+            Node::Or(..) => between("||"),
+            Node::Not(..) => format!("({}{})", operator("!"), t[0]),
+        }
+    }
+
+    /// The model's numbers are macros in C, where such names belong to everybody, and fields in MATLAB.
+    fn name(&self, name: &str) -> String {
+        match (self.language, name.starts_with(char::is_uppercase)) {
+            (Language::C, true) => format!("{PREFIX}{name}"),
+            (Language::Matlab, true) => format!("p.{name}"),
+            _ => name.to_owned(),
+        }
+    }
+}
+
+/// What functions and operators of C are called in a language.
+struct Spelling {
+    function: fn(&str) -> String,
+    operator: fn(&str) -> &str,
+}
+
+impl Spelling {
+    fn of(language: Language) -> Self {
+        match language {
+            Language::C => {
+                Self { function: |name| if name == "abs" { "fabs".into() } else { name.into() }, operator: |sign| sign }
+            }
+            Language::Python => Self {
+                function: |name| if name == "abs" { name.into() } else { format!("_{name}") },
+                operator: |sign| match sign {
+                    "&&" => "and",
+                    "||" => "or",
+                    "!" => "not ",
+                    sign => sign,
+                },
+            },
+            Language::Matlab => Self {
+                function: |name| match name {
+                    "abs" | "sin" | "exp" => name.into(),
+                    name => format!("rig_{name}"),
+                },
+                operator: |sign| if sign == "!" { "~" } else { sign },
+            },
         }
     }
 }
 
 /// The shortest text that reads back the same.
-fn number(value: f64, is_c: bool) -> String {
-    match (value.is_nan(), value.is_infinite(), is_c) {
-        (true, _, true) => "NAN".to_owned(),
-        (true, _, false) => "math.nan".to_owned(),
-        (_, true, true) => if value > 0.0 { "INFINITY" } else { "(-INFINITY)" }.to_owned(),
-        (_, true, false) => if value > 0.0 { "math.inf" } else { "(-math.inf)" }.to_owned(),
-        _ => format!("{value:?}"),
+fn number(value: f64, language: Language) -> String {
+    let [nan, inf] = match language {
+        Language::C => ["NAN", "INFINITY"],
+        Language::Python => ["math.nan", "math.inf"],
+        Language::Matlab => ["NaN", "Inf"],
+    };
+    match value {
+        value if value.is_nan() => nan.to_owned(),
+        f64::INFINITY => inf.to_owned(),
+        f64::NEG_INFINITY => format!("(-{inf})"),
+        value => format!("{value:?}"),
     }
 }
 

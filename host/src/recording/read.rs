@@ -31,6 +31,8 @@ pub struct ReadOptions {
     pub zero: Option<f64>,
     /// `--pivot`: where the pivot is, in the file's x and y.
     pub pivot: Option<[f64; 2]>,
+    /// `--mirror`: it counts the other way, clockwise positive.
+    pub mirrored: bool,
     /// What a file holds that does not say it.
     pub measured: Option<Measured>,
 }
@@ -71,7 +73,7 @@ pub fn read_bytes(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Rec
     parse(bytes, options).map_err(|fault| ReadError { file: file.to_owned(), fault })
 }
 
-fn open(path: &Path) -> Result<File, Fault> {
+pub(super) fn open(path: &Path) -> Result<File, Fault> {
     if path.is_dir() {
         return Err(Fault::Directory);
     }
@@ -89,7 +91,10 @@ fn parse(reader: impl BufRead, options: &ReadOptions) -> Result<Recording, Fault
     let is_ours = header.version.is_some();
     let samples = Samples::collect(&mut table, &sources, is_ours, &mut notes)?;
     let times_s = sources.times_s(&samples, &mut notes)?;
-    let readings = sources.readings(&table, &samples, &times_s, &header, options, &mut notes)?;
+    let mut readings = sources.readings(&table, &samples, &times_s, &header, options, &mut notes)?;
+    if options.mirrored {
+        readings.iter_mut().for_each(|reading| *reading = -*reading);
+    }
     let is_rate = sources.measured() == Measured::Rate;
     let header = Header { measured: is_rate.then_some(Measured::Rate), ..header };
     let codes = (!samples.codes.is_empty()).then_some(samples.codes);

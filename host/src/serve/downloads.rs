@@ -43,7 +43,11 @@ pub(super) async fn report_html(State(app): State<Arc<App>>) -> Result<Response,
 
 pub(super) async fn recording(State(app): State<Arc<App>>, Path(id): Path<u32>) -> Result<Response, Refused> {
     let recording = app.read(|state| state.recording(id))?;
-    Ok(download(&recording.name, "text/csv", recording.bytes.to_vec()))
+    let name = recording.name.clone();
+    let gone = format!("{name} can't be read any more");
+    let failed = move |error| Failure::failed(format!("{gone}: {error}")).next("load it again");
+    let Json(bytes) = blocking(move || std::fs::read(recording.kept.path()).map_err(failed)).await?;
+    Ok(download(&name, "text/csv", bytes))
 }
 
 pub(super) async fn modelled(State(app): State<Arc<App>>, Path(id): Path<u32>) -> Result<Response, Refused> {

@@ -4,7 +4,7 @@ use crate::plot::web;
 use std::sync::OnceLock;
 
 /// Name, type and text of every file.
-const FILES: [(&str, &str, &str); 12] = [
+const FILES: [(&str, &str, &str); 13] = [
     ("", HTML, include_str!("page/index.html")),
     ("style.css", CSS, include_str!("page/style.css")),
     ("main.js", JS, include_str!("page/main.js")),
@@ -14,6 +14,7 @@ const FILES: [(&str, &str, &str); 12] = [
     ("plots.js", JS, include_str!("page/plots.js")),
     ("live.js", JS, include_str!("page/live.js")),
     ("compare.js", JS, include_str!("page/compare.js")),
+    ("columns.js", JS, include_str!("page/columns.js")),
     ("discover.js", JS, include_str!("page/discover.js")),
     ("fit.js", JS, include_str!("page/fit.js")),
     ("rig.js", JS, include_str!("page/rig.js")),

@@ -3,12 +3,14 @@
 use super::settings::Settings;
 use crate::compare::measurement::Measurement;
 use crate::error::Failure;
-use crate::recording::read_bytes;
-use std::path::Path;
+use crate::recording::{self, Columns, ReadError, ReadOptions, Recording};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use tempfile::NamedTempFile;
 
-/// A file that is uploaded may have so many bytes: an hour at 1 kHz.
-pub(super) const MOST_BYTES: usize = 64 << 20;
+/// A file that is uploaded may have so many bytes: hours at 1 kHz. It goes to the disk as it comes.
+pub(super) const MOST_BYTES: usize = 256 << 20;
 
 /// More recordings than this nobody looks at.
 const MOST_RECORDINGS: usize = 64;
@@ -19,6 +21,22 @@ const MOST_SAMPLES: usize = 6_000_000;
 /// Names in the list are cut to so many characters.
 const LONGEST_NAME: usize = 80;
 
+/// Where the file lies: what was sent goes with the list, what is this computer's stays where it is.
+pub(super) enum Kept {
+    Uploaded(NamedTempFile),
+    Here(PathBuf),
+}
+
+impl Kept {
+    /// Where to read it.
+    pub(super) fn path(&self) -> &Path {
+        match self {
+            Self::Uploaded(file) => file.path(),
+            Self::Here(path) => path,
+        }
+    }
+}
+
 /// A recording with its free swing.
 pub(super) struct Loaded {
     pub(super) id: u32,
@@ -26,35 +44,76 @@ pub(super) struct Loaded {
     pub(super) name: String,
     pub(super) held_out: bool,
     /// The file as it came.
-    pub(super) bytes: Arc<[u8]>,
+    pub(super) kept: Arc<Kept>,
     pub(super) measurement: Measurement,
 }
 
 impl Loaded {
     /// The same recording, taking part or not.
     pub(super) fn with_held_out(&self, held_out: bool) -> Self {
-        let Self { id, name, bytes, measurement, .. } = self;
-        Self { id: *id, name: name.clone(), held_out, bytes: bytes.clone(), measurement: measurement.clone() }
+        let Self { id, name, kept, measurement, .. } = self;
+        Self { id: *id, name: name.clone(), held_out, kept: kept.clone(), measurement: measurement.clone() }
     }
 }
 
 /// Reads a file of this computer.
 pub(super) fn of_file(path: &Path, settings: &Settings) -> Result<Loaded, Failure> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|error| Failure::failed(format!("could not read {name}: {error}")).next("check the name"))?;
-    of_bytes(&name, &bytes, settings)
+    loaded(&LoadingWish::named(&name), Kept::Here(path.to_owned()), settings)
 }
 
-/// Reads what somebody sent; `name` is what messages call it.
-pub(super) fn of_bytes(name: &str, bytes: &[u8], settings: &Settings) -> Result<Loaded, Failure> {
-    let name = short_name(name);
-    let hint = "choose a recording: lines of time and angle, separated by commas";
-    let recording = read_bytes(&name, bytes, &settings.reading).map_err(|error| Failure::failed(error).next(hint))?;
+/// What somebody says of a file beside sending it.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct LoadingWish {
+    /// What messages call it.
+    pub(super) name: String,
+    /// As `--columns`.
+    columns: Option<String>,
+    /// As `--zero`.
+    zero: Option<f64>,
+    /// As `--mirror`.
+    #[serde(default)]
+    mirrored: bool,
+}
+
+impl LoadingWish {
+    fn named(name: &str) -> Self {
+        Self { name: name.to_owned(), ..Self::default() }
+    }
+
+    /// How the file is to be read: as wished, else as all are.
+    pub(super) fn options(&self, settings: &Settings) -> Result<ReadOptions, Failure> {
+        let mut options = settings.reading.clone();
+        if let Some(columns) = self.columns.as_deref().filter(|columns| !columns.is_empty()) {
+            let next = "choose other columns or units";
+            options.columns = Some(columns.parse::<Columns>().map_err(|error| Failure::wrong_use(error).next(next))?);
+        }
+        options.zero = self.zero.or(options.zero);
+        options.mirrored |= self.mirrored;
+        Ok(options)
+    }
+}
+
+/// Reads what somebody sent.
+pub(super) fn of_upload(wish: &LoadingWish, file: NamedTempFile, settings: &Settings) -> Result<Loaded, Failure> {
+    loaded(wish, Kept::Uploaded(file), settings)
+}
+
+/// Reads a file as it was wished; `name` is what messages call it.
+pub(super) fn read_as(wish: &LoadingWish, path: &Path, settings: &Settings) -> Result<Recording, Failure> {
+    let options = wish.options(settings)?;
+    let named = |error: ReadError| Failure::failed(ReadError { file: short_name(&wish.name), ..error });
+    recording::read(path, &options).map_err(named)
+}
+
+fn loaded(wish: &LoadingWish, kept: Kept, settings: &Settings) -> Result<Loaded, Failure> {
+    let name = short_name(&wish.name);
+    let hint = "say what its columns are, or choose a recording: lines of time and angle, separated by commas";
+    let recording = read_as(wish, kept.path(), settings).map_err(|failure| failure.next(hint))?;
     let measurement = Measurement::from_recording(&name, &recording, &settings.segment).map_err(|error| {
         Failure::failed(format!("{name}: {error}")).next("record again and let the pendulum swing freely")
     })?;
-    Ok(Loaded { id: 0, name, held_out: false, bytes: bytes.into(), measurement })
+    Ok(Loaded { id: 0, name, held_out: false, kept: Arc::new(kept), measurement })
 }
 
 /// The last part of a path, printable and not too long.

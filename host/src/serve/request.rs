@@ -3,12 +3,17 @@
 use super::recordings::MOST_BYTES;
 use crate::error::Failure;
 use axum::Json;
-use axum::body::Bytes;
+use axum::RequestExt;
+use axum::body::{Bytes, HttpBody};
 use axum::extract::rejection::{JsonRejection, PathRejection, QueryRejection};
 use axum::extract::{FromRequest, FromRequestParts};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
+use std::future::poll_fn;
+use std::io::Write;
+use std::pin::Pin;
+use tempfile::NamedTempFile;
 use tokio::task::spawn_blocking;
 
 /// Why a request was not answered, as JSON.
@@ -95,6 +100,33 @@ impl<S: Send + Sync> FromRequest<S> for Body {
             Refused::new(rejection.status(), rejection.body_text(), next)
         })
     }
+}
+
+/// A body that may be large: it goes to the disk as it comes.
+pub(super) struct OnDisk(pub(super) NamedTempFile);
+
+impl<S: Send + Sync> FromRequest<S> for OnDisk {
+    type Rejection = Refused;
+
+    async fn from_request(request: axum::extract::Request, _: &S) -> Result<Self, Refused> {
+        let mut body = request.with_limited_body().into_body();
+        let mut file = NamedTempFile::new().map_err(not_kept)?;
+        while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
+            let Ok(chunk) = frame.map_err(too_large)?.into_data() else { continue };
+            file.write_all(&chunk).map_err(not_kept)?;
+        }
+        Ok(Self(file))
+    }
+}
+
+fn not_kept(error: std::io::Error) -> Refused {
+    let next = "make room on the disk, or start the program with TMPDIR on another one";
+    Refused::new(StatusCode::INSUFFICIENT_STORAGE, format!("the file could not be kept: {error}"), next)
+}
+
+fn too_large(error: axum::Error) -> Refused {
+    let next = format!("send no more than {} MB at once", MOST_BYTES >> 20);
+    Refused::new(StatusCode::PAYLOAD_TOO_LARGE, error, next)
 }
 
 /// Work that would hold other requests up.

@@ -2,8 +2,9 @@
 
 use super::app::App;
 use super::guard::{self, Access};
-use super::recordings::{MOST_BYTES, of_bytes};
-use super::request::{Answered, Body, DONE, Done, Path, Query, Refused, Sent, blocking};
+use super::preview::{self, Preview};
+use super::recordings::{LoadingWish, MOST_BYTES, of_upload};
+use super::request::{Answered, Body, DONE, Done, OnDisk, Path, Query, Refused, Sent, blocking};
 use super::rig::Wish;
 use super::simulate::{Question, Values, answer};
 use super::{downloads, draw, edit, files, live, socket, surfaces, view, work};
@@ -31,6 +32,7 @@ type Shared = State<Arc<App>>;
 pub(super) fn router(app: &Arc<App>, access: Access) -> Router {
     let uploads = Router::new()
         .route("/api/recordings", post(upload))
+        .route("/api/preview", post(preview))
         .layer(DefaultBodyLimit::max(MOST_BYTES))
         .merge(Router::new().route("/api/model", post(upload_model)).layer(DefaultBodyLimit::max(MOST_MODEL_BYTES)));
     let small = Router::new()
@@ -109,8 +111,12 @@ struct Name {
     name: String,
 }
 
-async fn upload(State(app): Shared, Query(Name { name }): Query<Name>, body: Body) -> Answered<u32> {
-    blocking(move || app.take_in(of_bytes(&name, &body.0, &app.settings)?)).await
+async fn upload(State(app): Shared, Query(wish): Query<LoadingWish>, file: OnDisk) -> Answered<u32> {
+    blocking(move || app.take_in(of_upload(&wish, file.0, &app.settings)?)).await
+}
+
+async fn preview(State(app): Shared, Query(wish): Query<LoadingWish>, file: OnDisk) -> Answered<Preview> {
+    blocking(move || preview::preview(&wish, file.0.path(), &app.settings)).await
 }
 
 async fn upload_model(State(app): Shared, Query(Name { name }): Query<Name>, body: Body) -> Done {

@@ -11,6 +11,7 @@ use crate::error::Failure;
 use crate::fit::identify::Identified;
 use crate::formula::effect_of;
 use crate::improve::Step;
+use crate::recording::Measured;
 use crate::rigfile::{Quantity, RigFile};
 use serde::Serialize;
 use shared::effect::Effect;
@@ -47,6 +48,7 @@ struct ModelView {
 #[derive(Serialize)]
 struct RecordingView {
     id: u32,
+    measured: Measured,
     name: String,
     held_out: bool,
     duration_s: f64,
@@ -122,6 +124,7 @@ fn recordings(state: &State) -> Vec<RecordingView> {
         let measurement = &recording.measurement;
         RecordingView {
             id: recording.id,
+            measured: measurement.swing.measured,
             name: recording.name.clone(),
             held_out: recording.held_out,
             duration_s: measurement.swing.duration_s(),

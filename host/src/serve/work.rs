@@ -190,7 +190,10 @@ fn get_ready(app: &Arc<App>, data: &Data, progress: &Progress) {
     app.change(|state| {
         if data.is_current(state) && state.trial.is_none() {
             state.trial = Some(trial);
-            state.staircase = vec![step];
+            // A fit of this page stands there already, with the steps that led to it.
+            if state.staircase.is_empty() {
+                state.staircase = vec![step];
+            }
         }
     });
 }

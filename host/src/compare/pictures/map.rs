@@ -4,22 +4,27 @@ use super::milli;
 use crate::compare::Comparison;
 use crate::compare::grid::N_BINS;
 use crate::compare::torque::{Bin, TorqueMap};
+use crate::compare::verdict::Answer;
 use crate::plot::{Axis, Content, Heat, Picture};
 
 pub(super) fn pictures(comparison: &Comparison) -> Vec<Picture> {
     let Some(map) = &comparison.torque else { return Vec::new() };
-    vec![torque(map), significance(map)]
+    let is_noise = comparison.answer == Answer::NothingMissing;
+    vec![torque(map, is_noise), significance(map)]
 }
 
-fn torque(map: &TorqueMap) -> Picture {
+fn torque(map: &TorqueMap, is_noise: bool) -> Picture {
     let compared = match map.coulomb_nm {
         coulomb_nm if coulomb_nm > 0.0 => format!(" For comparison: Mc is {:.2} mN·m.", milli(coulomb_nm)),
         _ => String::new(),
     };
-    let found = if map.is_significant {
-        "There is more in it than chance."
-    } else {
-        "Nothing in it is beyond chance: read nothing into the colours."
+    let found = match (map.is_significant, is_noise) {
+        (true, _) => "There is more in it than chance.",
+        (false, true) => "Nothing in it is beyond chance: read nothing into the colours.",
+        (false, false) => {
+            "More than noise is left, but no field of this map is certain: what is missing does not show as a torque of \
+             angle and velocity, or the numbers do not fit yet."
+        }
     };
     Picture {
         key: "torque".to_owned(),

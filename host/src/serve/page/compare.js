@@ -1,7 +1,8 @@
 // Measured over model, the verdict, the list of recordings, and sliders to feel what each number does.
 
+import { fileOf, open } from './columns.js';
 import { Chart } from './chart.js';
-import { byId, element, mrad, number, times } from './numbers.js';
+import { byId, element, measuring, milliUnit, mrad, number, times } from './numbers.js';
 import { draw as plot, pictureOf } from './plots.js';
 import { get, post, remove } from './server.js';
 
@@ -56,6 +57,10 @@ function forget() { whatIf = {}; tried = null; answer = null; byId('try-effect')
 export function show(now) {
   const before = state;
   state = now;
+  const isRate = now.recordings[0]?.measured === 'rate';
+  measuring(isRate ? 'rate' : 'angle');
+  charts.motion.unit = isRate ? 'rate, rad/s' : 'angle, rad';
+  charts.residual.unit = `left, ${milliUnit()}`;
   const model = JSON.stringify(now.model);
   if (!before || JSON.stringify(before.model) !== model) { forget(); showSliders(); }
   byId('geometry').hidden = now.model !== null && !(now.model.normalised && now.model.fresh);
@@ -78,13 +83,20 @@ function showVerdict() {
   const ratio = error && element('div', { class: 'ratio', id: 'ratio' }, `${times(error.rmse / error.noise)} ×`,
     element('small', {}, `the noise${answer ? ', what if' : ''}: ${mrad(error.rmse)}`));
   const words = answer ? [`What if? These numbers leave ${mrad(answer.rmse_rad)} on ${theChosen().name}.`, 'Keep them, or go back to the model.']
-    : comparison?.verdict ?? [waitingFor()];
+    : resultFirst(comparison) ?? [waitingFor()];
   const said = words.map((sentence) => element('p', {}, sentence));
   const rest = said.splice(SENTENCES);
   const wasOpen = box.querySelector('details')?.open ?? false;
   const more = rest.length ? element('details', { open: wasOpen }, element('summary', {}, `${rest.length} more findings`), ...rest) : null;
   const sentences = element('div', { class: 'sentences' }, ...said, ...(more ? [more] : []));
   box.replaceChildren(...[ratio, sentences].filter(Boolean));
+}
+
+/** Where something is missing, that comes before how much is explained. */
+function resultFirst(comparison) {
+  if (!comparison) return null;
+  const [explained, result, ...rest] = comparison.verdict;
+  return comparison.answer === 'nothing-missing' || result === undefined ? comparison.verdict : [result, explained, ...rest];
 }
 
 const theChosen = () => state.recordings.find((recording) => recording.id === chosen);
@@ -108,6 +120,7 @@ function waitingFor() {
 function showRecordings() {
   const row = (recording) => element('li', { class: recording.id === chosen ? 'chosen' : '' },
     element('button', { class: 'name', title: [recording.name, ...recording.notes].join('\n'), 'aria-pressed': String(recording.id === chosen), click: () => choose(recording.id) }, recording.name),
+    fileOf(recording.name) && element('button', { class: 'away', 'aria-label': `say what is in ${recording.name}`, title: 'columns, units and sign', click: () => open(fileOf(recording.name), recording.id) }, '⚙'),
     element('button', { class: 'away', 'aria-label': `take ${recording.name} out`, title: 'take it out of the list', click: () => done(remove(`api/recordings/${recording.id}`)) }, '✕'),
     element('span', { class: 'facts' },
       `${number(recording.duration_s, 3)} s, ${recording.rmse_rad === null ? '…' : `${times(recording.rmse_rad / recording.noise_rad)} × noise`}`,
@@ -215,7 +228,8 @@ const removable = (owner) => owner !== 'pendulum' && state.model.effects.include
 
 function sliderRow(slider) {
   const value = whatIf[slider.name] ?? slider.value;
-  const output = element('output', {}, number(value));
+  const spread = slider.std && !(slider.name in whatIf) ? element('small', {}, `± ${number(slider.std, 2)}`) : null;
+  const output = element('output', {}, number(value), spread);
   const label = element('label', { class: slider.name in whatIf ? 'moved' : '', title: `${slider.meaning}${slider.std ? `; ± ${number(slider.std, 2)}` : ''}, ${slider.unit === '1' ? 'no unit' : slider.unit}` },
     element('span', {}, slider.symbol));
   const input = element('input', { type: 'range', min: slider.low, max: slider.high, step: 'any', 'data-name': slider.name, 'aria-label': `${slider.symbol}: ${slider.meaning}` });

@@ -17,6 +17,9 @@ export function begin(report) {
 export function show(state) {
   byId('fit').disabled = !state.model || !state.recordings.some((recording) => !recording.held_out);
   byId('fit-empty').hidden = state.fit !== null;
+  byId('fit-empty').firstElementChild.textContent = byId('fit').disabled
+    ? 'No fit yet. Give a model and load a recording, then start one: every design it runs is shown here.'
+    : 'No fit yet. Start one: every design it runs is shown here.';
   byId('fit-story').hidden = state.fit === null;
   const made = JSON.stringify(state.fit);
   if (!state.fit || shown === made || byId('view-fit').hidden) return;

@@ -1,5 +1,6 @@
 // Puts the page together: tabs, theme, uploads, progress, failures; each view is a file of its own.
 
+import * as columns from './columns.js';
 import * as compare from './compare.js';
 import * as discover from './discover.js';
 import * as fit from './fit.js';
@@ -14,8 +15,14 @@ let state = null;
 
 /** Waits for what was asked; tells why it could not be done. */
 function done(promise) {
-  return promise.catch((refusal) => fail(refusal.message, refusal.next));
+  return promise.then(
+    (value) => { if (toldHere) byId('failure').hidden = true; toldHere = false; return value; },
+    (refusal) => { fail(refusal.message, refusal.next); toldHere = true; },
+  );
 }
+
+/** Is what is shown the answer to something that was asked in this tab? Then a later success ends it. */
+let toldHere = false;
 
 function fail(what, next) {
   byId('failure-what').textContent = what;
@@ -92,7 +99,8 @@ function beginTheme() {
 
 async function upload(files) {
   for (const file of files) {
-    await done(send(file.name.endsWith('.toml') ? 'api/model' : 'api/recordings', file));
+    if (file.name.endsWith('.toml')) await done(send('api/model', file));
+    else await done(columns.load(file));
   }
 }
 
@@ -114,7 +122,7 @@ async function begin() {
   const effects = await get('api/effects');
   compare.begin(done, effects);
   discover.begin(done, effects);
-  for (const view of [fit, live, rig]) view.begin(done);
+  for (const view of [columns, fit, live, rig]) view.begin(done);
   beginUploads();
   byId('failure-close').addEventListener('click', () => { byId('failure').hidden = true; done(post('api/dismiss')); });
   beginTabs();

@@ -13,8 +13,16 @@ export function number(value, digits = 4) {
 /** How many times as large: 1.00, 10.6, 143. */
 export const times = (ratio) => (!Number.isFinite(ratio) ? '–' : ratio < 10 ? ratio.toFixed(2) : String(Number(ratio.toPrecision(3))));
 
-/** Radians as milliradians. */
-export const mrad = (value, digits = 3) => (value === null || value === undefined ? '–' : `${(1e3 * value).toPrecision(digits)} mrad`);
+let milli = 'mrad';
+
+/** What the recordings measure: 'angle' or 'rate'. */
+export function measuring(kind) { milli = kind === 'rate' ? 'mrad/s' : 'mrad'; }
+
+/** The unit in which errors are shown. */
+export const milliUnit = () => milli;
+
+/** Radians as milliradians; of rates, rad/s as mrad/s. */
+export const mrad = (value, digits = 3) => (value === null || value === undefined ? '–' : `${(1e3 * value).toPrecision(digits)} ${milli}`);
 
 /** A new element with attributes, properties beginning with a dot, and children. */
 export function element(tag, attributes = {}, ...children) {

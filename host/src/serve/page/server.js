@@ -24,8 +24,8 @@ export const get = (path) => ask(path);
 export const post = (path, value = {}) =>
   ask(path, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(value) });
 export const remove = (path) => ask(path, { method: 'DELETE' });
-export const send = (path, file) =>
-  ask(`${path}?name=${encodeURIComponent(file.name)}`, { method: 'POST', body: file });
+export const send = (path, file, wish = {}) =>
+  ask(`${path}?${new URLSearchParams({ name: file.name, ...wish })}`, { method: 'POST', body: file });
 
 /** Listens for ever; calls `heard(message)` for each message and `lost()` when the program is gone. */
 export function listen(heard, lost) {
