@@ -106,6 +106,8 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     if stack::overflowed() {
         let _ = what.push_str("stack overflow ");
     }
-    let _ = write!(what, "pc {:#010x} lr {:#010x}", frame.pc(), frame.lr());
+    if !stack::frame_was_lost() {
+        let _ = write!(what, "pc {:#010x} lr {:#010x}", frame.pc(), frame.lr());
+    }
     record_and_restart(cause::HARD_FAULT, &what)
 }

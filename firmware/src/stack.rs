@@ -83,7 +83,18 @@ pub fn used() -> usize {
 
 /// In the handler of a fault: did it come from the guard?
 pub fn overflowed() -> bool {
-    // SAFETY: registers of the processor; only read.
-    let (status, address) = unsafe { (STATUS.read_volatile(), ADDRESS.read_volatile()) };
-    status & WHILE_SAVING != 0 || (status & ADDRESS_IS_VALID != 0 && guard().contains(&(address as usize)))
+    // SAFETY: a register of the processor; only read.
+    let address = unsafe { ADDRESS.read_volatile() };
+    frame_was_lost() || (status() & ADDRESS_IS_VALID != 0 && guard().contains(&(address as usize)))
+}
+
+/// In the handler of a fault: an interrupt came, and there was no room for the registers that it saves. Where the frame
+/// should be is something else then.
+pub fn frame_was_lost() -> bool {
+    status() & WHILE_SAVING != 0
+}
+
+fn status() -> u32 {
+    // SAFETY: a register of the processor; only read.
+    unsafe { STATUS.read_volatile() }
 }

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from elftools.elf.elffile import ELFFile
 
+import dfuse
 import memory
 import system
 from adc import Adc
@@ -14,7 +15,7 @@ from flash import Flash
 from iwdg import Watchdog
 from nvic import Nvic
 from otg import Otg
-from peripheral import Bus
+from peripheral import Bus, Unmodelled
 from pins import ExternalInterrupts, Gpio, SystemConfiguration
 from rcc import Power, Rcc
 from timers import Timer
@@ -136,6 +137,21 @@ class Chip:
                     self.code.append((address, address + len(data) - 1))
                     if segment["p_flags"] & 1:
                         self.core.watch(data, address)
+
+    def download(self, path):
+        """What the bootloader does with a DfuSe file: it erases the sectors that the file touches, writes, and leaves."""
+        if self.has_stopped != "bootloader":
+            raise Unmodelled("a download without the bootloader running")
+        with open(path, "rb") as file:
+            parts = dfuse.elements(file.read())
+        erased = self.flash.erase_for_bootloader(parts)
+        self.code = [(address, address + len(data) - 1) for address, data in parts]
+        for address, data in parts:
+            self.flash_memory.put(address, data)
+            self.core.watch(data, address)
+        self.core.forget_code()
+        self.tell("download", erased=erased, bytes=[len(data) for _, data in parts])
+        self.start_from_bootloader()
 
     def power_on(self):
         """RAM holds noise."""

@@ -73,9 +73,18 @@ class Control:
         """The bootloader starts the program."""
         self._chip.start_from_bootloader()
 
+    def download(self, image):
+        """The bootloader writes a DfuSe file and starts what it wrote, as dfu-util tells it to."""
+        self._chip.download(image)
+
     def jump(self, address):
         """The processor goes on elsewhere, as through a wild pointer."""
         self._chip.core.jump_to(address)
+
+    def stack_above_guard(self, bytes):
+        """The stack has grown until so many bytes above what the memory protection closes."""
+        ((_, last),) = self._chip.mpu.guarded
+        self._chip.core.move_stack_to(last + 1 + bytes)
 
     def poke(self, address, data):
         """Other bytes in memory."""

@@ -152,9 +152,15 @@ class Core:
             self.uc.hook_add(accesses, self._on_guarded, begin=first, end=last)
 
     def _on_guarded(self, uc, access, address, size, value, _):
-        if any(first <= address <= last for first, last in self.chip.mpu.guarded) and not self._is_faulting():
+        if self._is_guarded(address, address):
+            self.chip.scb.on_forbidden(address)
             self._trapped_at = self._pc.read()[0]
             self.stop()
+
+    def _is_guarded(self, begin, end):
+        """Is any of these addresses forbidden now? The handler of hard faults may go everywhere (PM0214 4.2.6)."""
+        guarded = any(begin <= last and first <= end for first, last in self.chip.mpu.guarded)
+        return guarded and not self._is_faulting()
 
     def _is_faulting(self):
         return any(number == HARD_FAULT for number, _ in self.nvic.active)
@@ -182,6 +188,15 @@ class Core:
         """As a wild pointer would."""
         self.asleep = False
         self.pc = address | 1
+
+    def move_stack_to(self, address):
+        """As a program does that calls ever deeper."""
+        self._integer.read()[8] = address
+        self._integer.write()
+
+    def forget_code(self):
+        """Flash holds other instructions than those that were translated."""
+        self.uc.ctl_flush_tb()
 
     def stop(self):
         """Ends the run that is under way, if there is one, after this instruction.
@@ -284,7 +299,12 @@ class Core:
             floats = self._float.read()
             stacked += struct.pack("<8QII", *floats[:8], floats[8], 0)
         try:
-            self.ram.put(frame, stacked)
+            if self._is_guarded(frame, frame + len(stacked) - 1):
+                # Nothing is written, and the fault comes before the exception (ARM DDI 0403, B1.5.8).
+                number = HARD_FAULT
+                self.chip.scb.on_stacking()
+            else:
+                self.ram.put(frame, stacked)
         except (ValueError, IndexError):
             self.locked = True
             self.chip.tell("lockup", stack=f"{stack:#010x}")
@@ -320,8 +340,10 @@ class Core:
     # What Unicorn calls
 
     def _on_sleep(self, uc, address, size, _):
-        self.asleep = True
-        uc.emu_stop()
+        # Another image may have come here since.
+        if bytes(uc.mem_read(address, 2)) == WFI:
+            self.asleep = True
+            uc.emu_stop()
 
     def _on_unmasked(self, uc, address, size, _):
         if self.nvic.candidates and not self._primask.read()[0] and self.nvic.next() is not None:

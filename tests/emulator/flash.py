@@ -135,6 +135,15 @@ class Flash(Peripheral):
         self.chip.tell("erase", sector=number, parallelism=WIDTHS[parallelism], took_ms=took_ms)
         self._work("erase", number, ticks(took_ms / 1000))
 
+    def erase_for_bootloader(self, parts):
+        """The sectors that hold any of these; gives their numbers."""
+        touched = []
+        for number, (start, size_kb) in enumerate(self.sectors):
+            if any(start < address + len(data) and address < start + size_kb * KB for address, data in parts):
+                self.chip.flash_memory.put(start, b"\xff" * size_kb * KB)
+                touched.append(number)
+        return touched
+
     def _work(self, what, where, n_ticks):
         end = self.clock.now() + n_ticks
         self._busy_with = (what, where)

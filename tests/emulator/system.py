@@ -75,6 +75,17 @@ class SystemControlBlock(Peripheral):
         """A fault without a handler of its own has become a hard fault (PM0214 2.4.2)."""
         self.values["HFSR"] |= 1 << 30
 
+    def on_forbidden(self, address):
+        """An instruction touched what the MPU closes (PM0214 4.4.10, 4.4.14): the address is kept."""
+        self.values["CFSR"] |= 1 << 7 | 1 << 1
+        self.values["MMFAR"] = address
+
+    def on_stacking(self):
+        """Registers could not be saved on entering an exception, because the MPU closes the stack there."""
+        self.values["CFSR"] |= 1 << 4
+        self.on_fault()
+        self.chip.tell("fault", reason="the stack is closed")
+
 
 class SoftwareTrigger(Peripheral):
     """STIR, at 0xE000EF00 (PM0214 4.3.8)."""

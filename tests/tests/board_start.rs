@@ -70,6 +70,25 @@ fn a_hard_fault_restarts_the_rig_and_its_place_is_kept() {
 }
 
 #[test]
+fn a_stack_that_grows_into_its_guard_restarts_the_rig_which_says_so() {
+    for kind in BOARDS {
+        // The next interrupt has no room for its frame, 104 bytes; or it does, and its handler has none for the rest.
+        for left in [8, 112] {
+            let mut board = Emulated::new(&Chip::of(kind));
+            board.hello();
+            board.obey("stack_above_guard", json!({ "bytes": left }));
+            board.run(0.5);
+            board.hello();
+            let health = board.statistics().health;
+            println!("{kind:?}, {left} bytes left: {}", health.last_fault);
+            assert_eq!((health.cause, health.resets), (ResetCause::HardFault, 1), "{kind:?}, {left} bytes");
+            assert!(health.last_fault.starts_with("stack overflow"), "{kind:?}, {left}: {}", health.last_fault);
+            assert_eq!(board.events_of("lockup").count(), 0);
+        }
+    }
+}
+
+#[test]
 fn a_program_that_stands_still_is_restarted_by_the_watchdog() {
     let mut board = Emulated::new(&Chip { lsi_hz: 47_000, cpi: 4.0, ..Chip::of(Board::NucleoF446) });
     board.hello();
