@@ -23,6 +23,7 @@ fn host(folder: &Path, arguments: &[&str]) -> Value {
         .arg("--json")
         .current_dir(folder)
         .env(PATIENT.0, PATIENT.1)
+        .env("XDG_STATE_HOME", folder)
         .output()
         .unwrap();
     let (said, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));

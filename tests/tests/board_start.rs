@@ -2,11 +2,22 @@
 #![cfg(unix)]
 
 use serde_json::json;
-use shared::wire::{Command, ResetCause};
+use shared::wire::{Command as Order, ResetCause};
+use std::process::Command;
 use tests::emulator::{Chip, Emulated};
-use tests::image::Board;
+use tests::image::{Board, workspace};
 
 const BOARDS: [Board; 2] = [Board::FeatherF405, Board::NucleoF446];
+
+#[test]
+fn the_emulator_counts_instructions_as_a_hook_on_each_does() {
+    let folder = workspace().join("tests/emulator");
+    let packages = std::fs::read_to_string(folder.join("requirements.txt")).unwrap();
+    let python = tests::python::python(&packages.split_whitespace().collect::<Vec<&str>>());
+    let output = Command::new(python).arg("-B").arg(folder.join("counting.py")).output().unwrap();
+    println!("{}", String::from_utf8_lossy(&output.stdout));
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
 
 #[test]
 fn prefetch_and_instruction_cache_are_on() {
@@ -31,7 +42,7 @@ fn the_bootloader_can_start_it() {
 fn it_goes_into_the_bootloader_and_comes_back() {
     let mut board = Emulated::new(&Chip::of(Board::FeatherF405));
     board.hello();
-    board.order(Command::Bootloader);
+    board.order(Order::Bootloader);
     board.run(1.0);
     assert_eq!(board.events_of("bootloader").count(), 1);
     board.obey("leave", json!({}));

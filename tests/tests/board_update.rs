@@ -61,6 +61,7 @@ impl Bench {
             .current_dir(self.folder.path())
             .env("PATH", format!("{}:{path_variable}", self.folder.path().display()))
             .env(PATIENT.0, PATIENT.1)
+            .env("XDG_STATE_HOME", self.folder.path())
             .output()
             .unwrap()
     }
@@ -72,6 +73,17 @@ impl Bench {
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(output.status.success(), "{arguments:?}: {said}\n{}", String::from_utf8_lossy(&output.stderr));
         serde_json::from_str(&said).unwrap()
+    }
+
+    /// Gives the rig what is in `before.toml` with another inertia.
+    fn push_other(&self, factor: f64) {
+        let before = std::fs::read_to_string(self.folder.path().join("before.toml")).unwrap();
+        let mut table: toml::Table = before.parse().unwrap();
+        let inertia = &mut table["pendulum"]["inertia"];
+        let place = if inertia.is_table() { &mut inertia["value"] } else { inertia };
+        *place = toml::Value::Float(place.as_float().unwrap() * factor);
+        std::fs::write(self.folder.path().join("other.toml"), table.to_string()).unwrap();
+        self.done(&["push", "--rig", "other.toml"]);
     }
 
     fn inertia(&self, file: &str) -> f64 {
@@ -154,13 +166,7 @@ fn release(folder: &Path, version: &str) -> PathBuf {
 fn an_update_brings_the_image_onto_the_board_and_leaves_the_saved_model() {
     let bench = Bench::new();
     bench.done(&["pull", "-o", "before.toml"]);
-    let before = std::fs::read_to_string(bench.folder.path().join("before.toml")).unwrap();
-    let mut table: toml::Table = before.parse().unwrap();
-    let inertia = &mut table["pendulum"]["inertia"];
-    let place = if inertia.is_table() { &mut inertia["value"] } else { inertia };
-    *place = toml::Value::Float(place.as_float().unwrap() * 1.125);
-    std::fs::write(bench.folder.path().join("changed.toml"), table.to_string()).unwrap();
-    bench.done(&["push", "--rig", "changed.toml"]);
+    bench.push_other(1.125);
 
     release(bench.folder.path(), VERSION);
     let updated = bench.done(&["update", "."]);
@@ -174,7 +180,6 @@ fn an_update_brings_the_image_onto_the_board_and_leaves_the_saved_model() {
     assert!([1, 2, 3].iter().all(|of_store| !erased.contains(&json!(of_store))), "{erased:?}");
 
     bench.done(&["pull", "-o", "after.toml"]);
-    assert!((bench.inertia("after.toml") / bench.inertia("changed.toml") - 1.0).abs() < 1e-6);
     assert!((bench.inertia("after.toml") / bench.inertia("before.toml") - 1.125).abs() < 1e-6);
 }
 
@@ -188,4 +193,17 @@ fn an_image_that_is_not_what_it_calls_itself_is_found_out() {
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains(&format!("says it runs {VERSION}, not 9.9.9")), "{said}");
     assert_eq!(bench.events_of("download").len(), 1);
+}
+
+#[test]
+fn undo_brings_back_what_was_pushed_before_and_the_board_keeps_it_without_power() {
+    let bench = Bench::new();
+    bench.done(&["pull", "-o", "before.toml"]);
+    bench.push_other(1.125);
+    bench.push_other(1.25);
+    bench.done(&["undo"]);
+    bench.board.lock().unwrap().say(&json!({ "do": "power" })).unwrap();
+    bench.done(&["pull", "-o", "after.toml"]);
+    assert!((bench.inertia("after.toml") / bench.inertia("before.toml") - 1.125).abs() < 1e-6);
+    assert_eq!(bench.events_of("reset").iter().filter(|reset| reset["cause"] == "watchdog").count(), 0);
 }
