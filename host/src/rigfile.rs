@@ -17,6 +17,7 @@ pub use quantity::Quantity;
 
 use crate::error::Failure;
 use crate::files::{self, Existing};
+use crate::recording::Measured;
 use shared::effect::CUSTOM_FORMULA_ID;
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
@@ -72,6 +73,7 @@ pub struct RigFile {
     parameters: Parameters<f64>,
     knowledge: Vec<(Quantity, Knowledge)>,
     potentiometer: Option<Potentiometer>,
+    measured: Option<Measured>,
     normalised: bool,
 }
 
@@ -157,6 +159,11 @@ impl RigFile {
     /// The sensor's calibration, if the file has one.
     pub fn potentiometer(&self) -> Option<&Potentiometer> {
         self.potentiometer.as_ref()
+    }
+
+    /// What recordings hold that do not say it, if the file does: `measured = "rate"` under `[sensor]`.
+    pub fn measured(&self) -> Option<Measured> {
+        self.measured
     }
 
     /// How well a value is known, if anything but the number is.

@@ -100,6 +100,25 @@ fn rates_and_angles_are_not_fitted_at_once() {
     }
 }
 
+/// Numbers without names: the model file says what they are, and a misspelt word is refused with its line.
+#[test]
+fn the_model_file_says_what_recordings_hold_that_do_not() {
+    let rig = rig(6);
+    let folder = phone_on(&rig, PHONE, "rad/s", 1.0);
+    let named = fs::read_to_string(folder.path().join("swing1.csv")).unwrap();
+    let bare = named.lines().skip(1).map(|row| row.split(',').collect::<Vec<_>>());
+    let bare: Vec<String> = bare.map(|cells| format!("{},{}", cells[0], cells[3])).collect();
+    fs::write(folder.path().join("bare.csv"), bare.join("\n") + "\n").unwrap();
+    host(folder.path(), "fit bare.csv").failed(1, &["bare.csv", "angular"]);
+    let model = fs::read_to_string(folder.path().join("rig.toml")).unwrap();
+    fs::write(folder.path().join("rig.toml"), format!("{model}\n[sensor]\nmeasured = \"rate\"\n")).unwrap();
+    check(&json(folder.path(), "fit bare.csv --method least-squares -o rig.toml"), &truths(&rig, PHONE));
+    let compared = json(folder.path(), "compare bare.csv");
+    assert_eq!((&compared["measured"], &compared["answer"]), (&Value::from("rate"), &Value::from("nothing-missing")));
+    fs::write(folder.path().join("rig.toml"), format!("{model}\n[sensor]\nmeasured = \"speed\"\n")).unwrap();
+    host(folder.path(), "fit bare.csv").failed(1, &["sensor.measured", "\"angle\" or \"rate\""]);
+}
+
 /// Bias and scale do not depend on luck: many phones, many pendulums.
 #[test]
 #[ignore = "long: some minutes"]

@@ -5,7 +5,8 @@ use super::values::{finite, point, positive};
 use crate::compare::measurement::Measurement;
 use crate::error::Failure;
 use crate::recording::segment::SegmentOptions;
-use crate::recording::{self, AngleUnit, Columns, ReadOptions, Recording};
+use crate::recording::{self, AngleUnit, Columns, Measured, ReadOptions, Recording};
+use crate::rigfile::RigFile;
 use crate::swing::Swing;
 use clap::Args;
 use rayon::prelude::*;
@@ -42,6 +43,9 @@ pub(super) struct Reading {
     /// The free swing ends here, s
     #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
     to: Option<f64>,
+    /// What the model file says of recordings that do not say it.
+    #[arg(skip)]
+    measured: Option<Measured>,
 }
 
 impl Reading {
@@ -54,6 +58,11 @@ impl Reading {
             }
             _ => Ok(()),
         }
+    }
+
+    /// The same, for recordings of the sensor that a model file tells of.
+    pub(super) fn of(&self, model: &RigFile) -> Self {
+        Self { measured: model.measured(), ..self.clone() }
     }
 
     /// Reads a recording.
@@ -75,7 +84,7 @@ impl Reading {
             zero: self.zero,
             pivot: self.pivot,
             mirrored: self.mirror,
-            measured: None,
+            measured: self.measured,
         }
     }
 

@@ -47,8 +47,9 @@ Example:
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let model = options.given.model()?;
     check_outputs(options)?;
-    let measurements = measurements(&options.given.reading, &options.given.recordings)?;
-    let held_out = self::measurements(&options.given.reading, &options.hold_out)?;
+    let reading = options.given.reading.of(&model);
+    let measurements = measurements(&reading, &options.given.recordings)?;
+    let held_out = self::measurements(&reading, &options.hold_out)?;
     let swings: Vec<_> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
     check_geometry(model.parameters(), &swings)?;
     let settings = compare::Options { fit_first: model.is_fresh(), question_numbers: true };

@@ -45,7 +45,7 @@ struct Shown<'a> {
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let model = options.given.model()?;
     let swings = options.given.swings(&model)?;
-    let held_out = options.given.held_out(&options.hold_out, &swings)?;
+    let held_out = options.given.held_out(&model, &options.hold_out, &swings)?;
     output::say("fitting the base model, then every effect …");
     let wishes = Wishes { typed: options.effect, formulas: options.formulas };
     let diagnosis = diagnose_with(&swings, &held_out, model.parameters(), wishes);

@@ -133,8 +133,9 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         Some(session) => vec![record(session, options, "")?],
         None => options.recordings.clone(),
     };
-    let swings = options.reading.swings(&recordings)?;
-    let held_out = swings_quietly(options, &options.hold_out)?;
+    let reading = options.reading.of(&model);
+    let swings = reading.swings(&recordings)?;
+    let held_out = swings_quietly(&reading, &options.hold_out)?;
     refuse_doubles(&swings, &held_out)?;
     check_geometry(model.parameters(), &swings)?;
 
@@ -195,8 +196,8 @@ fn with_effect(options: &Options, swings: &[Swing], rig: &Parameters<f64>) -> Re
     Ok(steps.last().map_or_else(|| rig.clone(), |step| step.parameters.clone()))
 }
 
-fn swings_quietly(options: &Options, recordings: &[PathBuf]) -> Result<Vec<Swing>, Failure> {
-    recordings.iter().map(|path| options.reading.swing(path).map(|(swing, _)| swing)).collect()
+fn swings_quietly(reading: &Reading, recordings: &[PathBuf]) -> Result<Vec<Swing>, Failure> {
+    recordings.iter().map(|path| reading.swing(path).map(|(swing, _)| swing)).collect()
 }
 
 /// The identification itself.

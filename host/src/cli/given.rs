@@ -37,15 +37,15 @@ impl Given {
 
     /// The free swings of the recordings, which must be able to be this pendulum's.
     pub(super) fn swings(&self, model: &RigFile) -> Result<Vec<Swing>, Failure> {
-        let swings = self.reading.swings(&self.recordings)?;
+        let swings = self.reading.of(model).swings(&self.recordings)?;
         refuse_doubles(&swings, &[])?;
         check_geometry(model.parameters(), &swings)?;
         Ok(swings)
     }
 
     /// The free swings of recordings that take no part; none of them may be among those that do.
-    pub(super) fn held_out(&self, paths: &[PathBuf], fitted: &[Swing]) -> Result<Vec<Swing>, Failure> {
-        let held_out = self.reading.swings(paths)?;
+    pub(super) fn held_out(&self, model: &RigFile, paths: &[PathBuf], fitted: &[Swing]) -> Result<Vec<Swing>, Failure> {
+        let held_out = self.reading.of(model).swings(paths)?;
         refuse_doubles(fitted, &held_out)?;
         Ok(held_out)
     }

@@ -61,7 +61,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let changes = changes(options, model.parameters())?;
     check_outputs(options)?;
     let swings = options.given.swings(&model)?;
-    let held_out = options.given.held_out(&options.hold_out, &swings)?;
+    let held_out = options.given.held_out(&model, &options.hold_out, &swings)?;
     let (parameters, values) = if changes.is_empty() {
         let diagnosis = diagnose_with(
             &swings,

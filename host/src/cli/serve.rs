@@ -61,16 +61,18 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 }
 
 fn settings(options: &Options) -> Result<Settings, Failure> {
+    let model = model(options)?;
+    let reading = model.as_ref().map_or_else(|| options.reading.clone(), |(file, _)| options.reading.of(file));
     Ok(Settings {
         listen: options.listen,
         token: token(options.listen)?,
         port: options.port.clone(),
         sim_speed: options.sim_speed,
-        model: model(options)?,
+        model,
         recordings: options.recordings.clone(),
         folder: std::env::current_dir().map_err(Failure::failed)?,
-        reading: options.reading.options(),
-        segment: options.reading.segment(),
+        reading: reading.options(),
+        segment: reading.segment(),
     })
 }
 

@@ -278,7 +278,8 @@ fn choose_reading(
         return Ok(rates(table, options, vec![idx], *unit));
     }
     let is_told = asked.angle.is_some() || asked.x.is_some();
-    let measured = (!is_told).then(|| header.measured.or(options.measured)).flatten();
+    let measured =
+        (!is_told).then(|| header.measured.or(options.measured.filter(|_| header.version.is_none()))).flatten();
     let has_rate = options.rate_hz.or(header.rate_hz).is_some();
     let angle = choose_angle(table, asked, code_idx, has_rate);
     match (measured, angle) {

@@ -2,6 +2,7 @@
 
 use super::{FORMAT_VERSION, Knowledge, Quantity, RigFile, RigFileError, Source};
 use crate::formula::{self, FormulaError, effect_of};
+use crate::recording::Measured;
 use shared::effect::{CUSTOM_FORMULA_NAME, Effect};
 use shared::motion::Pendulum;
 use shared::parameters::{ParameterError, Parameters};
@@ -13,7 +14,7 @@ type Result<T> = std::result::Result<T, RigFileError>;
 
 const TOP_KEYS: [&str; 5] = ["format", "pendulum", "sensor", "effect", "notes"];
 const PENDULUM_KEYS: [&str; 5] = ["mass", "length", "inertia", "gravity", "normalised"];
-const SENSOR_KEYS: [&str; 3] = ["zero_code", "radians_per_code", "full_scale"];
+const SENSOR_KEYS: [&str; 4] = ["measured", "zero_code", "radians_per_code", "full_scale"];
 const FORMULA_KEY: &str = "formula";
 const VALUE_KEYS: [&str; 4] = ["value", "std", "method", "recordings"];
 
@@ -33,8 +34,13 @@ pub(super) fn parse(file: &str, text: &str) -> Result<RigFile> {
     }
     reader.check_model(top, &parameters)?;
     let normalised = reader.flag(pendulum_table, "pendulum", "normalised")?;
-    let potentiometer = top.get("sensor").map(|item| reader.potentiometer(item)).transpose()?;
-    Ok(RigFile { document: document.into_mut(), parameters, knowledge, potentiometer, normalised })
+    let sensor = top.get("sensor");
+    let measured = sensor.map(|item| reader.measured(item)).transpose()?.flatten();
+    let is_only_measured =
+        |item: &&Item| measured.is_some() && item.as_table_like().is_some_and(|keys| keys.len() == 1);
+    let potentiometer =
+        sensor.filter(|item| !is_only_measured(item)).map(|item| reader.potentiometer(item)).transpose()?;
+    Ok(RigFile { document: document.into_mut(), parameters, knowledge, potentiometer, measured, normalised })
 }
 
 struct Reader<'a> {
@@ -162,6 +168,13 @@ impl Reader<'_> {
             }
         };
         Ok(Some(Source { method, recordings }))
+    }
+
+    /// What recordings hold that do not say it.
+    fn measured(&self, item: &Item) -> Result<Option<Measured>> {
+        let Some(value) = self.as_table(item, "sensor")?.get("measured") else { return Ok(None) };
+        let problem = || self.bad(value.span(), "sensor.measured", "expected \"angle\" or \"rate\"".to_owned());
+        value.as_str().and_then(|text| text.parse().ok()).map(Some).ok_or_else(problem)
     }
 
     fn potentiometer(&self, item: &Item) -> Result<Potentiometer> {
