@@ -153,8 +153,13 @@ mod tests {
             out
         };
         let (fine, coarse) = (rates(1e-3, 10_001), rates(1e-2, 10_001));
-        let worst = coarse.iter().zip(&fine).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        assert!(fine.iter().any(|rate| rate.abs() > 5.0) && worst < 1e-4, "{worst:e}");
+        let off: Vec<f64> = coarse.iter().zip(&fine).map(|(a, b)| (a - b).abs()).collect();
+        let worst = off.iter().copied().fold(0.0, f64::max);
+        let usual = (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt();
+        // The cubic's slope is h³·ω⁗/125 = 2e-5 rad/s off; more only where dry friction turns within a step and the
+        // acceleration jumps by 2·Mc/J = 0.22 rad/s²: up to 0.15·h of that. A straight line would be 4e-3 off.
+        assert!(fine.iter().any(|rate| rate.abs() > 5.0), "it swings");
+        assert!(usual < 4e-5 && worst < 3.3e-4, "usually {usual:e}, at worst {worst:e} rad/s");
     }
 
     #[test]
