@@ -34,6 +34,7 @@ mod table;
 mod undo;
 mod update;
 mod values;
+mod watch;
 
 use crate::error::Failure;
 use crate::link;
@@ -73,13 +74,14 @@ Ports are serial devices, sim (the simulated rig), or sim:NAME (one of its scena
 `host COMMAND --help` explains a command.
 
 Exit codes: 0 there is a result, whatever it says; 2 wrong use; 1 failed; 130 stopped by Ctrl-C.
-Results go to stdout, everything else to stderr. NO_COLOR switches colours off; RUST_LOG=host::link=trace chooses
-what -v tells; RIG_PATIENCE=20 waits 20 times longer for a rig, such as one in an emulator.";
+Results go to stdout, everything else to stderr. NO_COLOR switches colours off; RUST_LOG, such as
+host::link=trace, chooses what -v tells; RIG_PATIENCE=20 waits 20 times longer for a rig.";
 
 #[derive(Debug, Subcommand)]
 enum Command {
     Init(init::Options),
     Record(record::Options),
+    Watch(watch::Options),
     Fit(fit::Options),
     Compare(compare::Options),
     Diagnose(diagnose::Options),
@@ -125,6 +127,7 @@ fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Init(options) => init::run(&options),
         Command::Record(options) => record::run(&options),
+        Command::Watch(options) => watch::run(&options),
         Command::Fit(options) => fit::run(&options),
         Command::Compare(options) => compare::run(&options),
         Command::Diagnose(options) => diagnose::run(&options),

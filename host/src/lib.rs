@@ -33,4 +33,5 @@ pub mod swing;
 pub mod trajectory;
 pub mod update;
 pub mod verdict;
+pub mod watch;
 pub mod zero_phase;

@@ -7,11 +7,13 @@
 mod detector;
 mod error;
 mod lead_in;
+mod listen;
 mod recorder;
 mod words;
 
 pub use detector::Stage;
 pub use error::RecordError;
+pub use listen::{Limits, Listener, listen};
 pub use words::{in_words, usable};
 
 use crate::files;

@@ -24,6 +24,9 @@ pub const LSB_RAD: f64 = 340.0 * std::f64::consts::PI / 180.0 / 4096.0;
 /// A hundred samples a second are enough to see how much a base model leaves.
 const RATIO_RATE_HZ: f64 = 100.0;
 
+/// At 15 rad/s the plant's steps of 0.2 ms follow no bristle that is shorter.
+const STIFFEST_BRISTLE_RAD: f64 = 1.5e-3;
+
 /// Recorded after the pendulum came to rest, s.
 const REST_S: f64 = 1.0;
 
@@ -173,7 +176,8 @@ impl Hidden {
     }
 
     fn scaled(&self, factor: f64) -> Self {
-        Self { size: (self.size * factor).clamp(-self.largest, self.largest), ..*self }
+        let size = (self.size * factor).clamp(-self.largest, self.largest);
+        Self { size: if self.name == "presliding" { size.max(STIFFEST_BRISTLE_RAD) } else { size }, ..*self }
     }
 }
 

@@ -46,10 +46,10 @@ pub(super) struct Options {
 pub(super) struct Patience {
     /// Give up if the pendulum was not let go within so many seconds
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value = "120")]
-    wait: f64,
+    pub(super) wait: f64,
     /// End the recording so many seconds after the release
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value = "300")]
-    limit: f64,
+    pub(super) limit: f64,
 }
 
 const EXAMPLE: &str = "\

@@ -11,16 +11,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// A stream that is silent for so long has dried up.
-const SILENCE: Duration = Duration::from_secs(3);
+pub(super) const SILENCE: Duration = Duration::from_secs(3);
 
 /// So often Ctrl-C is looked for while nothing comes.
-const LOOK_EVERY: Duration = Duration::from_millis(100);
+pub(super) const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// The wiper may leave its track for a moment at the top; longer is a broken wire.
-const DISCONNECTED_S: f64 = 0.2;
+pub(super) const DISCONNECTED_S: f64 = 0.2;
 
 /// A recording begins so long before the first passage through the lowest point, s: the end of the hold.
-const LEAD_IN_S: f64 = 1.2;
+pub(super) const LEAD_IN_S: f64 = 1.2;
 
 /// One recording while it goes on.
 pub(super) struct Recorder<'a> {

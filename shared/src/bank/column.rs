@@ -88,8 +88,9 @@ pub struct Columns<R: 'static> {
 }
 
 impl<R: Real<Mask = bool>> Columns<R> {
-    /// Columns for a model with these parameters; effects for which there is no room are left out.
-    pub fn new(parameters: &Parameters<R>) -> Self {
+    /// Columns for a model with these parameters, the width of its velocity band known or a candidate; effects for which
+    /// there is no room are left out.
+    pub fn new(parameters: &Parameters<R>, knows_band: bool) -> Self {
         let first = [Column::Start, Column::Start, Column::Offset, Column::Viscous, Column::Coulomb, Column::Inertia];
         let mut columns = Self {
             known: Vec::from_slice(&first).unwrap_or_default(),
@@ -104,7 +105,11 @@ impl<R: Real<Mask = bool>> Columns<R> {
                 None => effect.starts.iter().for_each(|start| columns.add_candidate(effect, &start.map(R::of))),
             }
         }
-        columns.add_band();
+        if knows_band {
+            let _ = columns.known.push(Column::Band).is_ok() && columns.present.push((base::STICTION, 1)).is_ok();
+        } else {
+            columns.add_band();
+        }
         columns
     }
 

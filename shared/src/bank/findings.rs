@@ -99,12 +99,14 @@ pub struct Findings<R: 'static> {
     pub noise_rad: R,
     /// What is left beyond the noise, as a share of the noise's squares: by the model as given, and put right.
     pub excess: [R; 2],
+    /// The same with the first suspect in the model, where it is named.
+    pub left: Option<R>,
 }
 
 impl<R: Real<Mask = bool>> Findings<R> {
     fn nothing(reason: Reason, noise_rad: R) -> Self {
         let (suspects, excess) = (Vec::new(), [R::zero(); 2]);
-        Self { suspects, reason: Some(reason), model: None, n_windows: 0, n_clusters: 0, noise_rad, excess }
+        Self { suspects, reason: Some(reason), model: None, n_windows: 0, n_clusters: 0, noise_rad, excess, left: None }
     }
 
     /// What is named: the first suspect and those that can't be told from it.
@@ -135,10 +137,27 @@ pub fn look<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
     if on.readings.is_empty() || given.n_windows(on, 1) == 0 {
         return Findings::nothing(Reason::TooFewSwings, on.noise_rad);
     }
-    let Some(model) = given.clone().settled(on) else {
+    let Some(model) = given.clone().without_band().settled(on) else {
         return Findings::nothing(Reason::NotThisPendulum, on.noise_rad);
     };
-    let columns = Columns::new(&model.parameters);
+    let as_given = square_as_given(&given, on);
+    let findings = judge(model, as_given, on, error);
+    let has_band = findings.reason == Some(Reason::FrictionAboutRest);
+    let with_band = findings.model.as_ref().filter(|_| has_band).and_then(|model| model.with_band(on));
+    match with_band {
+        Some(model) => judge(model, as_given, on, error),
+        None => findings,
+    }
+}
+
+/// Judges all candidates beside a model that was put right.
+fn judge<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
+    model: Refitted<R>,
+    as_given: R,
+    on: &Releases<R, D>,
+    error: R,
+) -> Findings<R> {
+    let columns = model.columns();
     let gathered = gather(&model, on, &columns, true);
     let Some(known) = Known::new(&gathered.all, columns.known.len()) else {
         return Findings::nothing(Reason::TooFewSwings, on.noise_rad);
@@ -154,13 +173,16 @@ pub fn look<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
         n_windows: gathered.n_windows,
         n_clusters: gathered.clusters.list.len(),
         noise_rad: on.noise_rad,
-        excess: [excess(square_as_given(&given, on)), excess(known.square)],
+        excess: [excess(as_given), excess(known.square)],
+        left: None,
         model: None,
     };
     mark_ties(&mut findings, gathered.all.n);
-    findings.reason = reason(&findings, &columns, gathered.all.n, error);
+    findings.reason =
+        reason(&findings, &columns, gathered.all.n, error).or_else(|| one_release_is_too_few(&findings, on));
     if findings.reason.is_none() {
-        findings.suspects.iter_mut().take(1).for_each(|first| settle(first, &model, on));
+        let first = findings.suspects.first_mut();
+        findings.left = first.and_then(|first| settle(first, &model, on)).map(excess);
     }
     findings.model = Some(model);
     findings
@@ -182,7 +204,7 @@ fn gather<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
 
 /// What the model leaves as it was given, each window begun where it is best and the zero free, rad².
 fn square_as_given<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(given: &Refitted<R>, on: &Releases<R, D>) -> R {
-    let columns = Columns::new(&given.parameters);
+    let columns = given.columns();
     let mut all = Sums::default();
     given.each_window(on, given.n_periods(on), &columns, false, |_, window| all.add(window));
     let (weight, score) = (all.known[N_STARTS][N_STARTS], all.known_score[N_STARTS]);
@@ -279,6 +301,15 @@ fn reason<R: Real<Mask = bool>>(findings: &Findings<R>, columns: &Columns<R>, n:
     }
 }
 
+/// Within one release the amplitude falls as time goes by: a law of time that explains it best can't be told from others.
+fn one_release_is_too_few<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
+    findings: &Findings<R>,
+    on: &Releases<R, D>,
+) -> Option<Reason> {
+    let first = findings.suspects.first()?;
+    (on.readings.len() < 2 && first.effect.rules.needs_several_releases).then_some(Reason::TooFewSwings)
+}
+
 /// How many effects a name is picked from.
 fn n_effects<R: Real<Mask = bool>>(columns: &Columns<R>) -> usize {
     let mut n = 0;
@@ -290,17 +321,19 @@ fn n_effects<R: Real<Mask = bool>>(columns: &Columns<R>) -> usize {
     n.max(1)
 }
 
-/// The sizes of what is named, with the effect in the model: a single step is too short for a large one.
+/// The sizes of what is named, with the effect in the model: a single step is too short for a large one. Gives the
+/// squares that are left then.
 fn settle<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
     suspect: &mut Suspect<R>,
     model: &Refitted<R>,
     on: &Releases<R, D>,
-) {
+) -> Option<R> {
     let n_values = suspect.effect.parameters.len();
-    let Some(larger) = model.with(on, suspect.effect.id, &suspect.values[..n_values]) else { return };
-    let columns = Columns::new(&larger.parameters);
+    let effect = (suspect.effect.id, &suspect.values[..n_values]);
+    let larger = model.with(on, effect, &suspect.evidence.known_step)?;
+    let columns = larger.columns();
     let gathered = gather(&larger, on, &columns, false);
-    let Some(known) = Known::new(&gathered.all, columns.known.len()) else { return };
+    let known = Known::new(&gathered.all, columns.known.len())?;
     let steps = columns.present.iter().enumerate().filter(|(_, (id, _))| *id == suspect.effect.id);
     for ((place, (id, index)), c) in steps.zip(0..MAX_STRENGTHS) {
         let column = N_STARTS + N_BASE + place;
@@ -309,4 +342,5 @@ fn settle<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
         (suspect.evidence.sizes[c], suspect.evidence.stds[c]) = (size, known.std(&gathered.clusters, column));
         suspect.values[usize::from(*index)] = size;
     }
+    Some(known.square)
 }

@@ -37,6 +37,8 @@ pub struct Evidence<R> {
     pub stds: Sizes<R>,
     /// How many there are: q.
     pub n_tested: usize,
+    /// The step of the known numbers that goes with them.
+    pub known_step: [R; MAX_KNOWN],
     /// By how much it lowers the squares, rad².
     pub gain: R,
     /// What each cluster has of that.
@@ -100,6 +102,7 @@ impl<R: Real<Mask = bool>> Known<R> {
             sizes: step.sizes,
             stds: core::array::from_fn(|c| covariance[c][c].max(R::zero()).sqrt()),
             n_tested: own.count,
+            known_step: step.known,
             gain: step.gain,
             gains: clusters.list.iter().map(|sums| self.gain_in(sums, own, &step)).collect(),
             f: quadratic * (count - tested) / (tested * (count - R::one())),

@@ -1,8 +1,8 @@
 //! The model put right before anything is judged: zero, friction, inertia and the strengths it has, by Gauss and
 //! Newton's steps over the windows.
 //!
-//! A test around a stale model accuses the innocent: with an inertia 5 % off nearly all of them. Short windows
-//! come first, because over them even a period that is several per cent off is no more than a small angle off.
+//! A test around a stale model accuses the innocent, and a few per cent of inertia are stale enough. Short windows come
+//! first, because over them even a period that is several per cent off is no more than a small angle off.
 
 use super::column::{Columns, MAX_KNOWN, N_BASE, N_STARTS};
 use super::follow::Follower;
@@ -16,11 +16,17 @@ use heapless::Vec;
 /// The most releases that are looked at together.
 pub const MAX_RELEASES: usize = 8;
 
-/// Periods of the windows of each step.
-const PERIODS_OF_STEPS: [usize; 4] = [1, 1, 3, 3];
+/// Steps over windows of one period …
+const SHORT_STEPS: usize = 2;
 
-/// Steps of a model that was put right, when an effect has been added to it.
-const PERIODS_OF_LATER_STEPS: [usize; 9] = [3; 9];
+/// … then as many over longer ones as it takes, at most so many.
+const LONG_STEPS: usize = 6;
+
+/// Where an effect has been added, whose size may be far off yet.
+const STEPS_WITH_EFFECT: usize = 9;
+
+/// A step that moves the inertia about the pivot by less than this share changes nothing that could be seen.
+const STILL: f64 = 1e-4;
 
 /// If the last step still moves the inertia about the pivot by more than this share, the model is none of this
 /// pendulum.
@@ -66,35 +72,71 @@ pub struct Refitted<R> {
     pub parameters: Parameters<R>,
     /// What is added to its readings, rad.
     pub offset_rad: R,
+    /// Is the width of its velocity band put right too? It is zero otherwise.
+    pub has_band: bool,
 }
 
 impl<R: Real<Mask = bool>> Refitted<R> {
     /// The model as it was given.
     pub fn new(parameters: &Parameters<R>) -> Self {
-        Self { parameters: parameters.clone(), offset_rad: R::zero() }
+        Self { parameters: parameters.clone(), offset_rad: R::zero(), has_band: false }
+    }
+
+    /// Without stiction, which large swings do not show, and without a velocity band.
+    pub fn without_band(mut self) -> Self {
+        self.set_stiction(R::zero());
+        self
+    }
+
+    /// With a velocity band, put right. Between its edges acts the friction at the edge; a larger stop level looks like
+    /// a wider band.
+    pub fn with_band<D: Readings<R> + ?Sized>(&self, on: &Releases<R, D>) -> Option<Self> {
+        let mut larger = Self { has_band: true, ..self.clone() };
+        larger.set_stiction(R::zero());
+        larger.stepped(on, STEPS_WITH_EFFECT, false)
+    }
+
+    fn set_stiction(&mut self, velocity_band: R) {
+        let _ = self.parameters.set(base::STICTION, &[R::zero(), velocity_band]);
+    }
+
+    /// The columns of this model.
+    pub fn columns(&self) -> Columns<R> {
+        Columns::new(&self.parameters, self.has_band)
     }
 
     /// Put right by the readings. `None` where they do not determine it.
-    pub fn settled<D: Readings<R> + ?Sized>(self, on: &Releases<R, D>) -> Option<Self> {
-        self.stepped(on, &PERIODS_OF_STEPS)
-    }
-
-    /// With an effect at these values, put right again.
-    pub fn with<D: Readings<R> + ?Sized>(&self, on: &Releases<R, D>, id: u16, values: &[R]) -> Option<Self> {
-        let mut larger = self.clone();
-        larger.parameters.set(id, values).ok()?;
-        larger.stepped(on, &PERIODS_OF_LATER_STEPS)
-    }
-
-    fn stepped<D: Readings<R> + ?Sized>(mut self, on: &Releases<R, D>, periods: &[usize]) -> Option<Self> {
-        let mut last = R::zero();
-        for n_periods in periods {
-            let columns = Columns::new(&self.parameters);
-            let mut sums = Sums::default();
-            self.each_window(on, *n_periods, &columns, false, |_, window| sums.add(window));
-            last = self.step(&columns, &sums)?;
+    pub fn settled<D: Readings<R> + ?Sized>(mut self, on: &Releases<R, D>) -> Option<Self> {
+        for _ in 0..SHORT_STEPS {
+            self.step(on, 1)?;
         }
-        last.abs().lt(R::of(SETTLED)).then_some(self)
+        self.stepped(on, LONG_STEPS, true)
+    }
+
+    /// With an effect at these values, its known numbers moved by a step, and with a velocity band; put right again.
+    pub fn with<D: Readings<R> + ?Sized>(
+        &self,
+        on: &Releases<R, D>,
+        (id, values): (u16, &[R]),
+        known_step: &[R; MAX_KNOWN],
+    ) -> Option<Self> {
+        let mut larger = Self { has_band: true, ..self.clone() };
+        larger.apply(&self.columns(), known_step);
+        larger.parameters.set(id, values).ok()?;
+        larger.stepped(on, STEPS_WITH_EFFECT, false)
+    }
+
+    /// Steps over windows of a look's length; may end early where only the inertia has to be found.
+    fn stepped<D: Readings<R> + ?Sized>(mut self, on: &Releases<R, D>, n_most: usize, may_end: bool) -> Option<Self> {
+        let n_periods = self.n_periods(on);
+        let mut last = R::zero();
+        for _ in 0..n_most {
+            last = self.step(on, n_periods)?.abs();
+            if may_end && last.lt(R::of(STILL)) {
+                break;
+            }
+        }
+        last.lt(R::of(SETTLED)).then_some(self)
     }
 
     /// How long the windows of a look are, in periods.
@@ -138,15 +180,23 @@ impl<R: Real<Mask = bool>> Refitted<R> {
     }
 
     /// One step to where the windows are explained best; by which share it moves the inertia about the pivot.
-    fn step(&mut self, columns: &Columns<R>, sums: &Sums<R>) -> Option<R> {
+    fn step<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>, n_periods: usize) -> Option<R> {
+        let columns = self.columns();
+        let mut sums = Sums::default();
+        self.each_window(on, n_periods, &columns, false, |_, window| sums.add(window));
         let inverse = inverted(&sums.known, N_STARTS, columns.known.len())?;
         let step: [R; MAX_KNOWN] = core::array::from_fn(|i| {
             (0..MAX_KNOWN).fold(R::zero(), |sum, j| sum + inverse[i][j] * sums.known_score[j])
         });
+        Some(self.apply(&columns, &step))
+    }
+
+    /// Moves the known numbers, but the inertia not too far; by which share that was to be moved.
+    fn apply(&mut self, columns: &Columns<R>, step: &[R; MAX_KNOWN]) -> R {
         let pendulum = &mut self.parameters.pendulum;
         let whole = pendulum.pivot_inertia_kg_m2();
         let largest = R::of(LARGEST_STEP) * whole;
-        let [_, _, offset, viscous, coulomb, inertia, ..] = step;
+        let [_, _, offset, viscous, coulomb, inertia, ..] = *step;
         let share = (largest / inertia.abs().max(largest)).min(R::one());
         pendulum.inertia_kg_m2 = (pendulum.inertia_kg_m2 + share * inertia).max(R::zero());
         self.offset_rad = self.offset_rad + share * offset;
@@ -154,9 +204,10 @@ impl<R: Real<Mask = bool>> Refitted<R> {
         dry.iter().for_each(|(id, change)| self.change(*id, 0, share * *change, R::zero()));
         let strengths = step.iter().skip(N_STARTS + N_BASE);
         for ((id, index), change) in columns.present.iter().zip(strengths) {
-            self.change(*id, usize::from(*index), share * *change, -R::of(f64::from(f32::MAX)));
+            let least = if base::has(*id) { R::zero() } else { -R::of(f64::from(f32::MAX)) };
+            self.change(*id, usize::from(*index), share * *change, least);
         }
-        Some(inertia / whole)
+        inertia / whole
     }
 
     fn change(&mut self, id: u16, index: usize, by: R, least: R) {

@@ -325,9 +325,12 @@ fn at_fixed_time<R: Real>(end: &State<Local<R>>, left: Local<R>, acceleration: R
     ]
 }
 
-/// The second column of `whole`·`here`⁻¹.
-fn by_velocity<R: Real>(whole: &Matrix<R>, here: &Matrix<R>) -> [R; 2] {
+/// The second column of `whole`·`here`⁻¹; zero at rest, where no velocity is gained.
+fn by_velocity<R: Real<Mask = bool>>(whole: &Matrix<R>, here: &Matrix<R>) -> [R; 2] {
     let determinant = here[0][0] * here[1][1] - here[0][1] * here[1][0];
+    if !R::zero().lt(determinant.abs()) {
+        return [R::zero(); 2];
+    }
     let [angle, velocity] = [-here[0][1] / determinant, here[0][0] / determinant];
     whole.map(|row| row[0] * angle + row[1] * velocity)
 }

@@ -1,0 +1,187 @@
+//! Listening to one swing without keeping a file: the same stillness, release and rest as of a recording, each reading
+//! told to a listener.
+
+use super::detector::{Detector, Stage};
+use super::lead_in::{LeadIn, Sample};
+use super::recorder::{DISCONNECTED_S, LEAD_IN_S, LOOK_EVERY, SILENCE};
+use super::{End, RecordError};
+use crate::link::{LinkError, Session, patient};
+use shared::units::{Code, Radian};
+use shared::wire::{Frame, Samples, Settings, Stream};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Somebody who listens.
+pub trait Listener {
+    /// A new stage begins.
+    fn stage(&mut self, stage: Stage);
+    /// A reading of the swing in rad, from shortly before the release on.
+    fn reading(&mut self, angle_rad: f64);
+    /// Readings are missing between the last one and the next.
+    fn gap(&mut self);
+    /// All readings that have come so far were told.
+    fn pause(&mut self);
+}
+
+/// When to give up.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// If there is no release within so many seconds.
+    pub wait_s: f64,
+    /// A swing ends so many seconds after the release.
+    pub limit_s: f64,
+}
+
+/// One swing while it goes on.
+struct Swing<'a> {
+    settings: Settings,
+    limits: Limits,
+    detector: Detector,
+    lead_in: LeadIn,
+    listener: &'a mut dyn Listener,
+    next_number: Option<u64>,
+    n_in_stage: u64,
+    n_disconnected: u32,
+}
+
+/// Listens until the pendulum rests.
+///
+/// # Errors
+/// Whatever comes before a release; what ends a swing early is told by [`End`].
+pub fn listen(
+    session: &mut Session,
+    limits: Limits,
+    listener: &mut dyn Listener,
+    stop: &AtomicBool,
+) -> Result<End, RecordError> {
+    let settings = session.settings()?;
+    session.start(Stream { raw: true, live_every: 0 })?;
+    let rate_hz = f64::from(settings.rate_hz);
+    let step_rad = f64::from(settings.potentiometer.radian_per_code).abs();
+    listener.stage(Stage::Settling);
+    let mut swing = Swing {
+        settings,
+        limits,
+        detector: Detector::new(rate_hz, step_rad),
+        lead_in: LeadIn::new((LEAD_IN_S * rate_hz) as usize),
+        listener,
+        next_number: None,
+        n_in_stage: 0,
+        n_disconnected: 0,
+    };
+    let end = swing.run(session, stop);
+    // The link may be what broke, and then it can't be told to stop either.
+    let _ = session.stop();
+    end
+}
+
+impl Swing<'_> {
+    fn run(&mut self, session: &mut Session, stop: &AtomicBool) -> Result<End, RecordError> {
+        let mut heard = session.elapsed();
+        loop {
+            if stop.load(Ordering::Relaxed) {
+                return self.ended_early(End::Stopped);
+            }
+            let port = session.port().to_owned();
+            match session.receive(LOOK_EVERY) {
+                Err(error) => return self.ended_early(End::Lost(error)),
+                Ok(Some(Frame::Samples(samples)))
+                    if self.next_number.is_some_and(|next| samples.first_sample < next) =>
+                {
+                    return self.ended_early(End::Lost(LinkError::Restarted { port }));
+                }
+                Ok(Some(Frame::Samples(samples))) => {
+                    heard = session.elapsed();
+                    if let Some(end) = self.take(&samples)? {
+                        return Ok(end);
+                    }
+                    self.listener.pause();
+                }
+                Ok(_) if session.elapsed() > heard + patient(SILENCE) => {
+                    return self.ended_early(End::Lost(LinkError::StreamStopped { port }));
+                }
+                Ok(_) => {}
+            }
+        }
+    }
+
+    fn ended_early(&self, end: End) -> Result<End, RecordError> {
+        match (self.detector.stage(), end) {
+            (Stage::Swinging | Stage::AtRest, end) => Ok(end),
+            (_, End::Lost(error)) => Err(error.into()),
+            _ => Err(RecordError::StoppedEarly),
+        }
+    }
+
+    fn take(&mut self, samples: &Samples) -> Result<Option<End>, RecordError> {
+        if self.next_number.is_some_and(|next| samples.first_sample > next) && self.detector.stage() == Stage::Swinging
+        {
+            self.listener.gap();
+        }
+        for (offset, code) in samples.codes.iter().enumerate() {
+            let number = samples.first_sample.saturating_add(offset as u64);
+            self.next_number = Some(number.saturating_add(1));
+            if let Some(end) = self.take_sample(number, *code)? {
+                return Ok(Some(end));
+            }
+        }
+        Ok(None)
+    }
+
+    fn take_sample(&mut self, number: u64, code: u16) -> Result<Option<End>, RecordError> {
+        let potentiometer = &self.settings.potentiometer;
+        if !potentiometer.is_connected(Code(code)) {
+            return self.pass_over(code);
+        }
+        let Radian(angle_rad) = potentiometer.angle(Code(code));
+        let sample = Sample { number, angle_rad: f64::from(angle_rad), code };
+        if std::mem::take(&mut self.n_disconnected) > 0 && self.detector.stage() == Stage::Swinging {
+            self.listener.gap();
+        }
+        self.n_in_stage += 1;
+        if let Some(stage) = self.detector.push(sample.angle_rad) {
+            self.enter(stage);
+        }
+        match self.detector.stage() {
+            Stage::Settling | Stage::Waiting => self.lead_in.push(sample, self.detector.n_passages() > 0),
+            Stage::Swinging | Stage::AtRest => self.listener.reading(sample.angle_rad),
+        }
+        self.patience()
+    }
+
+    fn enter(&mut self, stage: Stage) {
+        self.n_in_stage = 0;
+        self.listener.stage(stage);
+        while let (Stage::Swinging, Some(sample)) = (stage, self.lead_in.pop()) {
+            self.listener.reading(sample.angle_rad);
+        }
+    }
+
+    /// Leaves a reading at an end of the range out; many in a row end the swing.
+    fn pass_over(&mut self, code: u16) -> Result<Option<End>, RecordError> {
+        self.n_disconnected += 1;
+        let too_many = f64::from(self.n_disconnected) > DISCONNECTED_S * f64::from(self.settings.rate_hz);
+        match (too_many, self.detector.stage()) {
+            (false, _) => Ok(None),
+            (true, Stage::Swinging) => Ok(Some(End::Disconnected { code })),
+            (true, _) => {
+                let full_scale = self.settings.potentiometer.full_scale;
+                Err(RecordError::Disconnected { code, full_scale })
+            }
+        }
+    }
+
+    /// Ends what takes too long.
+    fn patience(&self) -> Result<Option<End>, RecordError> {
+        let seconds = self.n_in_stage as f64 / f64::from(self.settings.rate_hz);
+        let wait_s = self.limits.wait_s;
+        match self.detector.stage() {
+            Stage::AtRest => Ok(Some(End::AtRest)),
+            Stage::Swinging if seconds > self.limits.limit_s => Ok(Some(End::TimeLimit)),
+            Stage::Waiting if seconds > wait_s => Err(RecordError::NoRelease { seconds: wait_s }),
+            Stage::Settling if seconds > wait_s => {
+                Err(RecordError::NeverStill { seconds: wait_s, spread_rad: self.detector.spread_rad() })
+            }
+            _ => Ok(None),
+        }
+    }
+}

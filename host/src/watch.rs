@@ -1,0 +1,233 @@
+//! Watching a rig: which physics does its model lack, said while the pendulum swings.
+//!
+//! Readings are gathered at about 250 a second, releases one after the other, and the bank ([`shared::bank`]) looks at
+//! all of them now and then. A swing has an error of one in a thousand to spend: half of it on the last look, when the
+//! pendulum rests, the other half on the looks before, less on each.
+
+use crate::record::{Listener, Stage};
+use serde::Serialize;
+use shared::bank::findings::{Findings, Reason, Suspect, look};
+use shared::bank::refit::{MAX_RELEASES, Releases};
+use shared::parameters::Parameters;
+
+/// The bank looks at so many readings a second; faster ones are averaged.
+const RATE_HZ: f64 = 250.0;
+
+/// A pendulum that was held is let go when it has moved so far, rad.
+const MOVED_RAD: f64 = 0.03;
+
+/// Of the swings that lack nothing, so many may be accused.
+const ERROR_A_SWING: f64 = 1e-3;
+
+/// Seconds of swing between two looks.
+const LOOK_EVERY_S: f64 = 4.0;
+
+/// One number of a suspect.
+#[derive(Clone, Debug, Serialize)]
+pub struct Value {
+    /// The literature's symbol.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Its standard deviation; `None` for a shape that was assumed.
+    pub std: Option<f64>,
+    /// SI unit.
+    pub unit: &'static str,
+}
+
+/// An effect that may be missing.
+#[derive(Clone, Debug, Serialize)]
+pub struct Candidate {
+    /// The effect.
+    pub name: &'static str,
+    /// Its numbers.
+    pub values: Vec<Value>,
+    /// The test's F.
+    pub f: f64,
+    /// How likely F is so large where the effect is absent.
+    pub p: f64,
+    /// In how many parts of the swings it was tested.
+    pub windows: usize,
+    /// Can't be told from the first one by these swings.
+    pub tied: bool,
+}
+
+/// What a look says.
+#[derive(Clone, Debug, Serialize)]
+pub struct Look {
+    /// What is missing: the first candidate, or nothing.
+    pub named: Vec<&'static str>,
+    /// The likeliest first.
+    pub candidates: Vec<Candidate>,
+    /// Why nothing is named.
+    pub reason: Option<&'static str>,
+    /// How many swings were looked at.
+    pub swings: usize,
+    /// Noise of the readings as the bank takes them, rad.
+    pub noise_rad: f64,
+    /// Squares of the residuals over those of the noise, less one: by the model as the rig has it, and with its own
+    /// numbers put right.
+    pub excess: [f64; 2],
+    /// The same with what is named in the model.
+    pub left: Option<f64>,
+}
+
+/// The words for why nothing is named.
+pub fn in_words(reason: Reason) -> &'static str {
+    match reason {
+        Reason::TooFewSwings => "too few swings yet: let it go again, from a large angle",
+        Reason::NotThisPendulum => {
+            "with no friction and inertia does the rig's model follow these swings: check mass, length and calibration"
+        }
+        Reason::WrongNumbers => "numbers are wrong, no physics is missing: fit the model and push it",
+        Reason::FrictionAboutRest => {
+            "friction about rest is not as the model has it, which may look like other effects: fit the model and push it"
+        }
+        Reason::Unexplained => "more than noise is left, but no effect explains it on every part of the swings",
+        Reason::NothingMissing => "nothing is missing: the model follows to the noise",
+    }
+}
+
+/// Gathers readings and looks at them.
+pub struct Watcher<'a> {
+    parameters: Parameters<f64>,
+    rate_hz: f64,
+    every: usize,
+    releases: Vec<Vec<f64>>,
+    held_rad: Option<f64>,
+    is_let_go: bool,
+    sum_rad: f64,
+    n_summed: usize,
+    n_swings: usize,
+    n_looks: usize,
+    looked_at: usize,
+    last: Option<Look>,
+    tell: &'a mut dyn FnMut(Event),
+}
+
+/// What somebody at the rig may see.
+pub enum Event<'a> {
+    /// A new stage begins.
+    Stage(Stage),
+    /// The bank has looked.
+    Looked(&'a Look),
+}
+
+impl<'a> Watcher<'a> {
+    /// For a rig with this model that samples so often.
+    pub fn new(parameters: Parameters<f64>, rate_hz: f64, tell: &'a mut dyn FnMut(Event)) -> Self {
+        let every = (rate_hz / RATE_HZ).round().max(1.0) as usize;
+        Self {
+            parameters,
+            rate_hz,
+            every,
+            releases: Vec::new(),
+            held_rad: None,
+            is_let_go: false,
+            sum_rad: 0.0,
+            n_summed: 0,
+            n_swings: 0,
+            n_looks: 0,
+            looked_at: 0,
+            last: None,
+            tell,
+        }
+    }
+
+    /// The last look; at the end of a swing, after which the next one has its own error to spend.
+    pub fn rests(&mut self) -> Look {
+        let look = self.look(0.5 * ERROR_A_SWING);
+        self.n_looks = 0;
+        (self.tell)(Event::Looked(&look));
+        self.last = Some(look.clone());
+        look
+    }
+
+    fn interval_s(&self) -> f64 {
+        self.every as f64 / self.rate_hz
+    }
+
+    fn look(&mut self, error: f64) -> Look {
+        let parts: Vec<&[f64]> = self.releases.iter().map(Vec::as_slice).collect();
+        self.looked_at = self.releases.last().map_or(0, Vec::len);
+        let findings = look(&self.parameters, &Releases::new(&parts, self.interval_s()), error);
+        said(&findings, self.n_swings)
+    }
+
+    fn begin(&mut self) {
+        self.releases.push(Vec::new());
+        let n_old = self.releases.len().saturating_sub(MAX_RELEASES);
+        self.releases.drain(..n_old);
+        (self.sum_rad, self.n_summed, self.looked_at) = (0.0, 0, 0);
+    }
+}
+
+impl Listener for Watcher<'_> {
+    fn stage(&mut self, stage: Stage) {
+        if stage == Stage::Swinging {
+            self.begin();
+            (self.held_rad, self.is_let_go) = (None, false);
+            self.n_swings += 1;
+        }
+        (self.tell)(Event::Stage(stage));
+    }
+
+    fn reading(&mut self, angle_rad: f64) {
+        let held_rad = *self.held_rad.get_or_insert(angle_rad);
+        self.is_let_go |= (angle_rad - held_rad).abs() > MOVED_RAD;
+        if !self.is_let_go {
+            return;
+        }
+        (self.sum_rad, self.n_summed) = (self.sum_rad + angle_rad, self.n_summed + 1);
+        if let (true, Some(release)) = (self.n_summed == self.every, self.releases.last_mut()) {
+            release.push(self.sum_rad / self.every as f64);
+            (self.sum_rad, self.n_summed) = (0.0, 0);
+        }
+    }
+
+    fn gap(&mut self) {
+        self.begin();
+    }
+
+    fn pause(&mut self) {
+        let n = self.releases.last().map_or(0, Vec::len);
+        if ((n - self.looked_at.min(n)) as f64) * self.interval_s() < LOOK_EVERY_S {
+            return;
+        }
+        self.n_looks += 1;
+        // 1/(1·2) + 1/(2·3) + … = 1, however many looks there are.
+        let share = 1.0 / (self.n_looks * (self.n_looks + 1)) as f64;
+        let look = self.look(0.5 * ERROR_A_SWING * share);
+        (self.tell)(Event::Looked(&look));
+        self.last = Some(look);
+    }
+}
+
+fn said(findings: &Findings<f64>, swings: usize) -> Look {
+    Look {
+        named: findings.named().take(1).map(|suspect| suspect.effect.name).collect(),
+        candidates: findings.suspects.iter().map(|suspect| candidate(suspect, findings.n_clusters)).collect(),
+        reason: findings.reason.map(in_words),
+        swings,
+        noise_rad: findings.noise_rad,
+        excess: findings.excess,
+        left: findings.left,
+    }
+}
+
+fn candidate(suspect: &Suspect<f64>, windows: usize) -> Candidate {
+    let parameters = suspect.effect.parameters.iter().enumerate();
+    let value = |(index, parameter): (usize, &shared::effect::Parameter)| {
+        let place = suspect.strengths.iter().position(|strength| usize::from(*strength) == index);
+        let std = place.map(|place| suspect.evidence.stds[place]);
+        Value { name: parameter.symbol, value: suspect.values[index], std, unit: parameter.unit }
+    };
+    Candidate {
+        name: suspect.effect.name,
+        values: parameters.map(value).collect(),
+        f: suspect.evidence.f,
+        p: suspect.p,
+        windows,
+        tied: suspect.is_tied,
+    }
+}
