@@ -4,12 +4,13 @@
 //! ([`score`]) tells in one linearised step what each could gain, the promising ones are fitted in earnest
 //! ([`crate::fit::refine`]), and [`mod@search`] goes on with pairs until nothing significant is left. `verdict` says what may be
 //! claimed, what can't be told apart ([`replacement`]), what is only a shifted zero of the sensor ([`zero`]), and what
-//! stays unexplained; for that, [`formulas`] searches small laws if somebody wishes.
+//! stays unexplained; nothing is claimed that does not hold on every part of the swings ([`holds`]). For what is left, [`formulas`] searches small laws if somebody wishes.
 
 mod doubt;
 pub mod evidence;
 mod extension;
 pub mod formulas;
+pub mod holds;
 mod models;
 pub mod physical;
 pub mod replacement;
@@ -21,6 +22,7 @@ mod verdict;
 pub mod zero;
 
 pub use evidence::Evidence;
+pub use holds::{FamilyClaim, Holding, Standing};
 pub use summary::{Candidate, Diagnosis, NotTried, SpecialCase, Step, Suggestion};
 pub use value::Value;
 
@@ -30,6 +32,7 @@ use crate::fit::problem::Problem;
 use crate::formula::effect_of;
 use crate::recording::Measured;
 use crate::swing::Swing;
+use crate::verdict::Left;
 use search::search;
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::parameters::{Parameters, base};
@@ -84,6 +87,14 @@ pub fn diagnose_counted(
     let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, resembling) } else { model };
     undecided.extend(alike);
     let claimed = judge.beyond_their_errors(claimed);
+    let (claimed, unproven, holds_on) = judge.holding(claimed);
+    if !unproven.is_empty() {
+        undecided = judge.undecided(&claimed, &others);
+    }
+    if problem.chi_square(claimed.cost).left() != Left::Noise {
+        let alike = judge.not_separated(&claimed, &others);
+        undecided.extend(alike.into_iter().filter(|name| !undecided.contains(name)).collect::<Vec<_>>());
+    }
     let special_cases = judge.special_cases(&claimed, &others, &mut undecided);
     let (claimed, vetoed) = judge.not_contradicted(claimed, held_out, count);
     let carries = judge.carries(&claimed, held_out, count);
@@ -93,6 +104,8 @@ pub fn diagnose_counted(
         undecided,
         not_tried,
         vetoed,
+        unproven,
+        holds_on,
         carries,
         special_cases,
         offset_is_missing,

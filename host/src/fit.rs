@@ -6,6 +6,7 @@
 
 pub mod by_least_squares;
 mod by_surfaces;
+pub mod clusters;
 pub mod covariance;
 pub mod descent;
 pub mod fitted;

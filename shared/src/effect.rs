@@ -136,6 +136,43 @@ pub struct Sensor<R> {
     pub read: fn(R, &Motion<R>, &mut [R; SENSOR_MEMORY], &[R; MAX_VALUES]) -> R,
 }
 
+/// Effects that are hard to tell apart, because they do much the same to a swing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Torque that opposes the motion, the more the faster.
+    Speed,
+    /// Dry friction, alike at most speeds.
+    Dry,
+    /// Friction that differs from angle to angle.
+    Angle,
+    /// Friction that changes as time goes by.
+    Time,
+    /// A torque that the angle alone decides.
+    Spring,
+    /// Bearing or support that gives way before it slides.
+    Give,
+    /// What the sensor makes of the angle.
+    Reading,
+    /// A torque that somebody typed.
+    Typed,
+}
+
+impl Family {
+    /// What its members have in common.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Speed => prose!("friction that grows with speed"),
+            Self::Dry => prose!("dry friction of another kind than Coulomb's"),
+            Self::Angle => prose!("friction that depends on the angle"),
+            Self::Time => prose!("friction that changes with time"),
+            Self::Spring => prose!("a torque that depends on the angle alone"),
+            Self::Give => prose!("a bearing or support that gives"),
+            Self::Reading => prose!("a reading that is not the angle itself"),
+            Self::Typed => prose!("a torque that was typed"),
+        }
+    }
+}
+
 /// A physical effect.
 #[derive(Clone, Copy)]
 pub struct Effect<R: 'static> {
@@ -156,6 +193,8 @@ pub struct Effect<R: 'static> {
     /// Points from which a fit begins, the first of them at every parameter's `start`. The strength is zero where the
     /// law is linear in it, what the law is not linear in is spread over its range: step the strength first, then all.
     pub starts: &'static [[f64; MAX_VALUES]],
+    /// Which others it is hard to tell from.
+    pub family: Family,
     /// The simpler effect of which this one is the wider form; the simpler one wins unless it is clearly worse.
     pub generalises: Option<&'static str>,
     /// Does its torque change within a few degrees? Then the fit takes shorter steps.

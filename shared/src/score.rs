@@ -97,11 +97,21 @@ pub fn score<'a, R: Real, const N: usize>(
     n_own: usize,
     n_added: usize,
 ) -> Option<Score<R, N>> {
+    let found = score_of_few(clusters, n_own, n_added)?;
+    (found.n_clusters >= found.n_tested + MIN_SPARE_CLUSTERS).then_some(found)
+}
+
+/// The same of as few clusters as can be, for what was found on more of them already.
+pub fn score_of_few<'a, R: Real, const N: usize>(
+    clusters: impl Iterator<Item = &'a Normal<R, N>> + Clone,
+    n_own: usize,
+    n_added: usize,
+) -> Option<Score<R, N>> {
     let n_clusters = clusters.clone().count();
     let mut all = Normal::default();
     clusters.clone().for_each(|cluster| all.add(cluster));
     let n_tested = (N - n_added..N).filter(|i| changes(&all.matrix, *i)).count();
-    if n_tested == 0 || n_clusters < n_tested + MIN_SPARE_CLUSTERS {
+    if n_tested == 0 || n_clusters <= n_tested {
         return None;
     }
     let inverse = inverted(&all.matrix, n_own, N)?;

@@ -2,7 +2,7 @@
 
 use super::number::with_spread;
 use super::table::wrapped;
-use crate::diagnose::{Candidate, Diagnosis, NotTried, Step, Suggestion, Value};
+use crate::diagnose::{Candidate, Diagnosis, Holding, NotTried, Standing, Step, Suggestion, Value};
 use crate::fit::identify::Carries;
 use crate::formula::effect_of;
 use crate::plot::staircase::Tread;
@@ -16,7 +16,14 @@ const HINT: &str = "With --formulas small formulas are searched for what remains
 pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
     let mut parts = vec![verdict(diagnosis)];
     parts.extend(diagnosis.verdict.iter().filter_map(|name| claimed(diagnosis, name)));
-    if !diagnosis.undecided.is_empty() {
+    if let Some(family) = &diagnosis.family {
+        let words = format!(
+            "It is {}; its shape is undecided between {}. A release from a larger angle may tell.",
+            family.words,
+            family.members.join(" and ")
+        );
+        parts.push(wrapped(&words, 0));
+    } else if !diagnosis.undecided.is_empty() {
         parts.push(format!(
             "These data can't tell {} from {}; a release from a larger angle may.",
             diagnosis.undecided.join(" or "),
@@ -30,6 +37,7 @@ pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
             case.effect, case.special, case.symbol, case.special
         )
     }));
+    parts.extend(diagnosis.unproven.iter().map(unproven));
     parts.extend(held_out(diagnosis));
     parts.extend(not_tried(diagnosis));
     if diagnosis.verdict.is_empty() && !diagnosis.unexplained {
@@ -59,6 +67,48 @@ fn held_out(diagnosis: &Diagnosis) -> Vec<String> {
     vetoed.chain(said.map(str::to_owned)).map(|words| wrapped(&words, 0)).collect()
 }
 
+/// A claim that was dropped.
+fn unproven(claim: &Holding) -> String {
+    let name = format!("{} (to {:.2} mrad)", claim.effect, 1e3 * claim.rmse);
+    let words = match claim.standing {
+        Standing::TooShort => format!(
+            "Not claimed: {name}. It lowers the error, but there are only {} to check it on; a longer recording, or more \
+             releases, can tell.",
+            counted(claim.windows, "window of a few periods", "windows of a few periods")
+        ),
+        _ => format!(
+            "Not claimed: {name}. It lowers the error, but not on every part of the swings: without a few periods it can't \
+             be told from chance{}.",
+            claim.p_without_two.map_or(String::new(), |p| format!(" (p = {})", probability(p)))
+        ),
+    };
+    wrapped(&words, 0)
+}
+
+fn counted(n: usize, one: &str, many: &str) -> String {
+    if n == 1 { format!("1 {one}") } else { format!("{n} {many}") }
+}
+
+fn probability(p: f64) -> String {
+    if p < 1e-3 { format!("{p:.0e}") } else { format!("{p:.2}") }
+}
+
+/// On which parts a claimed effect is seen.
+fn seen_on(claim: &Holding) -> String {
+    let named = |seen: Option<bool>| {
+        let names: Vec<&str> =
+            claim.parts.iter().filter(|part| part.seen == seen).map(|part| part.name.as_str()).collect();
+        (!names.is_empty()).then(|| names.join(", "))
+    };
+    let mut words = match named(Some(true)) {
+        Some(parts) => format!("seen {parts}"),
+        None => "on no part alone".to_owned(),
+    };
+    words += &named(None).map_or(String::new(), |parts| format!("; can't be told {parts}"));
+    words += &named(Some(false)).map_or(String::new(), |parts| format!("; not seen {parts}"));
+    words
+}
+
 fn not_tried(diagnosis: &Diagnosis) -> Option<String> {
     let words = |not: &NotTried| wrapped(&format!("Not tried: {} {}.", not.effect, not.reason), 0);
     let is_searched = !diagnosis.verdict.is_empty() || diagnosis.unexplained;
@@ -72,9 +122,13 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     let (before, after) = (noises(diagnosis.rmse_before), noises(diagnosis.rmse_after));
     match (diagnosis.verdict.as_slice(), diagnosis.unexplained) {
         ([], false) => format!("Nothing is missing at this noise level: the base model leaves {after}."),
-        ([], true) => format!(
+        ([], true) if diagnosis.unproven.is_empty() => format!(
             "The base model leaves {before}, but no effect of the list explains it.\n\
              Not explained by any candidate: look where it fails with `host compare`."
+        ),
+        ([], true) => format!(
+            "The base model leaves {before}, and no effect of the list holds on every part of the swings:\n\
+             none of these. Look where it fails with `host compare`."
         ),
         (names, false) => {
             format!("Missing: {}. With it the error falls from {before},\nto {after}.", names.join(" and "))
@@ -99,6 +153,8 @@ fn claimed(diagnosis: &Diagnosis, name: &str) -> Option<String> {
         lines.push(format!("  {}", wrapped(&evidence.words, 4)));
         lines.push(format!("  seen in:    {} (host compare --report)", evidence.picture));
     }
+    let claim = diagnosis.holds_on.iter().find(|claim| claim.effect == name);
+    lines.extend(claim.map(|claim| format!("  holds on:   {}", wrapped(&seen_on(claim), 14))));
     lines.push(format!("  shows best: {}", wrapped(effect.experiment, 14)));
     Some(lines.join("\n"))
 }

@@ -5,7 +5,7 @@
 //! error is not smooth in them. A recording alone is answered to first order at the common values.
 
 use super::follow::Followed;
-use crate::fit::covariance::covariance;
+use crate::fit::covariance::with_model_error;
 use crate::fit::descent::{Tolerance, descend};
 use crate::fit::identify::problem_of;
 use crate::fit::linear::{Linear, Steps, SwingLinear, dot, linearise};
@@ -137,8 +137,9 @@ pub fn knowledge(swings: &[Swing], rig: &Parameters<f64>, followed: &[Followed])
     let mut steps = Steps::new(&part);
     linearise(&part, &point, Window::Whole, &mut steps);
     let linear = linearise(&part, &point, Window::Whole, &mut steps);
-    let together = covariance(&linear);
-    let alone: Vec<Alone> = linear.swings.iter().map(|swing| alone(swing, &point.values)).collect();
+    let together = with_model_error(&part, &linear, &point.starts);
+    let of_swing = |swing_idx: usize| alone(&part, swing_idx, &linear.swings[swing_idx], &point);
+    let alone: Vec<Alone> = (0..swings.len()).map(of_swing).collect();
 
     let known = |(j, unknown): (usize, &Unknown)| {
         let column = free.iter().position(|k| *k == j);
@@ -187,7 +188,7 @@ struct Alone {
     estimates: Vec<Estimate>,
 }
 
-fn alone(swing: &SwingLinear, values: &[f64]) -> Alone {
+fn alone(together: &Problem, swing_idx: usize, swing: &SwingLinear, point: &Point) -> Alone {
     let n_columns = swing.columns.len();
     let normal = DMatrix::from_fn(n_columns, n_columns, |i, j| dot(&swing.columns[i], &swing.columns[j]));
     let gradient = DVector::from_fn(n_columns, |i, _| dot(&swing.columns[i], &swing.residuals));
@@ -202,9 +203,10 @@ fn alone(swing: &SwingLinear, values: &[f64]) -> Alone {
         normal,
         gradient,
     };
-    let covariance = covariance(&linear);
+    let place = swing_idx..swing_idx + 1;
+    let covariance = with_model_error(&together.on(&together.swings[place.clone()]), &linear, &point.starts[place]);
     let estimate = |j: usize| Estimate {
-        value: values[j] + step[j],
+        value: point.values[j] + step[j],
         std: covariance.as_ref().and_then(|covariance| covariance.std(j)),
     };
     Alone { estimates: (0..n_columns - PER_SWING).map(estimate).collect() }

@@ -18,7 +18,8 @@ const EXPONENT_KNOWN: f64 = 0.05;
 const EXPONENT_STDS: f64 = 2.0;
 
 impl Judge<'_, '_> {
-    /// Without effects whose numbers can't be told from zero, each of them: whatever they gain, nobody knows by what.
+    /// Without effects whose numbers can't be told from zero, each of them: whatever they gain, nobody knows by what. Of a wider
+    /// law that may be since its numbers make up for each other; its special case has fewer.
     pub(super) fn beyond_their_errors(&self, claimed: Fitted) -> Fitted {
         if claimed.effects.is_empty() {
             return claimed;
@@ -29,9 +30,22 @@ impl Judge<'_, '_> {
             own.all(Value::is_within_its_error)
         };
         match claimed.effects.iter().find(is_vague).copied() {
-            Some(effect) => self.beyond_their_errors(self.smaller(&claimed, effect.id)),
+            Some(effect) => {
+                let special = self.special_case_of(&claimed, effect);
+                self.beyond_their_errors(special.unwrap_or_else(|| self.smaller(&claimed, effect.id)))
+            }
             None => claimed,
         }
+    }
+
+    /// The claimed model with the special case in place of one of its laws, as the search fitted it.
+    fn special_case_of(&self, claimed: &Fitted, wider: &Effect<f64>) -> Option<Fitted> {
+        let special = wider.generalises?;
+        let level = self.found.levels.get(claimed.effects.len().checked_sub(1)?)?;
+        let is_it = |model: &&Fitted| {
+            model.has(special) && claimed.effects.iter().all(|other| other.id == wider.id || model.has(other.name))
+        };
+        level.iter().find(is_it).cloned()
     }
 
     /// Without effects that held-out swings contradict, the last one first; and their names.

@@ -2,6 +2,7 @@
 
 use super::evidence::{Evidence, evidence};
 use super::formulas::{Found as FoundFormula, formulas};
+use super::holds::{FamilyClaim, Holding, family};
 use super::models::excess;
 use super::value::{Value, values};
 use super::verdict::Judge;
@@ -90,10 +91,17 @@ pub struct Diagnosis {
     pub verdict: Vec<&'static str>,
     /// Effects that the data can't tell from one of the verdict.
     pub undecided: Vec<&'static str>,
+    /// The family they all belong to with the claimed effect: the law is of this kind, its shape undecided.
+    pub family: Option<FamilyClaim>,
     /// Effects that were not tried, and why.
     pub not_tried: Vec<NotTried>,
     /// Effects that explained the fitted swings, but with which the error on held-out ones rises.
     pub vetoed: Vec<&'static str>,
+    /// Effects that would lower the error, but are not claimed: single parts of the swings carry them, or there are too few
+    /// parts to say.
+    pub unproven: Vec<Holding>,
+    /// On which parts of the swings each claimed effect is seen.
+    pub holds_on: Vec<Holding>,
     /// What the held-out swings say to the verdict.
     pub carries: Option<Carries>,
     /// Laws with a free exponent that turned out to be a special one.
@@ -157,6 +165,8 @@ pub(super) struct Summary<'a, 'b, 'c> {
     pub(super) undecided: Vec<&'static str>,
     pub(super) not_tried: Vec<NotTried>,
     pub(super) vetoed: Vec<&'static str>,
+    pub(super) unproven: Vec<Holding>,
+    pub(super) holds_on: Vec<Holding>,
     pub(super) carries: Option<Carries>,
     pub(super) special_cases: Vec<SpecialCase>,
     pub(super) offset_is_missing: bool,
@@ -201,9 +211,12 @@ impl Summary<'_, '_, '_> {
         Diagnosis {
             version: 1,
             measured,
+            family: family(&self.claimed, &self.undecided),
             undecided: self.undecided,
             not_tried: self.not_tried,
             vetoed: self.vetoed,
+            unproven: self.unproven,
+            holds_on: self.holds_on,
             carries: self.carries,
             special_cases: self.special_cases,
             rmse_before,

@@ -90,7 +90,7 @@ impl Judge<'_, '_> {
         self.problem.chi_square(model.cost).left() == Left::Missing
     }
 
-    fn preferred<'t>(&self, level: &'t [Fitted]) -> &'t Fitted {
+    pub(super) fn preferred<'t>(&self, level: &'t [Fitted]) -> &'t Fitted {
         let best = level.iter().min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b))).unwrap_or(&level[0]);
         if self.is_unexplained(best) {
             return self.simplest(level, best);

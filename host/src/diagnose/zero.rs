@@ -7,7 +7,7 @@
 
 use super::physical::is_sound;
 use super::score::predictions;
-use crate::fit::covariance::covariance;
+use crate::fit::covariance::with_model_error;
 use crate::fit::descent::{Tolerance, descend};
 use crate::fit::fitted::Fitted;
 use crate::fit::linear::Steps;
@@ -123,7 +123,8 @@ fn is_off(problem: &Problem, model: &Fitted) -> bool {
 fn std_of_mean(problem: &Problem, model: &Fitted) -> f64 {
     let n_swings = problem.swings.len();
     let column = |swing_idx: usize| model.unknowns.len() + PER_SWING * swing_idx + PER_SWING - 1;
-    let Some(covariance) = covariance(&model.linearised(problem)) else { return 0.0 };
+    let linear = model.linearised(problem);
+    let Some(covariance) = with_model_error(problem, &linear, &model.starts) else { return 0.0 };
     let sum: f64 = (0..n_swings)
         .flat_map(|i| (0..n_swings).map(move |j| (i, j)))
         .map(|(i, j)| covariance.matrix[(column(i), column(j))])

@@ -2,11 +2,13 @@
 //!
 //! For white residuals the covariance is s²·(JᵀJ)⁻¹. Real residuals are correlated from sample to sample, so the
 //! covariance S of the scores stands in the middle: (JᵀJ)⁻¹·S·(JᵀJ)⁻¹, with S from sums over blocks that are longer than
-//! the residuals' memory. Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980)
+//! the residuals' memory. A model that lacks physics errs coherently over the whole decay: there no number is taken to
+//! be surer than its scatter over the [`super::clusters`], and than what these would move it by. Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980)
 //! 817, for the sandwich.
 
+use super::clusters::{clusters, spread};
 use super::linear::{Linear, SwingLinear};
-use super::problem::PER_SWING;
+use super::problem::{PER_SWING, Problem, Start};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -77,9 +79,30 @@ pub fn covariance(linear: &Linear) -> Option<Covariance> {
     Some(Covariance { matrix, coloured: memory > 0 })
 }
 
+/// The covariance at a linearisation of swings that began thus, with the error of the model in it where it shows.
+pub fn with_model_error(on: &Problem, linear: &Linear, starts: &[Start]) -> Option<Covariance> {
+    let covariance = covariance(linear)?;
+    if !covariance.coloured {
+        return Some(covariance);
+    }
+    let offsets_rad: Vec<f64> = starts.iter().map(|start| start.offset_rad).collect();
+    let Some(spread) = spread(&clusters(on, linear, &offsets_rad, |_| true)) else { return Some(covariance) };
+    let n_unknowns = linear.gradient.len() - PER_SWING * linear.swings.len();
+    let place = |j: usize| if j < n_unknowns { j } else { n_unknowns + PER_SWING * (j - n_unknowns) + PER_SWING - 1 };
+    let mut least = DMatrix::zeros(linear.gradient.len(), linear.gradient.len());
+    for (j, std) in spread.stds.iter().enumerate() {
+        let variance = std.map_or(0.0, |std| std.powi(2) + spread.step[j].powi(2));
+        least[(place(j), place(j))] = variance;
+    }
+    Some(Covariance { matrix: larger_diagonal(covariance.matrix, &least), ..covariance })
+}
+
 /// Scales rows and columns so that no variance is below that of `least`.
 fn larger_diagonal(matrix: DMatrix<f64>, least: &DMatrix<f64>) -> DMatrix<f64> {
-    let factor = |i: usize| (least[(i, i)] / matrix[(i, i)].max(1e-300)).max(1.0).sqrt();
+    let factor = |i: usize| match matrix[(i, i)].is_finite() {
+        true => (least[(i, i)] / matrix[(i, i)].max(1e-300)).max(1.0).sqrt(),
+        false => 1.0,
+    };
     DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] * factor(i) * factor(j))
 }
 

@@ -67,6 +67,13 @@ impl Factor {
         step
     }
 
+    /// The inverse; zero in rows and columns that have no effect of their own.
+    pub fn inverse(&self) -> DMatrix<f64> {
+        let unit = |j: usize| DVector::from_fn(self.size, |i, _| f64::from(u8::from(i == j)));
+        let columns: Vec<DVector<f64>> = (0..self.size).map(|j| self.solve(&unit(j))).collect();
+        DMatrix::from_columns(&columns)
+    }
+
     /// Columns that have an effect of their own.
     pub fn rank(&self) -> usize {
         self.pivots.len()

@@ -5,7 +5,7 @@
 //! rest it has an upper bound only, and so has a DV that no swing shows: the value at which the error, profiled over
 //! the other numbers to first order, rises by `PROFILE_95`.
 
-use super::covariance::{Covariance, covariance};
+use super::covariance::{Covariance, with_model_error};
 use super::fitted::{Fitted, Stiction};
 use super::linear::{Linear, Steps, linearise};
 use super::problem::{PER_SWING, Problem, Quantity, Unknown};
@@ -103,7 +103,7 @@ fn of_smooth_numbers(on: &Problem, model: &Fitted) -> (Uncertainty, Smooth) {
     let known: Vec<usize> = (0..unknowns.len()).filter(|j| takes_part(&unknowns[*j])).collect();
     let part = Fitted { unknowns: known.iter().map(|j| unknowns[*j].clone()).collect(), steps: None, ..model.clone() };
     let linear = part.linearised(on);
-    let covariance = covariance(&linear);
+    let covariance = with_model_error(on, &linear, &model.starts);
     let column = |j: usize| known.iter().position(|k| *k == j);
     let correlation = |i: usize, j: usize| covariance.as_ref()?.correlation(column(i)?, column(j)?);
     let number = |(j, unknown): (usize, &Unknown)| {

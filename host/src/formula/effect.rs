@@ -5,7 +5,7 @@ use super::compile::compile;
 use super::domain::{has_values, instants};
 use super::parse::{Parsed, parse};
 use super::ranges::Declared;
-use shared::effect::{Action, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, MAX_VALUES, Parameter, Rules};
+use shared::effect::{Action, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, Family, MAX_VALUES, Parameter, Rules};
 use shared::formula::{Formula, Program};
 use shared::parameters::{ParameterError, Parameters};
 use std::collections::HashMap;
@@ -97,6 +97,7 @@ fn effect(parsed: &Parsed, Understood { formula, starts }: Understood) -> Effect
         source: "typed by the user",
         experiment: "Releases from several angles, small and large.",
         parameters: Vec::leak(parsed.parameters.iter().enumerate().map(parameter).collect()),
+        family: Family::Typed,
         generalises: None,
         is_fine: true,
         rules: Rules::NONE,

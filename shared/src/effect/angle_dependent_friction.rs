@@ -3,7 +3,7 @@
 //!
 //! It adds to Coulomb friction, which must be the larger for friction to oppose the motion at every angle.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -43,6 +43,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             [0.0, 0.0, 7.0, 0.0],
             [0.0, 0.0, 10.0, 0.0],
         ],
+        family: Family::Angle,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

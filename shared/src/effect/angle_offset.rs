@@ -1,7 +1,7 @@
 //! Angle offset: the sensor's zero is not where the pendulum hangs.
 //! Source: JCGM 100:2008 (Guide to the expression of uncertainty in measurement), 3.2: systematic effects.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -23,6 +23,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             meaning: prose!("reading of the hanging pendulum"),
         }],
         starts: &[[0.0, 0.0, 0.0, 0.0]],
+        family: Family::Reading,
         generalises: None,
         is_fine: false,
         rules: Rules { is_free_offset: true, ..Rules::NONE },

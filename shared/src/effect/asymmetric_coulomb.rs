@@ -4,7 +4,7 @@
 //! It adds to Coulomb friction, which must be the larger for friction to oppose both directions. While it slides it is a
 //! constant torque: from small swings it can hardly be told from a wrong zero of the sensor.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -26,6 +26,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             meaning: prose!("half the difference between the directions"),
         }],
         starts: &[[0.0, 0.0, 0.0, 0.0]],
+        family: Family::Dry,
         generalises: None,
         is_fine: false,
         rules: Rules { resembles_offset: true, ..Rules::NONE },

@@ -3,7 +3,7 @@
 //!
 //! Where in the play the sensor stood at the release is a number of its own, because the hand left it there.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -35,6 +35,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             },
         ],
         starts: &[[0.0, 0.0, 0.0, 0.0], [4e-3, 0.0, 0.0, 0.0], [4e-3, 0.7, 0.0, 0.0], [4e-3, -0.7, 0.0, 0.0]],
+        family: Family::Give,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

@@ -1,7 +1,7 @@
 //! Coulomb friction: constant torque against the direction of sliding.
 //! Source: paper, Eq 14.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::real::Real;
 
 /// The effect's entry in the list.
@@ -22,6 +22,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             meaning: prose!("torque while sliding"),
         }],
         starts: &[[0.0; MAX_VALUES]],
+        family: Family::Dry,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

@@ -5,7 +5,7 @@
 //! step. The number of periods a turn is a real number, because the notches need not be evenly spaced over a turn.
 //! With few periods it looks like a spring.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -47,6 +47,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             [0.0, 0.0, 20.0, 0.0],
             [0.0, 0.0, 30.0, 0.0],
         ],
+        family: Family::Spring,
         generalises: None,
         is_fine: true,
         rules: Rules::NONE,

@@ -5,7 +5,7 @@
 //! It adds to Coulomb and viscous friction; negative values are friction that grows, and must be smaller than those.
 //! Time counts from the release. A drift slower than the swing is a straight line: then only strength/tau is known.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -45,6 +45,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             },
         ],
         starts: &[[0.0, 0.0, 10.0, 0.0], [0.0, 0.0, 3.0, 0.0], [0.0, 0.0, 35.0, 0.0], [0.0, 0.0, 120.0, 0.0]],
+        family: Family::Time,
         generalises: None,
         is_fine: false,
         rules: Rules { needs_several_releases: true, ..Rules::NONE },

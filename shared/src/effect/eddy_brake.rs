@@ -1,7 +1,7 @@
 //! Eddy-current brake: a magnet beside the path brakes a passing conductor in proportion to its speed.
 //! Source: H. D. Wiederick, N. Gauthier, D. A. Campbell, P. Rochon, Am. J. Phys. 55 (1987) 500.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -48,6 +48,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             [0.0, -0.7, 0.2, 0.0],
             [0.0, 0.0, 0.6, 0.0],
         ],
+        family: Family::Angle,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

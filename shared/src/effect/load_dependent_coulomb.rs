@@ -1,7 +1,7 @@
 //! Load-dependent Coulomb friction: the bearing rubs in proportion to the force of the rod on it.
 //! Source: F. P. Bowden, D. Tabor, The Friction and Lubrication of Solids (Oxford, 1950).
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -23,6 +23,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             meaning: prose!("friction torque per newton of load: coefficient times bearing radius"),
         }],
         starts: &[[0.0, 0.0, 0.0, 0.0]],
+        family: Family::Angle,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

@@ -7,7 +7,7 @@
 //! d⁴(sin θ)/dt⁴ = sin θ·(ω₀⁴·(1 − 4·sin²θ) + 11·ω₀²·ω²·cos θ + ω⁴).
 //! The support is taken as stiff and light: its own resonance lies far above the swing.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -29,6 +29,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             meaning: prose!("how far the support gives way per newton"),
         }],
         starts: &[[0.0, 0.0, 0.0, 0.0]],
+        family: Family::Give,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

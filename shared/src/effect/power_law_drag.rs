@@ -1,7 +1,7 @@
 //! Power-law drag: resistance that grows with a power of speed between and beyond linear and quadratic.
 //! Source: R. A. Nelson, M. G. Olsson, Am. J. Phys. 54 (1986) 112: the drag of bob and rod lies between the two.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -33,6 +33,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             },
         ],
         starts: &[[0.0, 2.5, 0.0, 0.0], [0.0, 1.5, 0.0, 0.0], [0.0, 3.2, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0]],
+        family: Family::Speed,
         generalises: Some("quadratic-drag"),
         is_fine: false,
         rules: Rules { special_case_at: Some((1, 2.0)), ..Rules::NONE },

@@ -5,7 +5,7 @@
 //! z = s·zc + (z₀ − s·zc)·exp(−|θ − θ₀|/zc). That exact form is used at every Runge–Kutta stage, so that a bristle of
 //! any stiffness stays bounded by Fd, and as the update after the step.
 
-use super::{Action, Effect, MAX_VALUES, MEMORY, Memory, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, MEMORY, Memory, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -37,6 +37,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             },
         ],
         starts: &[[0.0, 5e-3, 0.0, 0.0], [0.0, 5e-4, 0.0, 0.0], [0.0, 3e-2, 0.0, 0.0]],
+        family: Family::Give,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

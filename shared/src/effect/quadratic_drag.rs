@@ -1,7 +1,7 @@
 //! Quadratic drag: the air's resistance on rod and bob; torque grows with the square of speed.
 //! Source: P. T. Squire, Am. J. Phys. 54 (1986) 984.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -23,6 +23,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             meaning: prose!("drag torque at 1 rad/s"),
         }],
         starts: &[[0.0; MAX_VALUES]],
+        family: Family::Speed,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

@@ -1,7 +1,7 @@
 //! Sensor gain: the potentiometer's electrical travel differs from the data sheet's 340°.
 //! Source: Vishay Spectrol 157 data sheet, electrical angle 340° ± 4°.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -23,6 +23,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             meaning: prose!("relative error of the gain"),
         }],
         starts: &[[0.0; MAX_VALUES]],
+        family: Family::Reading,
         generalises: None,
         is_fine: false,
         rules: Rules { is_calibrated: true, ..Rules::NONE },

@@ -7,7 +7,7 @@
 //! A recording may begin when the pendulum moves already. A release from rest with an even acceleration a is then
 //! taken to lie behind it: u − y = τ·ω − a·τ²·(1 − exp(−ω/(a·τ))).
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -29,6 +29,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             meaning: prose!("time by which the reading is late"),
         }],
         starts: &[[0.0, 0.0, 0.0, 0.0], [5e-3, 0.0, 0.0, 0.0], [2e-2, 0.0, 0.0, 0.0]],
+        family: Family::Reading,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

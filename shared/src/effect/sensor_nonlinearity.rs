@@ -3,7 +3,7 @@
 //!
 //! The gain belongs to it: a bent characteristic that is right at both ends has another slope in the middle.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -43,6 +43,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             },
         ],
         starts: &[[0.0, 0.0, 0.0, 0.0]],
+        family: Family::Reading,
         generalises: Some("sensor-gain"),
         is_fine: false,
         rules: Rules::NONE,

@@ -2,7 +2,7 @@
 //! Source: D. Karnopp, J. Dyn. Sys. Meas. Control 107 (1985) 100; paper, Eq 14. The rule itself is in
 //! [`crate::karnopp`].
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::real::Real;
 
 /// The effect's entry in the list.
@@ -33,6 +33,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             },
         ],
         starts: &[[0.0; MAX_VALUES]],
+        family: Family::Dry,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

@@ -1,7 +1,7 @@
 //! Stribeck effect: lubricated contacts rub more at very low speed, before the film carries.
 //! Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -33,6 +33,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             },
         ],
         starts: &[[0.0, 0.5, 0.0, 0.0], [0.0, 0.12, 0.0, 0.0], [0.0, 1.5, 0.0, 0.0], [0.0, 4.0, 0.0, 0.0]],
+        family: Family::Dry,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

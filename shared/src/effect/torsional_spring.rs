@@ -3,7 +3,7 @@
 //!
 //! From small swings it can hardly be told from a wrong gain of the sensor: both change the period alone.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -28,6 +28,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             },
         ],
         starts: &[[0.0, 0.0, 0.0, 0.0], [0.0, 0.3, 0.0, 0.0], [0.0, -0.3, 0.0, 0.0]],
+        family: Family::Spring,
         generalises: None,
         is_fine: false,
         rules: Rules { relaxes_at: Some(1), ..Rules::NONE },

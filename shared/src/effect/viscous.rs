@@ -1,7 +1,7 @@
 //! Viscous friction: torque proportional to speed.
 //! Source: paper, Eq 14.
 
-use super::{Action, Effect, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
 use crate::real::Real;
 
 /// The effect's entry in the list.
@@ -22,6 +22,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             meaning: prose!("torque at 1 rad/s"),
         }],
         starts: &[[0.0; MAX_VALUES]],
+        family: Family::Speed,
         generalises: None,
         is_fine: false,
         rules: Rules::NONE,

@@ -1,0 +1,343 @@
+//! Does a claimed effect hold on every part of the swings?
+//!
+//! A law that is there acts in every window of the swings; what a hand, a slipping hub or a wrong law of another kind
+//! left behind is carried by a few. So each claim has to pass the windowed, cluster-robust test of [`shared::score`]: its
+//! strength is zero where it is absent, the other numbers of the model answer freely, and it must hold after any two
+//! neighbouring windows are left out too, and it must be larger than its own scatter over the windows. Its strength on single parts (early, late, left, right, each release) shows
+//! where it is seen.
+
+use super::verdict::Judge;
+use crate::fit::clusters::{Cluster, Sums, clusters, is_beyond_chance, spread_of, squares};
+use crate::fit::fitted::Fitted;
+use crate::fit::problem::{Problem, Quantity};
+use crate::fit::refine::on_all;
+use crate::recording::Measured;
+use serde::Serialize;
+use shared::effect::Effect;
+use shared::score::{MIN_SPARE_CLUSTERS, Normal, score, score_of_few};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+/// Chance that something is claimed that is not there, over all starts that were tested; and that one law holds without
+/// some of the windows by chance.
+const ALPHA: f64 = 0.01;
+
+/// Columns of the test at most: three added effects of four numbers beside the base and an offset for each of a few swings.
+const COLUMNS: usize = 32;
+
+/// A strength this many of its own standard errors from zero is seen, from another value is another.
+const SEEN_STDS: f64 = 2.0;
+const OTHER_STDS: f64 = 3.0;
+
+/// How far a claim goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Standing {
+    /// It holds, and without any two neighbouring windows too.
+    Holds,
+    /// It improves the fit, but single parts of the swings carry it.
+    Partly,
+    /// There are too few windows to say.
+    TooShort,
+}
+
+/// A claim on the parts of the swings.
+#[derive(Clone, Debug, Serialize)]
+pub struct Holding {
+    /// The effect.
+    pub effect: &'static str,
+    /// What became of the claim.
+    pub standing: Standing,
+    /// How many windows of a few periods, or releases, the test stands on.
+    pub windows: usize,
+    /// Root mean square error of the model that has it, rad.
+    pub rmse: f64,
+    /// Chance that an absent effect looks like this.
+    pub p: Option<f64>,
+    /// The same without the two neighbouring windows that speak most for it.
+    pub p_without_two: Option<f64>,
+    /// Its clearest strength over all windows, in its own unit, the other numbers of its law as they are.
+    pub value: Option<f64>,
+    /// Its standard deviation, from how it scatters over the windows; absent where one of them alone tells it.
+    pub std: Option<f64>,
+    /// The same on single parts.
+    pub parts: Vec<Part>,
+}
+
+/// The strength of an effect on a part of the swings.
+#[derive(Clone, Debug, Serialize)]
+pub struct Part {
+    /// `early`, `late`; `left`, `right` of the middle, of rates `backward`, `forward`; or the release's name.
+    pub name: String,
+    /// Its clearest strength there, in its own unit.
+    pub value: f64,
+    /// Standard deviation, if the part gives one.
+    pub std: Option<f64>,
+    /// Is it seen there? Absent where the part can't tell.
+    pub seen: Option<bool>,
+}
+
+/// A strength with its standard deviation, from which its interval is made, and the jackknife's standard error.
+struct Strength {
+    value: f64,
+    std: Option<f64>,
+    error: Option<f64>,
+}
+
+/// The columns of one effect's test.
+struct Test {
+    /// Places of the other columns, then those of the strengths.
+    columns: Vec<usize>,
+    /// The fitted strengths.
+    strengths: Vec<f64>,
+}
+
+/// All claims of a fitted model, tested; `n_starts` were tried to find it.
+pub fn holdings(on: &Problem, model: &Fitted, n_starts: usize) -> Vec<Holding> {
+    let linear = model.linearised(on);
+    let offsets_rad: Vec<f64> = model.starts.iter().map(|start| start.offset_rad).collect();
+    let level = ALPHA / n_starts.max(1) as f64;
+    let of_effect = |effect: &&'static Effect<f64>| {
+        let strong = strengths(effect);
+        let matters = |j: usize| index_in(model, effect, j).is_some_and(|index| strong.contains(&index));
+        holding(on, model, effect, &clusters(on, &linear, &offsets_rad, matters), level)
+    };
+    model.effects.iter().map(of_effect).collect()
+}
+
+fn holding(on: &Problem, model: &Fitted, effect: &'static Effect<f64>, clusters: &[Cluster], level: f64) -> Holding {
+    let test = Test::of(model, effect, clusters);
+    let sums: Vec<Sums> = clusters.iter().map(Cluster::sums).collect();
+    let normals: Vec<Normal<f64, COLUMNS>> = sums.iter().map(|sums| test.normal(sums)).collect();
+    let (n_tested, n_windows) = (test.strengths.len(), clusters.len());
+    let p = score(normals.iter(), 0, n_tested).map(|found| probability(found.f, found.n_tested, found.n_clusters));
+    let without = |k: usize| {
+        let rest = normals.iter().enumerate().filter(move |(i, _)| *i != k && *i != k + 1).map(|(_, normal)| normal);
+        score_of_few(rest, 0, n_tested).map_or(1.0, |found| probability(found.f, found.n_tested, found.n_clusters))
+    };
+    let p_without_two = p.map(|_| (0..n_windows - 1).map(without).fold(0.0, f64::max));
+    let standing = match p.zip(p_without_two) {
+        None if n_windows < n_tested + MIN_SPARE_CLUSTERS => Standing::TooShort,
+        Some((p, without_two)) if p < level && without_two < ALPHA => Standing::Holds,
+        _ => Standing::Partly,
+    };
+    let Some((k, whole)) = test.clearest(&sums) else { return Holding::unknown(on, model, effect, n_windows) };
+    let standing = match standing {
+        Standing::Holds if whole.error.is_some_and(|error| whole.value.abs() < error) => Standing::Partly,
+        standing => standing,
+    };
+    let parts = parts(on, &test, k, whole.value, clusters);
+    let rmse = on.rmse_rad(model.cost);
+    let (value, std) = (Some(whole.value), whole.std);
+    Holding { effect: effect.name, standing, windows: n_windows, rmse, p, p_without_two, value, std, parts }
+}
+
+impl Holding {
+    /// Of a single window nothing can be said.
+    fn unknown(on: &Problem, model: &Fitted, effect: &Effect<f64>, windows: usize) -> Self {
+        let (standing, rmse) = (Standing::TooShort, on.rmse_rad(model.cost));
+        let (p, p_without_two, value, std) = (None, None, None, None);
+        Self { effect: effect.name, standing, windows, rmse, p, p_without_two, value, std, parts: Vec::new() }
+    }
+}
+
+/// Chance that F(q, K − q) is larger.
+fn probability(f: f64, n_tested: usize, n_clusters: usize) -> f64 {
+    FisherSnedecor::new(n_tested as f64, (n_clusters - n_tested) as f64).map_or(1.0, |distribution| distribution.sf(f))
+}
+
+impl Test {
+    fn of(model: &Fitted, effect: &Effect<f64>, clusters: &[Cluster]) -> Self {
+        let size = clusters.first().map_or(0, |cluster| cluster.sides[0].gradient.len());
+        let of_effect = |j: &usize| index_in(model, effect, *j);
+        let strong = strengths(effect);
+        let mut columns: Vec<usize> = (0..size).filter(|j| of_effect(j).is_none()).collect();
+        let own = (0..size).filter(|j| of_effect(j).is_some_and(|index| strong.contains(&index)));
+        columns.extend(own.clone());
+        // A model with more numbers than the test has room for is tested with the last of them free.
+        columns.drain(..columns.len().saturating_sub(COLUMNS));
+        Self { columns, strengths: own.map(|j| model.unknowns[j].get(&model.parameters)).collect() }
+    }
+
+    /// The normal equations of a cluster where the effect is absent, the strengths last.
+    fn normal(&self, sums: &Sums) -> Normal<f64, COLUMNS> {
+        let mut normal = Normal::default();
+        let first = COLUMNS - self.columns.len();
+        for (i, row) in self.columns.iter().enumerate() {
+            normal.gradient[first + i] = sums.gradient[*row];
+            for (j, column) in self.columns.iter().enumerate() {
+                normal.matrix[first + i][first + j] = sums.matrix[(*row, *column)];
+            }
+        }
+        for (k, strength) in self.strengths.iter().enumerate() {
+            let column = COLUMNS - self.strengths.len() + k;
+            (0..COLUMNS).for_each(|i| normal.gradient[i] += normal.matrix[i][column] * strength);
+        }
+        normal
+    }
+
+    /// The strength that is clearest, and its value and standard deviation.
+    fn clearest(&self, sums: &[Sums]) -> Option<(usize, Strength)> {
+        let size = |found: &Strength| found.std.map_or(0.0, |std| found.value.abs() / std);
+        let all = (0..self.strengths.len()).filter_map(|k| Some((k, self.strength(k, sums)?)));
+        all.max_by(|a, b| size(&a.1).total_cmp(&size(&b.1)))
+    }
+
+    /// A strength as some samples have it, and its standard deviation.
+    fn strength(&self, k: usize, sums: &[Sums]) -> Option<Strength> {
+        let chosen = |sums: &Sums| Sums {
+            matrix: sums.matrix.select_rows(&self.columns).select_columns(&self.columns),
+            gradient: sums.gradient.select_rows(&self.columns),
+            square: sums.square,
+        };
+        let spread = spread_of(&sums.iter().map(chosen).collect::<Vec<_>>())?;
+        let at = self.columns.len() - self.strengths.len() + k;
+        let value = self.strengths.get(k)? + spread.step[at];
+        Some(Strength { value, std: spread.stds[at], error: spread.errors[at] })
+    }
+}
+
+/// Which of an effect's numbers stands in a column, if one does.
+fn index_in(model: &Fitted, effect: &Effect<f64>, column: usize) -> Option<usize> {
+    match model.unknowns.get(column)?.quantity {
+        Quantity::Effect { id, index } if id == effect.id => Some(index),
+        _ => None,
+    }
+}
+
+/// Which numbers of an effect are zero where it is absent: those that are zero at every start of a fit, or the first.
+fn strengths(effect: &Effect<f64>) -> Vec<usize> {
+    let is_strength = |index: &usize| effect.starts.iter().all(|start| start[*index] == 0.0);
+    let found: Vec<usize> = (0..effect.parameters.len()).filter(is_strength).collect();
+    if found.is_empty() { vec![0] } else { found }
+}
+
+/// Where one of its strengths is seen, which is `whole` altogether.
+fn parts(on: &Problem, test: &Test, k: usize, whole: f64, clusters: &[Cluster]) -> Vec<Part> {
+    let all: Vec<Sums> = clusters.iter().map(Cluster::sums).collect();
+    let side = |side: usize| clusters.iter().map(|cluster| cluster.sides[side].clone()).collect::<Vec<Sums>>();
+    let (early, late) = all.split_at(all.len() / 2);
+    let mut parts: Vec<(String, Vec<Sums>)> = Vec::new();
+    if on.swings.len() == 1 {
+        parts.push(("early".to_owned(), early.to_vec()));
+        parts.push(("late".to_owned(), late.to_vec()));
+    }
+    let is_angle = on.swings.iter().all(|swing| swing.measured == Measured::Angle);
+    let [below, above] = if is_angle { ["left", "right"] } else { ["backward", "forward"] };
+    parts.push((below.to_owned(), side(0)));
+    parts.push((above.to_owned(), side(1)));
+    for (swing_idx, swing) in on.swings.iter().enumerate().filter(|_| on.swings.len() > 1) {
+        let own = clusters.iter().filter(|cluster| cluster.swing_idx == swing_idx).map(Cluster::sums).collect();
+        parts.push((swing.name.clone(), own));
+    }
+    let part = |(name, sums): (String, Vec<Sums>)| {
+        let Strength { value, std, .. } = test.strength(k, &sums)?;
+        Some(Part { name, value, std, seen: seen(whole, value, std) })
+    };
+    parts.into_iter().filter_map(part).collect()
+}
+
+fn seen(whole: f64, value: f64, std: Option<f64>) -> Option<bool> {
+    let std = std?;
+    let (along, apart) = (value * whole.signum(), (value - whole).abs());
+    if along > SEEN_STDS * std { Some(true) } else { (along < 0.0 && apart > OTHER_STDS * std).then_some(false) }
+}
+
+/// A kind of law that holds, while its members can't be told apart.
+#[derive(Clone, Debug, Serialize)]
+pub struct FamilyClaim {
+    /// What its members have in common.
+    pub words: &'static str,
+    /// The claimed effect first.
+    pub members: Vec<&'static str>,
+}
+
+/// The family of a claimed effect, where the undecided ones all belong to it.
+pub(super) fn family(claimed: &Fitted, undecided: &[&'static str]) -> Option<FamilyClaim> {
+    let rivals: Vec<&Effect<f64>> = undecided.iter().filter_map(|name| Effect::by_name(name)).collect();
+    let family = rivals.first()?.family;
+    let member = claimed.effects.iter().find(|effect| effect.family == family)?;
+    let all = rivals.iter().all(|rival| rival.family == family);
+    let members = std::iter::once(member.name).chain(undecided.iter().copied()).collect();
+    all.then(|| FamilyClaim { words: family.words(), members })
+}
+
+/// What a model leaves in the clusters of another one, its starts free in every window.
+fn left_in(on: &Problem, model: &Fitted, clusters: &[Cluster]) -> Vec<f64> {
+    let bare = Fitted { unknowns: Vec::new(), steps: None, ..model.clone() };
+    squares(&bare.linearised(on), clusters)
+}
+
+/// A rival removes at least this share of what the claimed effect removes.
+const RIVAL_SHARE: f64 = 0.5;
+
+impl Judge<'_, '_> {
+    /// Effects that could stand for a claimed one as far as the clusters tell: where more than noise is left, sums of squares
+    /// over coherent residuals are no measure of how much better one law is than another.
+    pub(super) fn not_separated(&self, claimed: &Fitted, others: &[Fitted]) -> Vec<&'static str> {
+        let Some(level) = claimed.effects.len().checked_sub(1) else { return Vec::new() };
+        let removed = self.found.base.cost - claimed.cost;
+        let is_rival = |model: &&Fitted| {
+            model.effects.len() == claimed.effects.len()
+                && self.found.base.cost - model.cost > RIVAL_SHARE * removed
+                && model.names().iter().filter(|name| !claimed.has(name)).count() == 1
+        };
+        let rivals: Vec<&Fitted> =
+            self.found.levels.get(level).into_iter().flatten().chain(others).filter(is_rival).collect();
+        if rivals.is_empty() {
+            return Vec::new();
+        }
+        let linear = claimed.linearised(self.problem);
+        let offsets_rad: Vec<f64> = claimed.starts.iter().map(|start| start.offset_rad).collect();
+        let clusters = clusters(self.problem, &linear, &offsets_rad, |_| true);
+        let own = left_in(self.problem, claimed, &clusters);
+        let is_separate = |rival: &Fitted| {
+            let left = left_in(self.problem, rival, &clusters);
+            let more: Vec<f64> = left.iter().zip(&own).map(|(rival, own)| rival - own).collect();
+            more.iter().sum::<f64>() > 0.0 && is_beyond_chance(&more)
+        };
+        let mut names: Vec<&'static str> = Vec::new();
+        for rival in rivals.into_iter().filter(|rival| !is_separate(rival)) {
+            names.extend(
+                rival
+                    .names()
+                    .into_iter()
+                    .filter(|name| !claimed.has(name) && !names.contains(name))
+                    .collect::<Vec<_>>(),
+            );
+        }
+        names
+    }
+
+    /// The claimed model without effects that do not hold on every part, the least sure first; the claims that were dropped,
+    /// and those that stand.
+    pub(super) fn holding(&self, claimed: Fitted) -> (Fitted, Vec<Holding>, Vec<Holding>) {
+        let n_starts = self.candidates.iter().map(|effect| effect.starts.len()).sum();
+        let (mut claimed, mut dropped) = (claimed, Vec::<Holding>::new());
+        loop {
+            let found = holdings(self.problem, &claimed, n_starts);
+            let doubtful = found.iter().filter(|holding| holding.standing != Standing::Holds);
+            let p = |holding: &Holding| holding.p.unwrap_or(1.0);
+            let Some(worst) = doubtful.max_by(|a, b| p(a).total_cmp(&p(b))) else {
+                dropped.retain(|holding| !claimed.has(holding.effect));
+                return (claimed, dropped, found);
+            };
+            dropped.retain(|holding| holding.effect != worst.effect);
+            dropped.push(worst.clone());
+            claimed = self.without_doubtful(&claimed, worst.effect);
+        }
+    }
+
+    /// The better model with one effect less: the rest of the claimed one, or what the search preferred.
+    fn without_doubtful(&self, claimed: &Fitted, name: &str) -> Fitted {
+        let Some(doubtful) = claimed.effects.iter().find(|effect| effect.name == name) else { return claimed.clone() };
+        let n_left = claimed.effects.len() - 1;
+        if n_left == 0 {
+            return self.found.base.clone();
+        }
+        let rest = on_all(self.problem, &self.without(claimed, doubtful.id));
+        match self.found.levels.get(n_left - 1) {
+            Some(level) => rest.better(self.preferred(level).clone()),
+            None => rest,
+        }
+    }
+}

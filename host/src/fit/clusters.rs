@@ -1,0 +1,408 @@
+//! Swings cut into clusters, each of which tells the numbers anew: how far these scatter is how well they are known.
+//!
+//! Residuals that are no noise are coherent over a whole decay, so that samples, or blocks of a period, are no independent
+//! witnesses. Every swing is cut into windows of a few periods; in each the model may begin anew, so that what a wrong
+//! one has gathered before is not held against it again. That needs no further simulation: to first order a new start adds
+//! a solution of the homogeneous variational equation, of which the derivatives to the swing's own start are two, so these
+//! are taken out of every column within each window. From six releases on, whole releases are the clusters.
+//! Neighbours are joined until about [`WANTED`] clusters tell about the same.
+//!
+//! The spread is a delete-one jackknife over the clusters: as independent values, by Student's t of K − 1 degrees of
+//! freedom, and as values that wander in the order of time, because a misfit that depends on the amplitude goes on from
+//! window to window; the larger one counts.
+//! Source: A. C. Cameron, D. L. Miller, J. Human Resources 50 (2015) 317, section VI; P. Young, Recursive Estimation and
+//! Time-Series Analysis (Springer 1984) for windows with starts of their own.
+
+use super::linear::{Linear, SwingLinear, dot};
+use super::problem::{PER_SWING, Problem};
+use super::solve::Factor;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+use std::ops::Range;
+
+/// So many clusters are wanted: a spread from 14 is known to 20 %, and more would be shorter than what they shall judge.
+const WANTED: usize = 14;
+
+/// Periods in a window: the longest that leave enough clusters, none of which tells a number alone. How the loss depends on
+/// the amplitude shows in a window the better the longer it is, but what a wrong model gathers grows too.
+const PERIODS: [usize; 5] = [8, 5, 3, 2, 1];
+
+/// With so many clusters a spread is known to a quarter.
+const ENOUGH: usize = 10;
+
+/// From so many releases on, each is a cluster.
+const RELEASES: usize = 6;
+
+/// Where one cluster alone tells a number to this share, nothing repeats it.
+const ALONE: f64 = 0.75;
+
+/// Squared length that is left of a column of length one when others explain it: rounding.
+const DEPENDENT: f64 = 1e-10;
+
+/// The normal equations of samples, over the numbers that all clusters share.
+#[derive(Clone, Debug)]
+pub struct Sums {
+    /// ZᵀZ.
+    pub matrix: DMatrix<f64>,
+    /// Zᵀr.
+    pub gradient: DVector<f64>,
+    /// rᵀr, rad².
+    pub square: f64,
+}
+
+impl Sums {
+    fn zeros(size: usize) -> Self {
+        Self { matrix: DMatrix::zeros(size, size), gradient: DVector::zeros(size), square: 0.0 }
+    }
+
+    /// Both together.
+    pub fn add(&mut self, other: &Self) {
+        self.matrix += &other.matrix;
+        self.gradient += &other.gradient;
+        self.square += other.square;
+    }
+
+    /// The first without the second.
+    pub fn without(&self, other: &Self) -> Self {
+        Self {
+            matrix: &self.matrix - &other.matrix,
+            gradient: &self.gradient - &other.gradient,
+            square: self.square - other.square,
+        }
+    }
+}
+
+/// Samples that are one witness.
+#[derive(Clone, Debug)]
+pub struct Cluster {
+    /// Which swings it is of, and the seconds it covers in the last of them.
+    pub swing_idx: usize,
+    /// From here on, s since the swing's first sample.
+    pub from_s: f64,
+    /// Up to here.
+    pub to_s: f64,
+    /// Its samples, by the windows that begin anew.
+    pub windows: Vec<Range<usize>>,
+    /// Its samples left of the middle and right of it.
+    pub sides: [Sums; 2],
+}
+
+impl Cluster {
+    /// All of its samples.
+    pub fn sums(&self) -> Sums {
+        let mut sums = self.sides[0].clone();
+        sums.add(&self.sides[1]);
+        sums
+    }
+}
+
+/// What clusters say of the numbers they share.
+#[derive(Clone, Debug)]
+pub struct Spread {
+    /// By how much the clusters together would move each number from where the model has it.
+    pub step: DVector<f64>,
+    /// Standard deviations, widened so that ± 1.96 of them hold 95 %; `None` where one cluster alone tells a number.
+    pub stds: Vec<Option<f64>>,
+    /// The jackknife's standard errors, as they are.
+    pub errors: Vec<Option<f64>>,
+    /// K, how many clusters there are.
+    pub n_clusters: usize,
+}
+
+/// The clusters of linearised swings: normal equations over the unknowns and, where windows are cut, one offset a swing;
+/// cut so that no cluster alone tells one of the columns that matter.
+pub fn clusters(on: &Problem, linear: &Linear, offsets_rad: &[f64], matters: impl Fn(usize) -> bool) -> Vec<Cluster> {
+    let n_unknowns = linear.gradient.len() - PER_SWING * linear.swings.len();
+    if linear.swings.len() >= RELEASES {
+        return whole_swings(on, linear, n_unknowns);
+    }
+    let crossings: Vec<Vec<usize>> = (0..linear.swings.len())
+        .map(|swing_idx| upward_crossings(on, &linear.swings[swing_idx], swing_idx, offsets_rad[swing_idx]))
+        .collect();
+    let mut best: (usize, Vec<Cluster>) = (usize::MAX, Vec::new());
+    for periods in PERIODS {
+        let found = joined(windows(on, linear, &crossings, periods));
+        let n_doubtful = match spread(&found) {
+            Some(spread) if found.len() >= ENOUGH => {
+                (0..spread.stds.len()).filter(|j| matters(*j) && spread.stds[*j].is_none()).count()
+            }
+            _ => linear.gradient.len() + ENOUGH.saturating_sub(found.len()),
+        };
+        if n_doubtful < best.0 {
+            best = (n_doubtful, found);
+        }
+        if n_doubtful == 0 {
+            break;
+        }
+    }
+    best.1
+}
+
+/// Windows of so many periods.
+fn windows(on: &Problem, linear: &Linear, crossings: &[Vec<usize>], periods: usize) -> Vec<Cluster> {
+    let n_unknowns = linear.gradient.len() - PER_SWING * linear.swings.len();
+    let ranges: Vec<(usize, Range<usize>)> = crossings
+        .iter()
+        .enumerate()
+        .flat_map(|(swing_idx, at)| {
+            let n_samples = linear.swings[swing_idx].residuals.len();
+            cut(at, periods, n_samples).into_iter().map(move |range| (swing_idx, range))
+        })
+        .collect();
+    let of_window = |(swing_idx, range): &(usize, Range<usize>)| {
+        let swing = &linear.swings[*swing_idx];
+        let (starts, offset) = swing.columns[n_unknowns..].split_at(PER_SWING - 1);
+        let mut shared: Vec<(usize, &[f64])> =
+            swing.columns[..n_unknowns].iter().map(Vec::as_slice).enumerate().collect();
+        shared.push((n_unknowns + swing_idx, &offset[0]));
+        cluster(on, *swing_idx, swing, range.clone(), starts, &shared, n_unknowns + linear.swings.len())
+    };
+    ranges.par_iter().map(of_window).collect()
+}
+
+/// Whole releases, each with its start and offset taken out.
+fn whole_swings(on: &Problem, linear: &Linear, n_unknowns: usize) -> Vec<Cluster> {
+    let of_swing = |(swing_idx, swing): (usize, &SwingLinear)| {
+        let (shared, own) = swing.columns.split_at(n_unknowns);
+        let shared: Vec<(usize, &[f64])> = shared.iter().map(Vec::as_slice).enumerate().collect();
+        cluster(on, swing_idx, swing, 0..swing.residuals.len(), own, &shared, n_unknowns)
+    };
+    linear.swings.par_iter().enumerate().map(of_swing).collect()
+}
+
+/// Where the predicted angle goes upward through the middle.
+fn upward_crossings(on: &Problem, swing: &SwingLinear, swing_idx: usize, offset_rad: f64) -> Vec<usize> {
+    let angles = &on.swings[swing_idx].angles_rad;
+    let predicted = |i: usize| angles[i] - swing.residuals[i] - offset_rad;
+    (1..swing.residuals.len()).filter(|i| predicted(i - 1) < 0.0 && predicted(*i) >= 0.0).collect()
+}
+
+/// Ranges of so many periods; what is before the first and behind the last belongs to these.
+fn cut(crossings: &[usize], periods: usize, n_samples: usize) -> Vec<Range<usize>> {
+    let mut bounds: Vec<usize> = crossings.iter().copied().step_by(periods).skip(1).collect();
+    // The last one may be short, and holds the rest.
+    bounds.pop();
+    bounds.insert(0, 0);
+    bounds.push(n_samples);
+    bounds.windows(2).map(|pair| pair[0]..pair[1]).filter(|range| !range.is_empty()).collect()
+}
+
+/// One window: what its own columns explain is taken out of residuals and shared columns, which stand at the given
+/// places.
+fn cluster(
+    on: &Problem,
+    swing_idx: usize,
+    swing: &SwingLinear,
+    range: Range<usize>,
+    own: &[Vec<f64>],
+    shared: &[(usize, &[f64])],
+    size: usize,
+) -> Cluster {
+    let basis = orthonormal(own.iter().map(|column| &column[range.clone()]));
+    let residuals = beyond(&swing.residuals[range.clone()], &basis);
+    let columns: Vec<Vec<f64>> = shared.iter().map(|(_, column)| beyond(&column[range.clone()], &basis)).collect();
+    let angles = &on.swings[swing_idx].angles_rad[range.clone()];
+    let side = |is_right: bool| {
+        let mut sums = Sums::zeros(size);
+        let mask: Vec<f64> = angles.iter().map(|angle| f64::from(u8::from((*angle >= 0.0) == is_right))).collect();
+        let masked = |column: &[f64]| column.iter().zip(&mask).map(|(x, m)| x * m).collect::<Vec<f64>>();
+        let here: Vec<Vec<f64>> = columns.iter().map(|column| masked(column)).collect();
+        for (i, (at, _)) in shared.iter().enumerate() {
+            sums.gradient[*at] = dot(&here[i], &residuals);
+            for (j, (other, _)) in shared[..=i].iter().enumerate() {
+                let product = dot(&here[i], &columns[j]);
+                (sums.matrix[(*at, *other)], sums.matrix[(*other, *at)]) = (product, product);
+            }
+        }
+        sums.square = dot(&masked(&residuals), &residuals);
+        sums
+    };
+    let times_s = &on.swings[swing_idx].times_s;
+    let sides = [side(false), side(true)];
+    let (from_s, to_s) = (times_s[range.start], times_s[range.end - 1]);
+    Cluster { swing_idx, from_s, to_s, windows: vec![range], sides }
+}
+
+/// Columns of length one at right angles that span the given ones.
+fn orthonormal<'a>(columns: impl Iterator<Item = &'a [f64]>) -> Vec<Vec<f64>> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for column in columns {
+        // Twice, because one pass loses digits where columns are nearly alike.
+        let left = beyond(&beyond(column, &basis), &basis);
+        let (before, after) = (dot(column, column), dot(&left, &left));
+        if after > DEPENDENT * before && after > 0.0 {
+            let length = after.sqrt();
+            basis.push(left.into_iter().map(|x| x / length).collect());
+        }
+    }
+    basis
+}
+
+/// What is left of a column that the basis does not explain.
+fn beyond(column: &[f64], basis: &[Vec<f64>]) -> Vec<f64> {
+    let mut left = column.to_vec();
+    for direction in basis {
+        let share = dot(&left, direction);
+        left.iter_mut().zip(direction).for_each(|(x, d)| *x -= share * d);
+    }
+    left
+}
+
+/// Neighbours joined until there are about [`WANTED`] clusters that tell about the same.
+fn joined(windows: Vec<Cluster>) -> Vec<Cluster> {
+    let Some(first) = windows.first() else { return windows };
+    let mut all = Sums::zeros(first.sides[0].gradient.len());
+    windows.iter().for_each(|window| all.add(&window.sums()));
+    let told = information(&windows, &all);
+    let a_share = told.iter().sum::<f64>() / WANTED as f64;
+    let mut clusters: Vec<Cluster> = Vec::new();
+    let mut filled = f64::INFINITY;
+    for (window, told) in windows.into_iter().zip(told) {
+        match clusters.last_mut() {
+            Some(last) if last.swing_idx == window.swing_idx && filled + 0.5 * told < a_share => {
+                (0..2).for_each(|side| last.sides[side].add(&window.sides[side]));
+                last.to_s = window.to_s;
+                last.windows.extend(window.windows);
+                filled += told;
+            }
+            _ => {
+                clusters.push(window);
+                filled = told;
+            }
+        }
+    }
+    clusters
+}
+
+/// How much each window tells of all numbers: the trace of A⁻¹·Aₖ.
+fn information(windows: &[Cluster], all: &Sums) -> Vec<f64> {
+    let factor = Factor::new(&all.matrix, 0.0, |_| true);
+    let inverse = factor.inverse();
+    windows.iter().map(|window| inverse.component_mul(&window.sums().matrix).sum()).collect()
+}
+
+/// What another model leaves in the same clusters, rad², with a new start in each window; its linearisation may have the
+/// columns of the starts alone.
+pub fn squares(linear: &Linear, like: &[Cluster]) -> Vec<f64> {
+    let of_window = |swing: &SwingLinear, range: &Range<usize>| {
+        let starts = &swing.columns[swing.columns.len() - PER_SWING..];
+        let basis = orthonormal(starts.iter().map(|column| &column[range.clone()]));
+        let left = beyond(&swing.residuals[range.clone()], &basis);
+        dot(&left, &left)
+    };
+    let of_cluster = |cluster: &Cluster| {
+        let swing = &linear.swings[cluster.swing_idx];
+        cluster.windows.iter().map(|range| of_window(swing, range)).sum()
+    };
+    like.par_iter().map(of_cluster).collect()
+}
+
+/// Does a sum over clusters differ from zero, by Student's t at 95 %?
+pub fn is_beyond_chance(values: &[f64]) -> bool {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let Ok(freedom) = StudentsT::new(0.0, 1.0, values.len().saturating_sub(1) as f64) else { return false };
+    mean.abs() > freedom.inverse_cdf(0.975) * std_of_mean(values)
+}
+
+/// The jackknife over clusters; `None` with fewer than two.
+pub fn spread(clusters: &[Cluster]) -> Option<Spread> {
+    let sums: Vec<Sums> = clusters.iter().map(Cluster::sums).collect();
+    spread_of(&sums)
+}
+
+/// The same over any sums.
+pub fn spread_of(sums: &[Sums]) -> Option<Spread> {
+    let n_clusters = sums.len();
+    let size = sums.first()?.gradient.len();
+    let mut all = Sums::zeros(size);
+    sums.iter().for_each(|sums| all.add(sums));
+    let factor = Factor::new(&all.matrix, 0.0, |_| true);
+    let (step, variances) = (factor.solve(&all.gradient), factor.inverse().diagonal());
+    let freedom = StudentsT::new(0.0, 1.0, n_clusters.checked_sub(1).filter(|n| *n > 0)? as f64).ok()?;
+    let widening = freedom.inverse_cdf(0.975) / NORMAL_95;
+    let mut is_alone = vec![false; size];
+    let mut values: Vec<DVector<f64>> = Vec::new();
+    for one in sums {
+        let rest = all.without(one);
+        let factor = Factor::new(&rest.matrix, 0.0, |_| true);
+        let wider = factor.inverse().diagonal();
+        (0..size).for_each(|j| is_alone[j] |= wider[j] * (1.0 - ALONE) > variances[j] || wider[j] <= 0.0);
+        // The jackknife's pseudo-value: what this cluster alone would have said.
+        values.push(&step * n_clusters as f64 - factor.solve(&rest.gradient) * (n_clusters - 1) as f64);
+    }
+    let of_column = |j: usize| -> Vec<f64> { values.iter().map(|value| value[j]).collect() };
+    let error = |j: usize| (!is_alone[j]).then(|| std_of_mean(&of_column(j)));
+    let std = |j: usize| Some((widening * error(j)?).max(KIEFER_95 / NORMAL_95 * std_of_wandering(&of_column(j))));
+    let (stds, errors) = ((0..size).map(std).collect(), (0..size).map(error).collect());
+    Some(Spread { stds, errors, step, n_clusters })
+}
+
+/// Standard error of the mean of independent values.
+fn std_of_mean(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt()
+}
+
+/// The same of values in order that may wander: 2/n²·ΣS², with S the partial sums of the deviations from the mean.
+/// Source: N. M. Kiefer, T. J. Vogelsang, Econometrica 70 (2002) 2093.
+fn std_of_wandering(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let sums = values.iter().scan(0.0, |sum, value| {
+        *sum += value - mean;
+        Some(*sum)
+    });
+    (2.0 * sums.map(|sum: f64| sum * sum).sum::<f64>() / n.powi(3)).sqrt()
+}
+
+/// Half width of the 95 % interval of the mean in standard errors of wandering values (the same source, table II).
+const KIEFER_95: f64 = 4.771;
+
+/// Half width of a 95 % interval in standard deviations.
+const NORMAL_95: f64 = 1.96;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Clusters that each measure one number directly, with a weight.
+    fn measuring(values: &[f64], weights: &[f64]) -> Vec<Sums> {
+        let sums = |(value, weight): (&f64, &f64)| Sums {
+            matrix: DMatrix::from_element(1, 1, *weight),
+            gradient: DVector::from_element(1, weight * value),
+            square: weight * value * value,
+        };
+        values.iter().zip(weights).map(sums).collect()
+    }
+
+    #[test]
+    fn values_that_only_scatter_are_as_uncertain_as_students_t_says() {
+        let values: Vec<f64> = (0..12).map(|k| if k % 2 == 0 { 3.1 } else { 2.9 }).collect();
+        let found = spread_of(&measuring(&values, &[1.0; 12])).unwrap();
+        // Deviations of 0.1 each; t of 11 degrees of freedom is 2.201 (tables).
+        let expected = 2.201 / 1.96 * (12.0 * 0.01 / (12.0 * 11.0_f64)).sqrt();
+        assert!((found.step[0] - 3.0).abs() < 1e-12);
+        assert!((found.stds[0].unwrap() / expected - 1.0).abs() < 1e-3, "{:?} {expected}", found.stds);
+    }
+
+    #[test]
+    fn values_that_rise_from_window_to_window_are_less_certain_than_their_scatter() {
+        let values: Vec<f64> = (0..13).map(|k| f64::from(k) - 6.0).collect();
+        let found = spread_of(&measuring(&values, &[1.0; 13])).unwrap().stds[0].unwrap();
+        // Partial sums of −6 … 6 by hand: −6, −11, −15, −18, −20, −21, −21, −20, …; their squares sum to 3,094.
+        let expected = 4.771 / 1.96 * (2.0 * 3094.0 / 13.0_f64.powi(3)).sqrt();
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+        assert!(found > 2.0 * std_of_mean(&values));
+    }
+
+    #[test]
+    fn what_one_cluster_alone_tells_has_no_spread() {
+        let mut weights = [0.1; 8];
+        weights[2] = 10.0;
+        let found = spread_of(&measuring(&[1.0; 8], &weights)).unwrap();
+        assert_eq!(found.stds, [None]);
+        assert!(spread_of(&measuring(&[1.0], &[1.0])).is_none());
+    }
+}
