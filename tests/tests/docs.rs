@@ -18,6 +18,7 @@ const PAGES: [&str; 17] = [
     "docs/board-emulator.md",
     "docs/calibration.md",
     "docs/diagnosis.md",
+    "docs/real.md",
     "docs/effects.md",
     "docs/files.md",
     "docs/fitting.md",
