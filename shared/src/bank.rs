@@ -5,7 +5,7 @@
 //!
 //! 1. releases are cut into windows of a few periods, each with a start of its own ([`window`]);
 //! 2. the model swings through each, with the derivatives of its readings by every number that may be wrong or missing:
-//!    one shared transition, one column a number ([`column`], [`swing`], [`follow`]);
+//!    one shared transition, one column a number ([`mod@column`], [`mod@swing`], [`mod@follow`]);
 //! 3. the model is put right by Gauss and Newton's steps, because a test around a stale one accuses the innocent
 //!    ([`refit`]);
 //! 4. products of columns and residuals are summed window by window, the windows' own starts projected out, and

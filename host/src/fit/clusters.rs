@@ -172,7 +172,7 @@ fn whole_swings(on: &Problem, linear: &Linear, n_unknowns: usize) -> Vec<Cluster
 }
 
 /// Where the predicted angle goes upward through the middle.
-fn upward_crossings(on: &Problem, swing: &SwingLinear, swing_idx: usize, offset_rad: f64) -> Vec<usize> {
+pub(super) fn upward_crossings(on: &Problem, swing: &SwingLinear, swing_idx: usize, offset_rad: f64) -> Vec<usize> {
     let angles = &on.swings[swing_idx].angles_rad;
     let predicted = |i: usize| angles[i] - swing.residuals[i] - offset_rad;
     (1..swing.residuals.len()).filter(|i| predicted(i - 1) < 0.0 && predicted(*i) >= 0.0).collect()

@@ -6,8 +6,8 @@
 //! be surer than its scatter over the [`super::clusters`], and than what these would move it by. Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980)
 //! 817, for the sandwich.
 
-use super::clusters::{clusters, spread};
-use super::linear::{Linear, SwingLinear};
+use super::clusters::{clusters, spread, upward_crossings};
+use super::linear::{Linear, SwingLinear, dot};
 use super::problem::{PER_SWING, Problem, Start};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -86,6 +86,13 @@ pub fn with_model_error(on: &Problem, linear: &Linear, starts: &[Start]) -> Opti
         return Some(covariance);
     }
     let offsets_rad: Vec<f64> = starts.iter().map(|start| start.offset_rad).collect();
+    let comes_again = |(swing_idx, swing): (usize, &SwingLinear)| {
+        let crossings = upward_crossings(on, swing, swing_idx, offsets_rad[swing_idx]);
+        comes_again(swing, &crossings)
+    };
+    if !linear.swings.iter().enumerate().any(comes_again) {
+        return Some(covariance);
+    }
     let Some(spread) = spread(&clusters(on, linear, &offsets_rad, |_| true)) else { return Some(covariance) };
     let n_unknowns = linear.gradient.len() - PER_SWING * linear.swings.len();
     let place = |j: usize| if j < n_unknowns { j } else { n_unknowns + PER_SWING * (j - n_unknowns) + PER_SWING - 1 };
@@ -95,6 +102,18 @@ pub fn with_model_error(on: &Problem, linear: &Linear, starts: &[Start]) -> Opti
         least[(place(j), place(j))] = variance;
     }
     Some(Covariance { matrix: larger_diagonal(covariance.matrix, &least), ..covariance })
+}
+
+/// Are residuals a period apart alike? An error of the model comes again with every swing; noise that a filter has coloured
+/// does not, and blocks say all about it.
+fn comes_again(swing: &SwingLinear, crossings: &[usize]) -> bool {
+    let Some((first, last)) = crossings.first().zip(crossings.last()).filter(|(first, last)| first < last) else {
+        return true;
+    };
+    let period = (last - first) / (crossings.len() - 1);
+    let n_independent = swing.residuals.len() as f64 / memory(swing).max(1) as f64;
+    let (now, later) = (&swing.residuals, &swing.residuals[period.min(swing.residuals.len())..]);
+    dot(&now[..later.len()], later) > CORRELATION_SIGNIFICANT / n_independent.sqrt() * dot(now, now)
 }
 
 /// Scales rows and columns so that no variance is below that of `least`.

@@ -2,7 +2,7 @@
 //!
 //! The first columns are known to every model: where a window starts, the zero, friction and inertia, and the strengths
 //! of effects that the model has already. Behind them stand the candidates: every start of every effect of the list
-//! that the model lacks. In a number that the law is linear in, at zero ([`Column::unit`]), the column is the exact
+//! that the model lacks. In a number that the law is linear in, at zero (`Column::unit`), the column is the exact
 //! derivative. An effect of the sensor that is linear in none, such as play, is taken as a whole, at the size that its
 //! start proposes.
 
