@@ -5,7 +5,7 @@
 //! one has gathered before is not held against it again. That needs no further simulation: to first order a new start adds
 //! a solution of the homogeneous variational equation, of which the derivatives to the swing's own start are two, so these
 //! are taken out of every column within each window. From six releases on, whole releases are the clusters.
-//! Neighbours are joined until about [`WANTED`] clusters tell about the same.
+//! Neighbours are joined until about `WANTED` clusters tell about the same.
 //!
 //! The spread is a delete-one jackknife over the clusters: as independent values, by Student's t of K − 1 degrees of
 //! freedom, and as values that wander in the order of time, because a misfit that depends on the amplitude goes on from
