@@ -107,7 +107,7 @@ fn rms(values: &[f64]) -> f64 {
 }
 
 /// The base model lacks physics on all of these, so its numbers are no more alike in the two halves than its error allows.
-/// Blocks of a period, as before, gave an rms of 6.1 of the stated ±; chance alone would give 1.
+/// Blocks of a few memories of the residuals gave an rms of 24 of the stated ±; chance alone would give 1.
 #[test]
 fn both_halves_of_a_real_swing_say_the_same_within_what_is_stated() {
     let mut all = Vec::new();
