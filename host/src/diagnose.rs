@@ -2,9 +2,10 @@
 //!
 //! The base model is fitted first. If it leaves more than the noise, every effect of the list is tried: a score test
 //! ([`score`]) tells in one linearised step what each could gain, the promising ones are fitted in earnest
-//! ([`crate::fit::refine`]), and [`mod@search`] goes on with pairs until nothing significant is left. `verdict` says what may be
-//! claimed, what can't be told apart ([`replacement`]), what is only a shifted zero of the sensor ([`zero`]), and what
-//! stays unexplained; nothing is claimed that does not hold on every part of the swings ([`holds`]). For what is left, [`formulas`] searches small laws if somebody wishes.
+//! ([`crate::fit::refine`]), and [`mod@search`] goes on with pairs until nothing significant is left. `verdict` says what
+//! may be claimed, what can't be told apart ([`replacement`], `ties`), what is only a shifted zero of the sensor
+//! ([`zero`]), and what stays unexplained; nothing is claimed that does not hold on every part of the swings ([`holds`]).
+//! For what is left, [`formulas`] searches small laws if somebody wishes.
 
 mod doubt;
 pub mod evidence;
@@ -17,13 +18,15 @@ pub mod replacement;
 pub mod score;
 pub mod search;
 mod summary;
+mod ties;
 pub mod value;
 mod verdict;
 pub mod zero;
 
 pub use evidence::Evidence;
-pub use holds::{FamilyClaim, Holding, Standing};
+pub use holds::{Holding, Standing};
 pub use summary::{Candidate, Diagnosis, NotTried, SpecialCase, Step, Suggestion};
+pub use ties::FamilyClaim;
 pub use value::Value;
 
 use crate::fit::by_least_squares::fitted_as_it_is;
@@ -85,18 +88,19 @@ pub fn diagnose_counted(
     // What the asymmetry explains, another effect may have imitated.
     let resembling = zero::resembling().map(|rival| rival.name);
     let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, resembling) } else { model };
-    undecided.extend(alike);
-    let claimed = judge.beyond_their_errors(claimed);
-    let (claimed, unproven, holds_on) = judge.holding(claimed);
-    if !unproven.is_empty() {
+    let before = claimed.names();
+    let (claimed, unproven, mut holds_on) = judge.holding(judge.beyond_their_errors(claimed));
+    if claimed.names() != before {
         undecided = judge.undecided(&claimed, &others);
     }
+    undecided.extend(alike);
     if problem.chi_square(claimed.cost).left() != Left::Noise {
         let alike = judge.not_separated(&claimed, &others);
         undecided.extend(alike.into_iter().filter(|name| !undecided.contains(name)).collect::<Vec<_>>());
     }
     let special_cases = judge.special_cases(&claimed, &others, &mut undecided);
     let (claimed, vetoed) = judge.not_contradicted(claimed, held_out, count);
+    holds_on.retain(|holding| claimed.has(holding.effect));
     let carries = judge.carries(&claimed, held_out, count);
     let parts = Summary {
         judge,

@@ -7,13 +7,15 @@
 mod detector;
 mod error;
 mod lead_in;
+mod limits;
 mod listen;
 mod recorder;
 mod words;
 
 pub use detector::Stage;
 pub use error::RecordError;
-pub use listen::{Limits, Listener, listen};
+pub use limits::Limits;
+pub use listen::{Listener, listen};
 pub use words::{in_words, usable};
 
 use crate::files;

@@ -2,12 +2,12 @@
 //!
 //! A law that is there acts in every window of the swings; what a hand, a slipping hub or a wrong law of another kind
 //! left behind is carried by a few. So each claim has to pass the windowed, cluster-robust test of [`shared::score`]: its
-//! strength is zero where it is absent, the other numbers of the model answer freely, and it must hold after any two
-//! neighbouring windows are left out too, and it must be larger than its own scatter over the windows. Its strength on single parts (early, late, left, right, each release) shows
-//! where it is seen.
+//! strength is zero where it is absent, and the other numbers of the model answer freely; it must hold after any two
+//! neighbouring windows are left out too, and be larger than its own scatter over the windows. Its strength on single
+//! parts (early, late, left, right, each release) shows where it is seen.
 
 use super::verdict::Judge;
-use crate::fit::clusters::{Cluster, Sums, clusters, is_beyond_chance, spread_of, squares};
+use crate::fit::clusters::{Cluster, Sums, clusters, spread_of};
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::{Problem, Quantity};
 use crate::fit::refine::on_all;
@@ -94,12 +94,11 @@ struct Test {
 /// All claims of a fitted model, tested; `n_starts` were tried to find it.
 pub fn holdings(on: &Problem, model: &Fitted, n_starts: usize) -> Vec<Holding> {
     let linear = model.linearised(on);
-    let offsets_rad: Vec<f64> = model.starts.iter().map(|start| start.offset_rad).collect();
     let level = ALPHA / n_starts.max(1) as f64;
     let of_effect = |effect: &&'static Effect<f64>| {
         let strong = strengths(effect);
         let matters = |j: usize| index_in(model, effect, j).is_some_and(|index| strong.contains(&index));
-        holding(on, model, effect, &clusters(on, &linear, &offsets_rad, matters), level)
+        holding(on, model, effect, &clusters(on, &linear, &model.starts, matters), level)
     };
     model.effects.iter().map(of_effect).collect()
 }
@@ -175,24 +174,26 @@ impl Test {
         normal
     }
 
-    /// The strength that is clearest, and its value and standard deviation.
+    /// The strength that is clearest.
     fn clearest(&self, sums: &[Sums]) -> Option<(usize, Strength)> {
         let size = |found: &Strength| found.std.map_or(0.0, |std| found.value.abs() / std);
-        let all = (0..self.strengths.len()).filter_map(|k| Some((k, self.strength(k, sums)?)));
-        all.max_by(|a, b| size(&a.1).total_cmp(&size(&b.1)))
+        self.found(sums)?.into_iter().enumerate().max_by(|a, b| size(&a.1).total_cmp(&size(&b.1)))
     }
 
-    /// A strength as some samples have it, and its standard deviation.
-    fn strength(&self, k: usize, sums: &[Sums]) -> Option<Strength> {
+    /// The strengths as some samples have them.
+    fn found(&self, sums: &[Sums]) -> Option<Vec<Strength>> {
         let chosen = |sums: &Sums| Sums {
             matrix: sums.matrix.select_rows(&self.columns).select_columns(&self.columns),
             gradient: sums.gradient.select_rows(&self.columns),
-            square: sums.square,
         };
         let spread = spread_of(&sums.iter().map(chosen).collect::<Vec<_>>())?;
-        let at = self.columns.len() - self.strengths.len() + k;
-        let value = self.strengths.get(k)? + spread.step[at];
-        Some(Strength { value, std: spread.stds[at], error: spread.errors[at] })
+        let first = self.columns.len() - self.strengths.len();
+        let strength = |(k, fitted): (usize, &f64)| Strength {
+            value: fitted + spread.step[first + k],
+            std: spread.stds[first + k],
+            error: spread.errors[first + k],
+        };
+        Some(self.strengths.iter().enumerate().map(strength).collect())
     }
 }
 
@@ -230,7 +231,7 @@ fn parts(on: &Problem, test: &Test, k: usize, whole: f64, clusters: &[Cluster]) 
         parts.push((swing.name.clone(), own));
     }
     let part = |(name, sums): (String, Vec<Sums>)| {
-        let Strength { value, std, .. } = test.strength(k, &sums)?;
+        let Strength { value, std, .. } = test.found(&sums)?.swap_remove(k);
         Some(Part { name, value, std, seen: seen(whole, value, std) })
     };
     parts.into_iter().filter_map(part).collect()
@@ -242,72 +243,7 @@ fn seen(whole: f64, value: f64, std: Option<f64>) -> Option<bool> {
     if along > SEEN_STDS * std { Some(true) } else { (along < 0.0 && apart > OTHER_STDS * std).then_some(false) }
 }
 
-/// A kind of law that holds, while its members can't be told apart.
-#[derive(Clone, Debug, Serialize)]
-pub struct FamilyClaim {
-    /// What its members have in common.
-    pub words: &'static str,
-    /// The claimed effect first.
-    pub members: Vec<&'static str>,
-}
-
-/// The family of a claimed effect, where the undecided ones all belong to it.
-pub(super) fn family(claimed: &Fitted, undecided: &[&'static str]) -> Option<FamilyClaim> {
-    let rivals: Vec<&Effect<f64>> = undecided.iter().filter_map(|name| Effect::by_name(name)).collect();
-    let family = rivals.first()?.family;
-    let member = claimed.effects.iter().find(|effect| effect.family == family)?;
-    let all = rivals.iter().all(|rival| rival.family == family);
-    let members = std::iter::once(member.name).chain(undecided.iter().copied()).collect();
-    all.then(|| FamilyClaim { words: family.words(), members })
-}
-
-/// What a model leaves in the clusters of another one, its starts free in every window.
-fn left_in(on: &Problem, model: &Fitted, clusters: &[Cluster]) -> Vec<f64> {
-    let bare = Fitted { unknowns: Vec::new(), steps: None, ..model.clone() };
-    squares(&bare.linearised(on), clusters)
-}
-
-/// A rival removes at least this share of what the claimed effect removes.
-const RIVAL_SHARE: f64 = 0.5;
-
 impl Judge<'_, '_> {
-    /// Effects that could stand for a claimed one as far as the clusters tell: where more than noise is left, sums of squares
-    /// over coherent residuals are no measure of how much better one law is than another.
-    pub(super) fn not_separated(&self, claimed: &Fitted, others: &[Fitted]) -> Vec<&'static str> {
-        let Some(level) = claimed.effects.len().checked_sub(1) else { return Vec::new() };
-        let removed = self.found.base.cost - claimed.cost;
-        let is_rival = |model: &&Fitted| {
-            model.effects.len() == claimed.effects.len()
-                && self.found.base.cost - model.cost > RIVAL_SHARE * removed
-                && model.names().iter().filter(|name| !claimed.has(name)).count() == 1
-        };
-        let rivals: Vec<&Fitted> =
-            self.found.levels.get(level).into_iter().flatten().chain(others).filter(is_rival).collect();
-        if rivals.is_empty() {
-            return Vec::new();
-        }
-        let linear = claimed.linearised(self.problem);
-        let offsets_rad: Vec<f64> = claimed.starts.iter().map(|start| start.offset_rad).collect();
-        let clusters = clusters(self.problem, &linear, &offsets_rad, |_| true);
-        let own = left_in(self.problem, claimed, &clusters);
-        let is_separate = |rival: &Fitted| {
-            let left = left_in(self.problem, rival, &clusters);
-            let more: Vec<f64> = left.iter().zip(&own).map(|(rival, own)| rival - own).collect();
-            more.iter().sum::<f64>() > 0.0 && is_beyond_chance(&more)
-        };
-        let mut names: Vec<&'static str> = Vec::new();
-        for rival in rivals.into_iter().filter(|rival| !is_separate(rival)) {
-            names.extend(
-                rival
-                    .names()
-                    .into_iter()
-                    .filter(|name| !claimed.has(name) && !names.contains(name))
-                    .collect::<Vec<_>>(),
-            );
-        }
-        names
-    }
-
     /// The claimed model without effects that do not hold on every part, the least sure first; the claims that were dropped,
     /// and those that stand.
     pub(super) fn holding(&self, claimed: Fitted) -> (Fitted, Vec<Holding>, Vec<Holding>) {

@@ -2,8 +2,9 @@
 
 use super::evidence::{Evidence, evidence};
 use super::formulas::{Found as FoundFormula, formulas};
-use super::holds::{FamilyClaim, Holding, family};
+use super::holds::Holding;
 use super::models::excess;
+use super::ties::{FamilyClaim, family};
 use super::value::{Value, values};
 use super::verdict::Judge;
 use super::zero;

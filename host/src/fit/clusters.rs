@@ -14,7 +14,7 @@
 //! Time-Series Analysis (Springer 1984) for windows with starts of their own.
 
 use super::linear::{Linear, SwingLinear, dot};
-use super::problem::{PER_SWING, Problem};
+use super::problem::{PER_SWING, Problem, Start};
 use super::solve::Factor;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -47,41 +47,30 @@ pub struct Sums {
     pub matrix: DMatrix<f64>,
     /// Zᵀr.
     pub gradient: DVector<f64>,
-    /// rᵀr, rad².
-    pub square: f64,
 }
 
 impl Sums {
     fn zeros(size: usize) -> Self {
-        Self { matrix: DMatrix::zeros(size, size), gradient: DVector::zeros(size), square: 0.0 }
+        Self { matrix: DMatrix::zeros(size, size), gradient: DVector::zeros(size) }
     }
 
     /// Both together.
     pub fn add(&mut self, other: &Self) {
         self.matrix += &other.matrix;
         self.gradient += &other.gradient;
-        self.square += other.square;
     }
 
     /// The first without the second.
     pub fn without(&self, other: &Self) -> Self {
-        Self {
-            matrix: &self.matrix - &other.matrix,
-            gradient: &self.gradient - &other.gradient,
-            square: self.square - other.square,
-        }
+        Self { matrix: &self.matrix - &other.matrix, gradient: &self.gradient - &other.gradient }
     }
 }
 
 /// Samples that are one witness.
 #[derive(Clone, Debug)]
 pub struct Cluster {
-    /// Which swings it is of, and the seconds it covers in the last of them.
+    /// The swing it is of.
     pub swing_idx: usize,
-    /// From here on, s since the swing's first sample.
-    pub from_s: f64,
-    /// Up to here.
-    pub to_s: f64,
     /// Its samples, by the windows that begin anew.
     pub windows: Vec<Range<usize>>,
     /// Its samples left of the middle and right of it.
@@ -112,13 +101,13 @@ pub struct Spread {
 
 /// The clusters of linearised swings: normal equations over the unknowns and, where windows are cut, one offset a swing;
 /// cut so that no cluster alone tells one of the columns that matter.
-pub fn clusters(on: &Problem, linear: &Linear, offsets_rad: &[f64], matters: impl Fn(usize) -> bool) -> Vec<Cluster> {
+pub fn clusters(on: &Problem, linear: &Linear, starts: &[Start], matters: impl Fn(usize) -> bool) -> Vec<Cluster> {
     let n_unknowns = linear.gradient.len() - PER_SWING * linear.swings.len();
     if linear.swings.len() >= RELEASES {
         return whole_swings(on, linear, n_unknowns);
     }
     let crossings: Vec<Vec<usize>> = (0..linear.swings.len())
-        .map(|swing_idx| upward_crossings(on, &linear.swings[swing_idx], swing_idx, offsets_rad[swing_idx]))
+        .map(|swing_idx| upward_crossings(on, &linear.swings[swing_idx], swing_idx, starts[swing_idx].offset_rad))
         .collect();
     let mut best: (usize, Vec<Cluster>) = (usize::MAX, Vec::new());
     for periods in PERIODS {
@@ -215,13 +204,10 @@ fn cluster(
                 (sums.matrix[(*at, *other)], sums.matrix[(*other, *at)]) = (product, product);
             }
         }
-        sums.square = dot(&masked(&residuals), &residuals);
         sums
     };
-    let times_s = &on.swings[swing_idx].times_s;
     let sides = [side(false), side(true)];
-    let (from_s, to_s) = (times_s[range.start], times_s[range.end - 1]);
-    Cluster { swing_idx, from_s, to_s, windows: vec![range], sides }
+    Cluster { swing_idx, windows: vec![range], sides }
 }
 
 /// Columns of length one at right angles that span the given ones.
@@ -262,7 +248,6 @@ fn joined(windows: Vec<Cluster>) -> Vec<Cluster> {
         match clusters.last_mut() {
             Some(last) if last.swing_idx == window.swing_idx && filled + 0.5 * told < a_share => {
                 (0..2).for_each(|side| last.sides[side].add(&window.sides[side]));
-                last.to_s = window.to_s;
                 last.windows.extend(window.windows);
                 filled += told;
             }
@@ -372,7 +357,6 @@ mod tests {
         let sums = |(value, weight): (&f64, &f64)| Sums {
             matrix: DMatrix::from_element(1, 1, *weight),
             gradient: DVector::from_element(1, weight * value),
-            square: weight * value * value,
         };
         values.iter().zip(weights).map(sums).collect()
     }

@@ -3,8 +3,8 @@
 //! For white residuals the covariance is s²·(JᵀJ)⁻¹. Real residuals are correlated from sample to sample, so the
 //! covariance S of the scores stands in the middle: (JᵀJ)⁻¹·S·(JᵀJ)⁻¹, with S from sums over blocks that are longer than
 //! the residuals' memory. A model that lacks physics errs coherently over the whole decay: there no number is taken to
-//! be surer than its scatter over the [`super::clusters`], and than what these would move it by. Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980)
-//! 817, for the sandwich.
+//! be surer than its scatter over the [`super::clusters`], and than what these would move it by.
+//! Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980) 817, for the sandwich.
 
 use super::clusters::{clusters, spread, upward_crossings};
 use super::linear::{Linear, SwingLinear, dot};
@@ -85,15 +85,14 @@ pub fn with_model_error(on: &Problem, linear: &Linear, starts: &[Start]) -> Opti
     if !covariance.coloured {
         return Some(covariance);
     }
-    let offsets_rad: Vec<f64> = starts.iter().map(|start| start.offset_rad).collect();
     let comes_again = |(swing_idx, swing): (usize, &SwingLinear)| {
-        let crossings = upward_crossings(on, swing, swing_idx, offsets_rad[swing_idx]);
+        let crossings = upward_crossings(on, swing, swing_idx, starts[swing_idx].offset_rad);
         comes_again(swing, &crossings)
     };
     if !linear.swings.iter().enumerate().any(comes_again) {
         return Some(covariance);
     }
-    let Some(spread) = spread(&clusters(on, linear, &offsets_rad, |_| true)) else { return Some(covariance) };
+    let Some(spread) = spread(&clusters(on, linear, starts, |_| true)) else { return Some(covariance) };
     let n_unknowns = linear.gradient.len() - PER_SWING * linear.swings.len();
     let place = |j: usize| if j < n_unknowns { j } else { n_unknowns + PER_SWING * (j - n_unknowns) + PER_SWING - 1 };
     let mut least = DMatrix::zeros(linear.gradient.len(), linear.gradient.len());

@@ -3,7 +3,8 @@
 
 use super::detector::{Detector, Stage};
 use super::lead_in::{LeadIn, Sample};
-use super::recorder::{DISCONNECTED_S, LEAD_IN_S, LOOK_EVERY, SILENCE};
+use super::limits::{Limits, disconnected};
+use super::recorder::{LEAD_IN_S, LOOK_EVERY, SILENCE};
 use super::{End, RecordError};
 use crate::link::{LinkError, Session, patient};
 use shared::units::{Code, Radian};
@@ -20,15 +21,6 @@ pub trait Listener {
     fn gap(&mut self);
     /// All readings that have come so far were told.
     fn pause(&mut self);
-}
-
-/// When to give up.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// If there is no release within so many seconds.
-    pub wait_s: f64,
-    /// A swing ends so many seconds after the release.
-    pub limit_s: f64,
 }
 
 /// One swing while it goes on.
@@ -159,29 +151,10 @@ impl Swing<'_> {
     /// Leaves a reading at an end of the range out; many in a row end the swing.
     fn pass_over(&mut self, code: u16) -> Result<Option<End>, RecordError> {
         self.n_disconnected += 1;
-        let too_many = f64::from(self.n_disconnected) > DISCONNECTED_S * f64::from(self.settings.rate_hz);
-        match (too_many, self.detector.stage()) {
-            (false, _) => Ok(None),
-            (true, Stage::Swinging) => Ok(Some(End::Disconnected { code })),
-            (true, _) => {
-                let full_scale = self.settings.potentiometer.full_scale;
-                Err(RecordError::Disconnected { code, full_scale })
-            }
-        }
+        disconnected(&self.settings, self.detector.stage(), self.n_disconnected, code)
     }
 
-    /// Ends what takes too long.
     fn patience(&self) -> Result<Option<End>, RecordError> {
-        let seconds = self.n_in_stage as f64 / f64::from(self.settings.rate_hz);
-        let wait_s = self.limits.wait_s;
-        match self.detector.stage() {
-            Stage::AtRest => Ok(Some(End::AtRest)),
-            Stage::Swinging if seconds > self.limits.limit_s => Ok(Some(End::TimeLimit)),
-            Stage::Waiting if seconds > wait_s => Err(RecordError::NoRelease { seconds: wait_s }),
-            Stage::Settling if seconds > wait_s => {
-                Err(RecordError::NeverStill { seconds: wait_s, spread_rad: self.detector.spread_rad() })
-            }
-            _ => Ok(None),
-        }
+        self.limits.patience(&self.detector, self.n_in_stage as f64 / f64::from(self.settings.rate_hz))
     }
 }

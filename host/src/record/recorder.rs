@@ -2,6 +2,7 @@
 
 use super::detector::{Detector, Stage};
 use super::lead_in::{LeadIn, Sample};
+use super::limits::{Limits, disconnected};
 use super::{End, Live, Plan, RecordError, Taken, Watch};
 use crate::link::{LinkError, Session, patient};
 use crate::recording::{Calibration, Header, WriteError, Writer};
@@ -15,9 +16,6 @@ pub(super) const SILENCE: Duration = Duration::from_secs(3);
 
 /// So often Ctrl-C is looked for while nothing comes.
 pub(super) const LOOK_EVERY: Duration = Duration::from_millis(100);
-
-/// The wiper may leave its track for a moment at the top; longer is a broken wire.
-pub(super) const DISCONNECTED_S: f64 = 0.2;
 
 /// A recording begins so long before the first passage through the lowest point, s: the end of the hold.
 pub(super) const LEAD_IN_S: f64 = 1.2;
@@ -140,15 +138,7 @@ impl<'a> Recorder<'a> {
     fn pass_over(&mut self, code: u16) -> Result<Option<End>, RecordError> {
         self.n_disconnected += 1;
         self.left_out += u64::from(self.first_written.is_some());
-        let too_many = f64::from(self.n_disconnected) > DISCONNECTED_S * f64::from(self.settings.rate_hz);
-        match (too_many, self.detector.stage()) {
-            (false, _) => Ok(None),
-            (true, Stage::Swinging) => Ok(Some(End::Disconnected { code })),
-            (true, _) => {
-                let full_scale = self.settings.potentiometer.full_scale;
-                Err(RecordError::Disconnected { code, full_scale })
-            }
-        }
+        disconnected(&self.settings, self.detector.stage(), self.n_disconnected, code)
     }
 
     fn store(&mut self, sample: Sample) -> Result<(), WriteError> {
@@ -190,18 +180,9 @@ impl<'a> Recorder<'a> {
         Ok(())
     }
 
-    /// Ends what takes too long.
     fn patience(&self) -> Result<Option<End>, RecordError> {
-        let seconds = self.now_s - self.stage_began_s;
-        match self.detector.stage() {
-            Stage::AtRest => Ok(Some(End::AtRest)),
-            Stage::Swinging if seconds > self.plan.limit_s => Ok(Some(End::TimeLimit)),
-            Stage::Waiting if seconds > self.plan.wait_s => Err(RecordError::NoRelease { seconds: self.plan.wait_s }),
-            Stage::Settling if seconds > self.plan.wait_s => {
-                Err(RecordError::NeverStill { seconds: self.plan.wait_s, spread_rad: self.detector.spread_rad() })
-            }
-            _ => Ok(None),
-        }
+        let limits = Limits { wait_s: self.plan.wait_s, limit_s: self.plan.limit_s };
+        limits.patience(&self.detector, self.now_s - self.stage_began_s)
     }
 
     fn live(&self, frames_lost: u64) -> Live {

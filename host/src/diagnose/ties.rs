@@ -1,0 +1,70 @@
+//! Laws that the windows of the swings can't separate, and the family they belong to.
+
+use super::verdict::Judge;
+use crate::fit::clusters::{Cluster, clusters, is_beyond_chance, squares};
+use crate::fit::fitted::Fitted;
+use crate::fit::problem::Problem;
+use serde::Serialize;
+use shared::effect::Effect;
+
+/// A kind of law that holds, while its members can't be told apart.
+#[derive(Clone, Debug, Serialize)]
+pub struct FamilyClaim {
+    /// What its members have in common.
+    pub words: &'static str,
+    /// The claimed effect first.
+    pub members: Vec<&'static str>,
+}
+
+/// The family of a claimed effect, where the undecided ones all belong to it.
+pub(super) fn family(claimed: &Fitted, undecided: &[&'static str]) -> Option<FamilyClaim> {
+    let rivals: Vec<&Effect<f64>> = undecided.iter().filter_map(|name| Effect::by_name(name)).collect();
+    let family = rivals.first()?.family;
+    let member = claimed.effects.iter().find(|effect| effect.family == family)?;
+    let all = rivals.iter().all(|rival| rival.family == family);
+    let members = std::iter::once(member.name).chain(undecided.iter().copied()).collect();
+    all.then(|| FamilyClaim { words: family.words(), members })
+}
+
+/// What a model leaves in the clusters of another one, its starts free in every window.
+fn left_in(on: &Problem, model: &Fitted, clusters: &[Cluster]) -> Vec<f64> {
+    let bare = Fitted { unknowns: Vec::new(), steps: None, ..model.clone() };
+    squares(&bare.linearised(on), clusters)
+}
+
+/// A rival removes at least this share of what the claimed effect removes.
+const RIVAL_SHARE: f64 = 0.5;
+
+impl Judge<'_, '_> {
+    /// Effects that could stand for a claimed one as far as the clusters tell: where more than noise is left, sums of squares
+    /// over coherent residuals are no measure of how much better one law is than another.
+    pub(super) fn not_separated(&self, claimed: &Fitted, others: &[Fitted]) -> Vec<&'static str> {
+        let Some(level) = claimed.effects.len().checked_sub(1) else { return Vec::new() };
+        let removed = self.found.base.cost - claimed.cost;
+        let is_rival = |model: &&Fitted| {
+            model.effects.len() == claimed.effects.len()
+                && self.found.base.cost - model.cost > RIVAL_SHARE * removed
+                && model.names().iter().filter(|name| !claimed.has(name)).count() == 1
+        };
+        let rivals: Vec<&Fitted> =
+            self.found.levels.get(level).into_iter().flatten().chain(others).filter(is_rival).collect();
+        if rivals.is_empty() {
+            return Vec::new();
+        }
+        let linear = claimed.linearised(self.problem);
+        let clusters = clusters(self.problem, &linear, &claimed.starts, |_| true);
+        let own = left_in(self.problem, claimed, &clusters);
+        let is_separate = |rival: &Fitted| {
+            let left = left_in(self.problem, rival, &clusters);
+            let more: Vec<f64> = left.iter().zip(&own).map(|(rival, own)| rival - own).collect();
+            more.iter().sum::<f64>() > 0.0 && is_beyond_chance(&more)
+        };
+        let mut names: Vec<&'static str> = Vec::new();
+        for name in rivals.into_iter().filter(|rival| !is_separate(rival)).flat_map(Fitted::names) {
+            if !claimed.has(name) && !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+}

@@ -1,0 +1,46 @@
+//! When a swing ends, or never begins: the rules that a recording and a listener share.
+
+use super::detector::{Detector, Stage};
+use super::{End, RecordError};
+use shared::wire::Settings;
+
+/// The wiper may leave its track for a moment at the top; longer is a broken wire.
+const DISCONNECTED_S: f64 = 0.2;
+
+/// When to give up.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// If there is no release within so many seconds.
+    pub wait_s: f64,
+    /// A swing ends so many seconds after the release.
+    pub limit_s: f64,
+}
+
+impl Limits {
+    /// Ends what takes too long; `seconds` have passed in the detector's stage.
+    pub(super) fn patience(&self, detector: &Detector, seconds: f64) -> Result<Option<End>, RecordError> {
+        match detector.stage() {
+            Stage::AtRest => Ok(Some(End::AtRest)),
+            Stage::Swinging if seconds > self.limit_s => Ok(Some(End::TimeLimit)),
+            Stage::Waiting if seconds > self.wait_s => Err(RecordError::NoRelease { seconds: self.wait_s }),
+            Stage::Settling if seconds > self.wait_s => {
+                Err(RecordError::NeverStill { seconds: self.wait_s, spread_rad: detector.spread_rad() })
+            }
+            _ => Ok(None),
+        }
+    }
+}
+
+/// Of so many readings in a row at an end of the range, the last one `code`: too many end the swing.
+pub(super) fn disconnected(
+    settings: &Settings,
+    stage: Stage,
+    n_in_a_row: u32,
+    code: u16,
+) -> Result<Option<End>, RecordError> {
+    match (f64::from(n_in_a_row) > DISCONNECTED_S * f64::from(settings.rate_hz), stage) {
+        (false, _) => Ok(None),
+        (true, Stage::Swinging) => Ok(Some(End::Disconnected { code })),
+        (true, _) => Err(RecordError::Disconnected { code, full_scale: settings.potentiometer.full_scale }),
+    }
+}
