@@ -25,9 +25,9 @@ pub mod zero;
 
 pub use evidence::Evidence;
 pub use holds::{Holding, Standing};
-pub use summary::{Candidate, Diagnosis, NotTried, SpecialCase, Step, Suggestion};
+pub use summary::{Diagnosis, NotTried, SpecialCase, Step, Suggestion};
 pub use ties::FamilyClaim;
-pub use value::Value;
+pub use value::{Candidate, Value};
 
 use crate::fit::by_least_squares::fitted_as_it_is;
 use crate::fit::identify::problem_of;

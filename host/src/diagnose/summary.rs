@@ -5,7 +5,7 @@ use super::formulas::{Found as FoundFormula, formulas};
 use super::holds::Holding;
 use super::models::excess;
 use super::ties::{FamilyClaim, family};
-use super::value::{Value, values};
+use super::value::{Candidate, Value, values};
 use super::verdict::Judge;
 use super::zero;
 use crate::fit::fitted::Fitted;
@@ -18,19 +18,6 @@ use shared::effect::CUSTOM_FORMULA_NAME;
 use shared::parameters::Parameters;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
-
-/// A model that was fitted.
-#[derive(Clone, Debug, Serialize)]
-pub struct Candidate {
-    /// The effects added, joined by `+`; `none` for the base model.
-    pub name: String,
-    /// Root mean square error, rad.
-    pub rmse: f64,
-    /// Bayesian information criterion in units of the noise; lower is better.
-    pub criterion: f64,
-    /// The added effects' numbers.
-    pub parameters: Vec<Value>,
-}
 
 /// A formula for what no candidate explains.
 #[derive(Clone, Debug, Serialize)]

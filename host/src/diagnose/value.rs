@@ -1,4 +1,4 @@
-//! The numbers of a fitted model as a diagnosis shows them.
+//! A fitted model and its numbers as a diagnosis shows them.
 
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
@@ -29,6 +29,19 @@ impl Value {
     pub fn is_within_its_error(&self) -> bool {
         self.std.is_some_and(|std| self.value.abs() < std)
     }
+}
+
+/// A model that was fitted.
+#[derive(Clone, Debug, Serialize)]
+pub struct Candidate {
+    /// The effects added, joined by `+`; `none` for the base model.
+    pub name: String,
+    /// Root mean square error, rad.
+    pub rmse: f64,
+    /// Bayesian information criterion in units of the noise; lower is better.
+    pub criterion: f64,
+    /// The added effects' numbers.
+    pub parameters: Vec<Value>,
 }
 
 /// All fitted numbers of a model with their uncertainties, but Ms and DV.

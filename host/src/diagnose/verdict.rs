@@ -3,8 +3,7 @@
 use super::models::{excess, is_explained};
 use super::replacement::Replacements;
 use super::search::Found;
-use super::summary::Candidate;
-use super::value::values;
+use super::value::{Candidate, values};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
