@@ -80,6 +80,8 @@ fn saved_parameters_are_there_after_a_restart_and_unsaved_ones_are_not() {
 fn bad_input_is_answered_and_changes_nothing() {
     let (_qemu, mut link) = start();
     link.hello().unwrap();
+    // A hello that arrives while the firmware starts is half a frame.
+    let at_first = link.statistics().unwrap().bad_frames;
     link.send_bytes(&[0x55; 2000]).unwrap();
     link.hello().unwrap();
     let Answer::Parameters(before) = link.ask(Command::GetParameters).unwrap() else { panic!() };
@@ -96,7 +98,7 @@ fn bad_input_is_answered_and_changes_nothing() {
 
     link.hello().unwrap();
     assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(before));
-    assert_eq!(link.statistics().unwrap().bad_frames, 1);
+    assert_eq!(link.statistics().unwrap().bad_frames, at_first + 1);
 }
 
 #[test]
