@@ -1,4 +1,5 @@
-//! The model in another language: one C header, Python module or MATLAB function that needs nothing else.
+//! The model in another language: one C header, Python module or MATLAB function that needs nothing else; or the C
+//! header in a functional mock-up unit.
 //!
 //! The physics is not written a second time. The model is generic over its number type, so it is run once with numbers
 //! that write down what is done to them (`symbol.rs`); what they wrote is printed in the other language (`print.rs`).
@@ -6,11 +7,14 @@
 //! written by hand, in `c.rs`, `python.rs` and `matlab.rs`.
 
 mod c;
+mod fmu;
 mod matlab;
 mod print;
 mod python;
 mod symbol;
 mod trace;
+
+pub use fmu::{Fmu, fmu};
 
 use crate::formula::effect_of;
 use crate::rigfile::{Quantity, RigFile};
@@ -40,6 +44,12 @@ pub enum ExportError {
     /// The same of no effect in particular.
     #[error("this model can't be exported: its program takes different ways for different numbers")]
     Model,
+    /// The system or the archive's library refused.
+    #[error("the archive can't be made: {why}")]
+    Archive {
+        /// In its words.
+        why: String,
+    },
 }
 
 /// The text of a header or module.
@@ -51,7 +61,7 @@ pub fn export(file: &RigFile, language: Language) -> Result<String, ExportError>
     let trace = Trace::of(parameters).ok_or_else(|| culprit(parameters))?;
     let numbers = numbers(file);
     Ok(match language {
-        Language::C => c::header(&numbers, &trace, &laws(parameters)),
+        Language::C => c::header(&numbers, &trace, &laws(parameters), c::Numbers::Defined),
         Language::Python => python::module(&numbers, &trace, &laws(parameters)),
         Language::Matlab => matlab::function_file(&numbers, &trace, &laws(parameters)),
     })
@@ -74,15 +84,26 @@ fn culprit(parameters: &Parameters<f64>) -> ExportError {
 /// A number of the model under the name it has in formulas.
 struct Number {
     name: String,
+    /// As a person writes it: `viscous.Mw`.
+    path: String,
     value: f64,
-    comment: String,
+    unit: &'static str,
+    meaning: &'static str,
+}
+
+impl Number {
+    fn comment(&self) -> String {
+        format!("{}, {}", self.unit, self.meaning)
+    }
 }
 
 fn numbers(file: &RigFile) -> Vec<Number> {
     let describe = |quantity: Quantity| Number {
         name: trace::name_of(quantity),
         value: quantity.get(file.parameters()).unwrap_or_default(),
-        comment: format!("{}, {}", quantity.unit(), quantity.meaning()),
+        path: format!("{}.{}", quantity.owner(), quantity.key()),
+        unit: quantity.unit(),
+        meaning: quantity.meaning(),
     };
     Quantity::all(file.parameters()).into_iter().map(describe).collect()
 }

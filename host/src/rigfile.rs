@@ -8,6 +8,7 @@
 mod adopt;
 mod error;
 mod guess;
+mod gyroscope;
 mod quantity;
 mod read;
 mod write;
@@ -38,6 +39,8 @@ pub struct Source {
     pub method: String,
     /// The recordings it was found from.
     pub recordings: Vec<String>,
+    /// What those hold.
+    pub measured: Measured,
 }
 
 /// More recordings than so many are counted instead of named: every value has this list.
@@ -53,7 +56,17 @@ impl Source {
             names.truncate(MOST_NAMED - 1);
             names.push(format!("and {more} more"));
         }
-        Self { method: method.to_owned(), recordings: names }
+        Self { method: method.to_owned(), recordings: names, measured: Measured::Angle }
+    }
+
+    /// The same, found from readings of this kind.
+    pub fn of(self, measured: Measured) -> Self {
+        Self { measured, ..self }
+    }
+
+    /// As a rig of this name reported it.
+    pub fn read_from(rig: &str) -> Self {
+        Self::new(&format!("read from {rig}"), &[])
     }
 }
 
@@ -241,7 +254,11 @@ fn exactly(value: f32) -> f64 {
 
 impl From<RigFileError> for Failure {
     fn from(error: RigFileError) -> Self {
-        Self::failed(&error).next(error.next_step())
+        let failure = match error {
+            RigFileError::OtherSensor { .. } => Self::wrong_use(&error),
+            _ => Self::failed(&error),
+        };
+        failure.next(error.next_step())
     }
 }
 

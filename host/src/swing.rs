@@ -51,6 +51,11 @@ pub fn one_kind<'a>(swings: impl Iterator<Item = &'a Swing>) -> Result<Measured,
     }
 }
 
+/// What swings of one kind measure; angles where there are none.
+pub fn kind(swings: &[Swing]) -> Measured {
+    swings.first().map_or(Measured::Angle, |swing| swing.measured)
+}
+
 /// Seconds of rest that are kept behind a swing.
 const KEPT_REST_S: f64 = 0.5;
 

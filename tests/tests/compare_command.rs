@@ -1,7 +1,9 @@
 //! `host compare` on the command line.
 
 use serde_json::Value;
+use tests::hidden::Rig;
 use tests::program::host;
+use tests::workbench::Workbench;
 
 const INIT: &str = "init --mass 0.1466084 --length 0.1562177 --inertia 0.00270676";
 
@@ -64,6 +66,39 @@ fn a_folder_that_cannot_be_written_is_named() {
     host(path, INIT).succeeded();
     host(path, "simulate --seconds 10 --rate 200 -o swing.csv").succeeded();
     host(path, "compare swing.csv --report nowhere/report.html").failed(1, &["nowhere/report.html"]);
+}
+
+/// Rows of the independent plant's recordings: their own clocks and readings, the model laid over them, and noise between.
+#[test]
+fn the_series_holds_every_sample_beside_its_modelled_value() {
+    let rig = Rig { releases_rad: vec![1.2, -0.8], rate_hz: 100.0, ..Rig::random(14) };
+    let (bench, _) = Workbench::with_recordings(&rig);
+    let path = bench.folder();
+    std::fs::rename(path.join("swing2.csv"), path.join("second,_held_out.csv")).unwrap();
+    host(path, "fit swing1.csv --method least-squares -o rig.toml").succeeded();
+    host(path, "compare swing1.csv --hold-out second,_held_out.csv --csv series.csv").succeeded();
+    let text = std::fs::read_to_string(path.join("series.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("recording,t_s,measured_rad,modelled_rad,residual_rad"));
+    for (release_idx, name) in ["swing1.csv", "second,_held_out.csv"].into_iter().enumerate() {
+        let recording = rig.recording(release_idx);
+        let rows = lines.clone().filter_map(|line| line.strip_prefix(&format!("\"{name}\",")));
+        let rows: Vec<Vec<f64>> = rows.map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+        assert!(rows.len() > recording.len() / 2, "{name}: {} rows of {} samples", rows.len(), recording.len());
+        let mut squares = 0.0;
+        for row in &rows {
+            let [time_s, measured, modelled, residual] = row[..] else { panic!("{row:?}") };
+            let idx = (time_s * rig.rate_hz).round() as usize;
+            assert!((recording.times_s()[idx] - time_s).abs() < 1e-6, "{name}: {row:?}");
+            assert!((recording.angles_rad()[idx] - measured).abs() < 1e-6, "{name}: {row:?}");
+            assert!((measured - modelled - residual).abs() < 1e-6, "{name}: {row:?}");
+            squares += residual * residual;
+        }
+        let noises = (squares / rows.len() as f64).sqrt() / rig.total_noise_rad();
+        assert!((0.9..1.1).contains(&noises), "{name}: {noises} noises between measured and modelled");
+    }
+    // An earlier one is not replaced.
+    host(path, "compare swing1.csv --csv series.csv").failed(2, &["series.csv", "--force"]);
 }
 
 /// Text for a terminal without its line breaks.

@@ -10,7 +10,7 @@ use tests::program::{PATIENT, host, path};
 use tests::protocol_page;
 
 /// Pages with code blocks, each run by a test of its own.
-const PAGES: [&str; 18] = [
+const PAGES: [&str; 19] = [
     "README.md",
     "docs/add-a-board.md",
     "docs/add-an-effect.md",
@@ -27,6 +27,7 @@ const PAGES: [&str; 18] = [
     "docs/physics.md",
     "docs/promises.md",
     "docs/protocol.md",
+    "docs/fmu.md",
     "docs/matlab.md",
     "docs/python.md",
 ];

@@ -1,69 +1,13 @@
 //! An exported model is compiled or run, and goes the same way as ours: with every effect there is, over a whole swing.
 
+mod export_support;
+
+use export_support::{DT_S, EVERY, N_STEPS, RELEASE_RAD, check, dry, ours, said_by, set, with};
 use host::export::{Language, export};
-use host::rigfile::{Knowledge, Quantity, RigFile};
+use host::rigfile::{Quantity, RigFile};
 use shared::effect::Effect;
-use shared::model::Model;
-use shared::motion::Pendulum;
-use shared::parameters::Parameters;
 use std::path::Path;
 use std::process::Command;
-
-/// From a wide release to rest, at the rig's usual rate.
-const N_STEPS: usize = 15_000;
-const DT_S: f64 = 1e-3;
-const RELEASE_RAD: f64 = 1.5;
-
-/// Of angle, velocity, torque and reading. Both compute in f64; sines and powers differ in their last bits.
-const TOLERANCE: f64 = 1e-9;
-
-/// Rows are compared this often, so that a wrong one is near its cause.
-const EVERY: usize = 50;
-
-fn dry() -> RigFile {
-    let pendulum = Parameters::paper().pendulum;
-    let mut file = RigFile::new(Pendulum { ..pendulum }).unwrap();
-    let mut parameters = Parameters::paper();
-    // More dry friction than the paper's, so that it comes to rest in time.
-    parameters.set_friction(5.4e-4, 8e-3, 1e-2, 0.055);
-    for quantity in Quantity::all(&parameters) {
-        set(&mut file, quantity, quantity.get(&parameters).unwrap());
-    }
-    file
-}
-
-fn set(file: &mut RigFile, quantity: Quantity, value: f64) {
-    file.set(quantity, value, Knowledge::default()).unwrap();
-}
-
-/// That pendulum and one effect more, at a twentieth of its largest usual size.
-fn with(effect: &'static Effect<f64>) -> RigFile {
-    let mut file = dry();
-    if !effect.is_base() {
-        for (index, parameter) in effect.parameters.iter().enumerate() {
-            let value = if parameter.start == 0.0 { 0.05 * parameter.high } else { parameter.start };
-            let quantity = Quantity::all_of_effect(effect).nth(index).unwrap();
-            set(&mut file, quantity, value);
-        }
-    }
-    file
-}
-
-/// Angle, velocity, torque and reading, every so many steps.
-fn ours(file: &RigFile) -> Vec<[f64; 4]> {
-    let model = Model::new(file.parameters());
-    let mut state = model.release(RELEASE_RAD, 0.0);
-    let mut sensor = model.sensor_at_rest(&state);
-    let mut rows = Vec::new();
-    for step in 0..N_STEPS {
-        let reading = model.read(&state, &mut sensor);
-        if step % EVERY == 0 {
-            rows.push([state.angle_rad, state.velocity_rad_s, model.friction_torque_nm(&state), reading]);
-        }
-        model.step(&mut state, DT_S);
-    }
-    rows
-}
 
 fn c(folder: &Path, file: &RigFile) -> String {
     std::fs::write(folder.join("rig.h"), export(file, Language::C).unwrap()).unwrap();
@@ -144,25 +88,6 @@ fn the_matlab_function_has_all_that_it_calls() {
         let count = |word: &str| text.lines().filter(|line| line.split_whitespace().next() == Some(word)).count();
         assert_eq!(count("function") + count("if") + count("for"), count("end"), "{}", effect.name);
         assert!(!text.contains('?') && !text.contains("!"), "{}: C is left in it", effect.name);
-    }
-}
-
-fn said_by(command: &mut Command) -> String {
-    let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
-    assert!(output.status.success(), "{command:?}\n{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-#[track_caller]
-fn check(what: &str, file: &RigFile, theirs: &str) {
-    let ours = ours(file);
-    assert_eq!(ours.len(), theirs.lines().count(), "{what}");
-    for (idx, (ours, line)) in ours.iter().zip(theirs.lines()).enumerate() {
-        let theirs: Vec<f64> = line.split_whitespace().map(|word| word.parse().unwrap()).collect();
-        for (ours, theirs) in ours.iter().zip(&theirs) {
-            let off = (ours - theirs).abs();
-            assert!(off < TOLERANCE, "{what}, step {}: {ours} here, {theirs} there, {off:e} apart", EVERY * idx);
-        }
     }
 }
 

@@ -7,6 +7,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 use tests::hidden::{Gyroscope, Random, Rig};
+use tests::page::Server;
 use tests::program::host;
 
 /// A usual phone: 2 % off, some hundredths of a rad/s at rest.
@@ -117,6 +118,35 @@ fn the_model_file_says_what_recordings_hold_that_do_not() {
     assert_eq!((&compared["measured"], &compared["answer"]), (&Value::from("rate"), &Value::from("nothing-missing")));
     fs::write(folder.path().join("rig.toml"), format!("{model}\n[sensor]\nmeasured = \"speed\"\n")).unwrap();
     host(folder.path(), "fit bare.csv").failed(1, &["sensor.measured", "\"angle\" or \"rate\""]);
+}
+
+/// The scale of a phone's gyroscope is not that of the rig's potentiometer: neither command nor page sends it.
+#[test]
+fn a_gyroscopes_scale_is_not_sent_to_a_rig_with_a_potentiometer() {
+    let rig = rig(6);
+    let folder = phone_on(&rig, PHONE, "rad/s", 1.0);
+    let words = ["sensor-gain", "gyroscope", "--without-sensor"];
+    host(folder.path(), "push --port sim").succeeded();
+    host(folder.path(), "fit swing1.csv --method least-squares -o rates.toml").succeeded();
+    host(folder.path(), "improve swing1.csv --rig rates.toml --add quadratic-drag -o improved.toml").succeeded();
+    for model in ["rates", "improved"] {
+        host(folder.path(), &format!("push --rig {model}.toml --port sim")).failed(2, &words);
+    }
+    let sent = host(folder.path(), "push --rig rates.toml --port sim --without-sensor");
+    assert!(sent.succeeded().contains("viscous") && !sent.succeeded().contains("sensor-gain"), "{sent:?}");
+    Server::start(folder.path(), "--rig improved.toml --port sim").post("/api/rig/push", "{}").refused(422, words[0]);
+
+    // A number that somebody knows of the potentiometer, or that its angles gave, is the rig's own.
+    let known = fs::read_to_string(folder.path().join("rates.toml")).unwrap();
+    let typed: String = known
+        .lines()
+        .map(|line| if line.starts_with("eg") { "eg = 0.01\n".to_owned() } else { format!("{line}\n") })
+        .collect();
+    fs::write(folder.path().join("typed.toml"), typed).unwrap();
+    host(folder.path(), "push --rig typed.toml --port sim").succeeded();
+    save(&rig.recording(0), &folder.path().join("angles.csv"), Existing::Keep).unwrap();
+    host(folder.path(), "fit angles.csv --rig rates.toml --method least-squares -o angles.toml").succeeded();
+    host(folder.path(), "push --rig angles.toml --port sim").succeeded();
 }
 
 /// Bias and scale do not depend on luck: many phones, many pendulums.

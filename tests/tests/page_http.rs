@@ -225,3 +225,47 @@ fn a_file_is_shown_before_it_is_taken_in_and_read_as_it_was_wished() {
     assert_eq!(ask("/api/recordings?name=strange.csv&columns=t%3D0,theta%3D1:deg").status, 200);
     ask("/api/recordings?name=strange.csv&columns=t%3D0,theta%3D1:furlong").refused(422, "furlong");
 }
+
+/// While the simulated student holds the pendulum up, the observer waits for it to fall. The page is told how fast the
+/// measured angle changes, and no velocity where the observer does not follow; of a swing both are told, and agree.
+#[test]
+fn a_pendulum_that_is_held_has_no_velocity() {
+    let (_folder, server) = server("--port sim --sim-speed 10");
+    let mut tab = server.tab();
+    let (mut n_held, mut n_swinging) = (0, 0);
+    let (mut angles, mut most_held, mut most_apart) = (Vec::new(), 0.0_f64, 0.0_f64);
+    while n_held < 100 || n_swinging < 1000 {
+        let message = tab.hear();
+        if message["type"] != "live" {
+            continue;
+        }
+        let numbers = |name: &str| message[name].as_array().unwrap().iter().map(|one| one.as_f64()).collect::<Vec<_>>();
+        let (measured, rates, velocities) = (numbers("measured"), numbers("rate"), numbers("velocity"));
+        for ((angle, rate), velocity) in measured.into_iter().zip(rates).zip(velocities) {
+            angles.push(angle.unwrap());
+            let Some(last) = angles.len().checked_sub(N_STILL).map(|from| &angles[from..]) else { continue };
+            let (low, high) =
+                last.iter().fold((f64::MAX, f64::MIN), |(low, high), one| (low.min(*one), high.max(*one)));
+            if high - low < STILL_RAD && low.abs() > UP_RAD {
+                assert_eq!(velocity, None, "held at {low} rad");
+                n_held += 1;
+                most_held = most_held.max(rate.unwrap().abs());
+            } else if n_held > 0
+                && high - low > UP_RAD
+                && let Some(velocity) = velocity
+            {
+                n_swinging += 1;
+                most_apart = most_apart.max((velocity - rate.unwrap()).abs());
+            }
+        }
+    }
+    println!("held: up to {most_held} rad/s; swinging: up to {most_apart} rad/s apart");
+    // The slope of 20 angles with 1 mrad of noise each; half a span of a fall.
+    assert!(most_held < 0.15, "held: {most_held} rad/s");
+    assert!(most_apart < 5.0, "swinging: {most_apart} rad/s apart");
+}
+
+/// Half a second of points within some noises, far from where it hangs.
+const N_STILL: usize = 100;
+const STILL_RAD: f64 = 0.02;
+const UP_RAD: f64 = 0.3;

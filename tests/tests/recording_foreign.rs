@@ -167,6 +167,11 @@ fn a_gyroscopes_rates_stay_rates_by_name_by_header_and_as_told() {
     assert!(off_when_added_up(&phone) < ADDED_UP_RAD, "{}", off_when_added_up(&phone));
     let notes = phone.notes().join("; ");
     assert!(notes.contains("of 3 axes 1 (Gyroscope x (rad/s)) moves most"), "{notes}");
+    let archive = open("phyphox_gyroscope.zip", &ReadOptions::default()).unwrap();
+    assert_eq!(archive.measured(), Measured::Rate);
+    assert_eq!((archive.times_s(), archive.angles_rad()), (phone.times_s(), phone.angles_rad()));
+    let packed = archive.notes().join("; ");
+    assert!(packed.contains("Raw Data.csv read from the archive") && packed.contains("moves most"), "{packed}");
     let told = open("bare_gyroscope.csv", &columns("t=0,rate=1:rad/s")).unwrap();
     assert!(off_when_added_up(&told) < ADDED_UP_RAD && told.notes().len() == 1, "{:?}", told.notes());
     let bare = std::fs::read_to_string(folder().join("bare_gyroscope.csv")).unwrap();
@@ -227,7 +232,7 @@ fn every_file_of_the_folder_has_its_say() {
         .map(|read| read.name)
         .chain(REFUSED.iter().map(|(name, _)| *name))
         .chain(DOUBTED.iter().map(|(name, _)| *name))
-        .chain(["phyphox_gyroscope.csv"])
+        .chain(["phyphox_gyroscope.csv", "phyphox_gyroscope.zip"])
         .map(str::to_owned)
         .collect();
     let there = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());

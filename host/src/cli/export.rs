@@ -2,14 +2,15 @@
 
 use super::{output, rig};
 use crate::error::Failure;
-use crate::export::{ExportError, Language, export};
+use crate::export::{ExportError, Language, export, fmu};
+use crate::files::{self, Existing};
 use crate::formula::effect_of;
 use crate::rigfile::RigFile;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// Write the model as a C header, a Python module or a MATLAB function
+/// Write the model as a C header, a Python module, a MATLAB function or an FMU
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
@@ -39,6 +40,8 @@ enum Format {
     Python,
     /// A MATLAB function, also for Octave and Simulink
     Matlab,
+    /// A functional mock-up unit (FMI 3.0, co-simulation), for Simulink, OpenModelica and others
+    Fmu,
 }
 
 const EXAMPLE: &str = "\
@@ -46,6 +49,7 @@ Example:
   host export --format c rig.toml -o rig.h
   host export --format python rig.toml -o rig.py
   host export --format matlab rig.toml -o rig.m
+  host export --format fmu rig.toml -o rig.fmu
 
 All hold every effect of the model, the sensor's too. The formulas are taken from the program that runs on the board,
 in double precision; no effect is written a second time.";
@@ -56,7 +60,11 @@ struct Exported {
     file: PathBuf,
     format: Format,
     effects: Vec<&'static str>,
-    n_lines: usize,
+    /// Of text; of an archive none are counted.
+    n_lines: Option<usize>,
+    /// In an archive.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    files: Vec<String>,
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
@@ -65,21 +73,56 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         Format::C => Language::C,
         Format::Python => Language::Python,
         Format::Matlab => Language::Matlab,
+        Format::Fmu => return unit(options, &model),
     };
     let text = export(&model, language)?;
     let Some(path) = &options.output else {
         output::result(text.trim_end());
         return Ok(());
     };
-    let rig = rig::chosen_path(options.rig.as_deref());
-    output::check(&[path], &rig.as_deref().into_iter().collect::<Vec<_>>(), options.force)?;
+    check(options, path)?;
     output::write(path, &text, options.force)?;
     let n_lines = text.lines().count();
-    let done = Exported { file: path.clone(), format: options.format, effects: effects(&model), n_lines };
+    told(options, path, &model, Some(n_lines), Vec::new())
+}
+
+fn unit(options: &Options, model: &RigFile) -> Result<(), Failure> {
+    let Some(path) = &options.output else {
+        return Err(Failure::wrong_use("an FMU is an archive and no text").next("name its file with -o rig.fmu"));
+    };
+    check(options, path)?;
+    let unit = fmu(model)?;
+    files::write(path, &unit.archive, Existing::forced(options.force))?;
+    if let Some(why) = &unit.not_compiled {
+        output::warn(&format!(
+            "it holds sources only, which the program that opens it has to compile: {why}; with a C compiler here \
+             (CC names it), it holds the library too"
+        ));
+    }
+    told(options, path, model, None, unit.files)
+}
+
+fn check(options: &Options, path: &Path) -> Result<(), Failure> {
+    let rig = rig::chosen_path(options.rig.as_deref());
+    output::check(&[path], &rig.as_deref().into_iter().collect::<Vec<_>>(), options.force)
+}
+
+fn told(
+    options: &Options,
+    path: &Path,
+    model: &RigFile,
+    n_lines: Option<usize>,
+    files: Vec<String>,
+) -> Result<(), Failure> {
+    let done = Exported { file: path.to_owned(), format: options.format, effects: effects(model), n_lines, files };
+    let size = match n_lines {
+        Some(n_lines) => format!("{n_lines} lines"),
+        None => done.files.join(", "),
+    };
     if options.json {
         output::json("export", &done)
     } else {
-        output::result(&format!("wrote {}, {n_lines} lines: {}", path.display(), done.effects.join(", ")))
+        output::result(&format!("wrote {}, {size}: {}", path.display(), done.effects.join(", ")))
     }
     Ok(())
 }
@@ -92,6 +135,10 @@ fn effects(model: &RigFile) -> Vec<&'static str> {
 
 impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
-        Self::failed(error).next("take that effect out of a copy of the file, and export the rest")
+        let next = match error {
+            ExportError::Archive { .. } => "export it with --format c instead",
+            _ => "take that effect out of a copy of the file, and export the rest",
+        };
+        Self::failed(error).next(next)
     }
 }

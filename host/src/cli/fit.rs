@@ -19,7 +19,7 @@ use crate::link::Session;
 use crate::record::{in_words, unused_path};
 use crate::recording::Existing;
 use crate::rigfile::{RigFile, Source};
-use crate::swing::Swing;
+use crate::swing::{Swing, kind};
 use crate::verdict::Left;
 use clap::{ArgGroup, Args, ValueEnum};
 use progress::Screen;
@@ -146,7 +146,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         Some(found) => refit(&swings, &held_out, found)?,
         None => plain,
     };
-    model.adopt_fit(&fit, &Source::new(options.method.words(), &recordings))?;
+    let source = Source::new(options.method.words(), &recordings).of(kind(&swings));
+    model.adopt_fit(&fit, &source)?;
     if let Some(path) = &options.output {
         model.save(path)?;
     }

@@ -10,8 +10,8 @@ use crate::formula::effect_of;
 use crate::improve::{Change, Step, change};
 use crate::plot::staircase::{Tread, staircase};
 use crate::plot::svg::svg;
-use crate::recording::Measured;
 use crate::rigfile::Source;
+use crate::swing::kind;
 use clap::Args;
 use serde::Serialize;
 use shared::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
@@ -74,14 +74,15 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         (diagnosis.parameters, diagnosis.values)
     } else {
         let steps = change(&swings, &held_out, model.parameters(), &changes).map_err(Failure::failed)?;
-        let unit = swings.first().map_or(Measured::Angle, |swing| swing.measured).milli_unit();
+        let unit = kind(&swings).milli_unit();
         show(options, &Steps { steps: &steps }, || in_words(&steps, unit));
         draw(options, &treads(&steps), steps.first().map_or(0.0, |step| step.noise))?;
         let last = steps.into_iter().next_back();
         last.map_or_else(|| (model.parameters().clone(), Vec::new()), |step| (step.parameters, step.values))
     };
     if let Some(path) = &options.output {
-        model.adopt(&parameters, &values, &Source::new("least squares, effects added", &options.given.recordings))?;
+        let source = Source::new("least squares, effects added", &options.given.recordings).of(kind(&swings));
+        model.adopt(&parameters, &values, &source)?;
         model.save(path)?;
         output::say(&format!("wrote {}", path.display()));
     }

@@ -22,6 +22,9 @@ pub(super) struct Options {
     /// Send the file's sensor calibration too, over the one the rig has
     #[arg(long)]
     calibration: bool,
+    /// Leave out the effects of a sensor that the rig does not have: of a gyroscope whose rates were fitted
+    #[arg(long)]
+    without_sensor: bool,
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -42,7 +45,11 @@ struct Pushed {
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    let file = rig::load(options.rig.as_deref())?;
+    let mut file = rig::load(options.rig.as_deref())?;
+    if options.without_sensor {
+        file.remove_gyroscope();
+    }
+    file.check_sensor()?;
     let mut session = port::connect(&options.port)?;
     let calibration = calibrate(&mut session, &file, options.calibration)?;
     session.push(file.parameters())?;

@@ -35,7 +35,7 @@ pub(super) fn tell_if_normalised(file: &RigFile) {
 
 /// Where values came from that a rig reported.
 pub(super) fn source(session: &Session) -> Source {
-    Source { method: format!("read from {}", session.rig().name), recordings: Vec::new() }
+    Source::read_from(&session.rig().name)
 }
 
 /// May a command that reads a model file and recordings write its own model and drawing? The model file that it reads

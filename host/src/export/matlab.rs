@@ -45,7 +45,7 @@ end
 }
 
 fn numbers(numbers: &[Number]) -> String {
-    let lines: String = numbers.iter().map(|n| format!("p.{} = {:?}; % {}\n", n.name, n.value, n.comment)).collect();
+    let lines: String = numbers.iter().map(|n| format!("p.{} = {:?}; % {}\n", n.name, n.value, n.comment())).collect();
     format!("function p = rig_numbers()\n{lines}end\n")
 }
 

@@ -7,7 +7,7 @@ use shared::model::MAX_CUTS;
 
 /// The whole module.
 pub(super) fn module(numbers: &[Number], trace: &Trace, laws: &[String]) -> String {
-    let numbers: String = numbers.iter().map(|n| format!("{} = {:?}  # {}\n", n.name, n.value, n.comment)).collect();
+    let numbers: String = numbers.iter().map(|n| format!("{} = {:?}  # {}\n", n.name, n.value, n.comment())).collect();
     [
         top(laws),
         numbers,

@@ -36,7 +36,7 @@ impl Session {
         if before == *sent {
             return Ok(());
         }
-        let source = Source { method: format!("read from {}", self.rig().name), recordings: Vec::new() };
+        let source = Source::read_from(&self.rig().name);
         let kept = self.kept_at().ok_or("there is no home folder".to_owned()).and_then(|path| {
             let file = RigFile::of_rig(&before, &source).map_err(|error| error.to_string())?;
             save(&file, &path).map_err(|error| format!("{}: {error}", path.display()))

@@ -54,7 +54,7 @@ impl Session {
     pub fn model_file(&mut self) -> Result<RigFile, Failure> {
         let parameters = self.parameters()?;
         let potentiometer = self.settings()?.potentiometer;
-        let source = Source { method: format!("read from {}", self.rig().name), recordings: Vec::new() };
+        let source = Source::read_from(&self.rig().name);
         let mut file = RigFile::of_rig(&parameters, &source)?;
         file.set_potentiometer(potentiometer);
         Ok(file)

@@ -65,6 +65,15 @@ pub enum RigFileError {
     /// Numbers that no model can have.
     #[error("{0}")]
     Model(ParameterError),
+    /// What is known of one sensor says nothing of another.
+    #[error(
+        "{effects} of the model is that of the gyroscope whose rates it was fitted to; the rig's potentiometer would be \
+         corrected by it"
+    )]
+    OtherSensor {
+        /// The effects' names.
+        effects: String,
+    },
     /// The system refused.
     #[error(transparent)]
     NotWritten(FileError),
@@ -85,6 +94,9 @@ impl RigFileError {
             Self::Missing { file, key, .. } => format!("add {key} to {file}"),
             Self::Newer { .. } => "update this program".into(),
             Self::Model(_) => "give a value within the range, in SI units".into(),
+            Self::OtherSensor { .. } => "send the rest with `host push --without-sensor`, or fit the model to a swing \
+                                         that the rig recorded"
+                .into(),
             Self::NotWritten(error) => error.next_step().into(),
         }
     }

@@ -16,7 +16,7 @@ const TOP_KEYS: [&str; 5] = ["format", "pendulum", "sensor", "effect", "notes"];
 const PENDULUM_KEYS: [&str; 5] = ["mass", "length", "inertia", "gravity", "normalised"];
 const SENSOR_KEYS: [&str; 4] = ["measured", "zero_code", "radians_per_code", "full_scale"];
 const FORMULA_KEY: &str = "formula";
-const VALUE_KEYS: [&str; 4] = ["value", "std", "method", "recordings"];
+const VALUE_KEYS: [&str; 5] = ["value", "std", "method", "recordings", "measured"];
 
 pub(super) fn parse(file: &str, text: &str) -> Result<RigFile> {
     let reader = Reader { file, text };
@@ -35,7 +35,8 @@ pub(super) fn parse(file: &str, text: &str) -> Result<RigFile> {
     reader.check_model(top, &parameters)?;
     let normalised = reader.flag(pendulum_table, "pendulum", "normalised")?;
     let sensor = top.get("sensor");
-    let measured = sensor.map(|item| reader.measured(item)).transpose()?.flatten();
+    let measured = |item| reader.measured(reader.as_table(item, "sensor")?, "sensor");
+    let measured = sensor.map(measured).transpose()?.flatten();
     let is_only_measured =
         |item: &&Item| measured.is_some() && item.as_table_like().is_some_and(|keys| keys.len() == 1);
     let potentiometer =
@@ -167,13 +168,15 @@ impl Reader<'_> {
                 list.iter().map(|name| name.as_str().map(str::to_owned).ok_or_else(problem)).collect::<Result<_>>()?
             }
         };
-        Ok(Some(Source { method, recordings }))
+        let measured = self.measured(table, name)?.unwrap_or_default();
+        Ok(Some(Source { method, recordings, measured }))
     }
 
-    /// What recordings hold that do not say it.
-    fn measured(&self, item: &Item) -> Result<Option<Measured>> {
-        let Some(value) = self.as_table(item, "sensor")?.get("measured") else { return Ok(None) };
-        let problem = || self.bad(value.span(), "sensor.measured", "expected \"angle\" or \"rate\"".to_owned());
+    /// What recordings hold.
+    fn measured(&self, table: &dyn TableLike, name: &str) -> Result<Option<Measured>> {
+        let Some(value) = table.get("measured") else { return Ok(None) };
+        let expected = "expected \"angle\" or \"rate\"";
+        let problem = || self.bad(value.span(), &joined(name, "measured"), expected.to_owned());
         value.as_str().and_then(|text| text.parse().ok()).map(Some).ok_or_else(problem)
     }
 

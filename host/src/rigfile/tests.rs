@@ -30,7 +30,7 @@ fn a_persons_comments_survive_an_update() {
     let text = "# my rig\nformat = 1\n[pendulum] # the brass one\nmass = 0.1 # weighed\nlength = 0.2\n\
                 inertia = 0.001\ngravity = 9.81\n[effect.viscous]\n# greased in May\nMw = 1e-4 # guess\n";
     let mut file = RigFile::parse("rig.toml", text).unwrap();
-    let source = Source { method: "least squares".into(), recordings: vec!["a.csv".into(), "b.csv".into()] };
+    let source = Source::new("least squares", &["a.csv".into(), "b.csv".into()]);
     let knowledge = Knowledge { std: Some(1.234e-6), source: Some(source) };
     file.set(VISCOUS, 2.123_456_789e-4, knowledge.clone()).unwrap();
     file.set(Quantity::Mass, 0.11, Knowledge::default()).unwrap();
@@ -85,7 +85,7 @@ fn what_a_rig_reports_leaves_equal_values_alone() {
     let mut reported = file.parameters().map(|value| value as f32);
     reported.set(base::COULOMB, &[3e-4]).unwrap();
     reported.remove(base::STICTION);
-    file.take_over(&reported, &Source { method: "read from sim".into(), recordings: vec![] }).unwrap();
+    file.take_over(&reported, &Source::read_from("sim")).unwrap();
     assert_eq!(file.knowledge(VISCOUS), Some(&knowledge));
     assert_eq!(reread(&file).parameters().values(base::COULOMB), Some([3e-4].as_slice()));
     assert_eq!(reread(&file).parameters().values(base::STICTION), None);

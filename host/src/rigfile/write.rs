@@ -2,6 +2,7 @@
 
 use super::{FORMAT_VERSION, Knowledge, Quantity};
 use crate::formula::effect_of;
+use crate::recording::Measured;
 use shared::effect::{Action, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
 use shared::parameters::Parameters;
 use shared::potentiometer::Potentiometer;
@@ -140,6 +141,9 @@ fn described(value: f64, knowledge: &Knowledge) -> Value {
         table.insert("method", Value::from(source.method.as_str()));
         if !source.recordings.is_empty() {
             table.insert("recordings", Value::Array(source.recordings.iter().map(String::as_str).collect::<Array>()));
+        }
+        if source.measured != Measured::default() {
+            table.insert("measured", Value::from(source.measured.name()));
         }
     }
     Value::InlineTable(table)

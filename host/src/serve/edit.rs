@@ -56,7 +56,7 @@ pub(super) fn geometry(app: &App, geometry: &Geometry) -> Result<(), Failure> {
 pub(super) fn values(app: &App, values: &Values) -> Result<(), Failure> {
     let mut model = app.model()?.file;
     with(model.parameters(), values)?;
-    let source = Source { method: "set by hand".to_owned(), recordings: Vec::new() };
+    let source = Source::new("set by hand", &[]);
     for (name, value) in values {
         let quantity = named(model.parameters(), name)?;
         let knowledge = Knowledge { std: None, source: Some(source.clone()) };

@@ -1,6 +1,7 @@
 //! The thread that owns the rig's session and fulfils what is wished of it.
 
 mod points;
+mod rate;
 mod recorder;
 
 use super::app::App;

@@ -86,6 +86,7 @@ impl Rig {
             let what = "the model's geometry is unknown, so the rig cannot use it";
             return Err(Failure::wrong_use(what).next("give mass, length and inertia"));
         }
+        model.check_sensor()?;
         self.answered(|answer| Wish::Push(Box::new(model), answer)).await
     }
 

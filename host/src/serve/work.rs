@@ -15,7 +15,7 @@ use crate::fit::windows::WINDOWS_S;
 use crate::geometry;
 use crate::improve::{Bench, Change, Step};
 use crate::rigfile::{RigFile, Source};
-use crate::swing::{Swing, one_kind};
+use crate::swing::{Swing, kind, one_kind};
 use rayon::prelude::*;
 use shared::parameters::Parameters;
 use std::collections::HashMap;
@@ -74,7 +74,8 @@ impl Data {
 
     fn source(&self, method: &str) -> Source {
         let fitted = self.recordings.iter().filter(|recording| !recording.held_out);
-        Source::new(method, &fitted.map(|recording| PathBuf::from(&recording.name)).collect::<Vec<_>>())
+        let names: Vec<PathBuf> = fitted.map(|recording| PathBuf::from(&recording.name)).collect();
+        Source::new(method, &names).of(kind(&self.swings))
     }
 
     /// What a model is called that was fitted to these recordings.

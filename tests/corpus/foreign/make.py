@@ -63,6 +63,11 @@ def phyphox():
     head = '"Time (s)","Gyroscope x (rad/s)","Gyroscope y (rad/s)","Gyroscope z (rad/s)","Absolute (rad/s)"\n'
     gyro = lambda t, a, w: f"{t:.9E},{w:.9E},{0.01:.9E},{-0.02:.9E},{abs(w):.9E}"
     table("phyphox_gyroscope.csv", head, gyro)
+    archive("phyphox_gyroscope.zip", {
+        "Raw Data.csv": (HERE / "phyphox_gyroscope.csv").read_text(),
+        "meta/device.csv": '"property","value"\n"deviceModel","phone"\n',
+        "meta/time.csv": '"event","experiment time","system time"\n"START",0.0,1772366400.0\n',
+    })
     tilt = '"Time (s)","Tilt (deg)"\n'
     table("phyphox_tilt.csv", tilt, lambda t, a, w: f"{t:.9E},{math.degrees(a):.9E}")
     table("phyphox_semicolon.csv", tilt.replace(",", ";"), lambda t, a, w: f"{comma(f'{t:.9E}')};{comma(f'{math.degrees(a):.9E}')}")

@@ -1,5 +1,6 @@
 //! Live points, gathered into messages for the page: at most [`MESSAGES_PER_S`] a second.
 
+use super::rate::{LOST_RAD, Rate};
 use axum::extract::ws::Utf8Bytes;
 use serde::Serialize;
 use shared::wire::Live;
@@ -18,13 +19,18 @@ pub(super) struct Points {
     rate_hz: f64,
     #[serde(skip)]
     sent: Option<Instant>,
+    #[serde(skip)]
+    slope: Rate,
     #[serde(rename = "type")]
     kind: &'static str,
     /// Seconds since the rig was switched on.
     t: Vec<f64>,
     measured: Vec<f32>,
     observed: Vec<f32>,
-    velocity: Vec<f32>,
+    /// By the measured angle.
+    rate: Vec<f32>,
+    /// The observer's; none where it does not follow the pendulum, because a hand holds it.
+    velocity: Vec<Option<f32>>,
     innovation: Vec<f32>,
     friction: Vec<f32>,
 }
@@ -38,10 +44,12 @@ impl Points {
     pub(super) fn take(&mut self, live: &Live) -> Option<Utf8Bytes> {
         for (k, point) in live.points.iter().enumerate() {
             let sample = live.first_sample + k as u64 * u64::from(live.every);
-            self.t.push(sample as f64 / self.rate_hz);
+            let time_s = sample as f64 / self.rate_hz;
+            self.t.push(time_s);
+            self.rate.push(self.slope.take(time_s, point.filtered_rad));
             self.measured.push(point.filtered_rad);
             self.observed.push(point.angle_rad);
-            self.velocity.push(point.velocity_rad_s);
+            self.velocity.push(Some(point.velocity_rad_s).filter(|_| point.innovation_rad.abs() < LOST_RAD));
             self.innovation.push(point.innovation_rad);
             self.friction.push(point.friction_nm);
         }
@@ -53,8 +61,8 @@ impl Points {
         self.sent = Some(Instant::now());
         let text = serde_json::to_string(&self).unwrap_or_default();
         self.t.clear();
-        for column in
-            [&mut self.measured, &mut self.observed, &mut self.velocity, &mut self.innovation, &mut self.friction]
+        self.velocity.clear();
+        for column in [&mut self.measured, &mut self.observed, &mut self.rate, &mut self.innovation, &mut self.friction]
         {
             column.clear();
         }

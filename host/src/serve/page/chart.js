@@ -2,16 +2,23 @@
 
 const INSET = { left: 62, right: 12, top: 6, bottom: 22 };
 
-/** Round steps for an axis. */
+/** Fewer labels don't tell a scale from a number. */
+const LEAST_LABELS = 3;
+
+/** Round steps for an axis: about so many, and never fewer than three. */
 export function ticks(low, high, wanted) {
   const raw = (high - low) / Math.max(wanted, 1);
   if (!(raw > 0)) return { at: [low], digits: 2 };
   const power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((k) => k * power).find((k) => k >= raw);
-  const at = [];
-  for (let k = Math.ceil(low / step); k * step <= high * (1 + 1e-12) + step * 1e-9; k++) at.push(k * step);
+  const steps = [10, 5, 2, 1, 0.5, 0.2, 0.1].map((k) => k * power);
+  const usual = steps.findLastIndex((step) => step >= raw);
+  const step = steps.slice(usual).find((finer) => count(low, high, finer) >= LEAST_LABELS);
+  const first = Math.ceil(low / step - 1e-9);
+  const at = Array.from({ length: count(low, high, step) }, (_, k) => (first + k) * step);
   return { at, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
 }
+
+const count = (low, high, step) => Math.floor(high / step + 1e-9) - Math.ceil(low / step - 1e-9) + 1;
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
@@ -23,7 +30,7 @@ export class Chart {
     if (zoomed) this.listen();
   }
 
-  /** Curves `{ x, y, colour, name }`; bands are half widths around zero. */
+  /** Curves `{ x, y, colour, name }`, null in y a gap; bands are half widths around zero. */
   show(curves, x, bands = []) {
     Object.assign(this, { curves, x, bands });
     this.draw();
@@ -34,7 +41,7 @@ export class Chart {
     let low = Infinity, high = -Infinity;
     for (const { x, y } of this.curves) {
       for (let i = 0; i < y.length; i++) {
-        if (x[i] < this.x[0] || x[i] > this.x[1]) continue;
+        if (x[i] < this.x[0] || x[i] > this.x[1] || y[i] === null) continue;
         if (y[i] < low) low = y[i];
         if (y[i] > high) high = y[i];
       }
@@ -102,6 +109,7 @@ export class Chart {
       pen.beginPath(); pen.moveTo(px(tick), box.top); pen.lineTo(px(tick), box.bottom); pen.stroke();
       pen.fillText(tick.toFixed(across.digits), px(tick), box.bottom + 4);
     }
+    Object.assign(this.canvas.dataset, { labelsUp: vertical.at.length, labelsAcross: across.at.length });
     pen.textAlign = 'left'; pen.textBaseline = 'top';
     pen.save();
     pen.translate(2, (box.top + box.bottom) / 2); pen.rotate(-Math.PI / 2); pen.textAlign = 'center';
@@ -120,6 +128,7 @@ export class Chart {
     for (let i = 0, down = false; i < x.length; i++) {
       if (i + 1 < x.length && x[i + 1] < this.x[0]) continue;
       if (down && x[i] - x[i - 1] > (curve.gap ?? Infinity)) down = false;
+      if (y[i] === null) { down = false; continue; }
       if (down) pen.lineTo(px(x[i]), py(y[i])); else pen.moveTo(px(x[i]), py(y[i]));
       down = true;
       if (x[i] > this.x[1]) break;

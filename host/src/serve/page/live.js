@@ -8,7 +8,7 @@ import { post } from './server.js';
 const KEPT_S = 70;
 const DRAW_EVERY_MS = 50;
 
-const columns = ['t', 'measured', 'observed', 'velocity', 'innovation', 'friction'];
+const columns = ['t', 'measured', 'observed', 'rate', 'velocity', 'innovation', 'friction'];
 const kept = Object.fromEntries(columns.map((name) => [name, []]));
 let drawnAt = 0;
 let rig = {};
@@ -47,7 +47,7 @@ export function draw() {
   const fixed = byId('fixed-scale').checked;
   for (const chart of Object.values(charts)) chart.fixed = fixed ? chart.usual : null;
   charts.angle.show([curve('measured', 'measured', 'measured'), { ...curve('observed', 'modelled', 'observed'), dash: [6, 4] }], x);
-  charts.velocity.show([curve('velocity', 'modelled')], x);
+  charts.velocity.show([curve('rate', 'measured', 'measured'), { ...curve('velocity', 'modelled', 'observed'), dash: [6, 4] }], x);
   charts.innovation.show([curve('innovation', 'measured')], x);
   charts.friction.show([curve('friction', 'other')], x);
 }
