@@ -248,25 +248,81 @@ const FITS: &str = "
     });
     return wide <= innerWidth ? out.map((one) => one.id || one.className || one.tagName).join() : `page ${wide} wide`;";
 
+/// What the eye sees: the background of page and plots and what is painted on the canvases are all light, or all dark.
+const LOOKS: &str = "(() => {
+    const brightness = (rgb) => rgb.slice(0, 3).reduce((sum, part) => sum + Number(part), 0) / 3;
+    const named = (text) => brightness(text.match(/[0-9.]+/g));
+    const shown = (one) => one.checkVisibility() && one.clientWidth > 0;
+    const paper = [getComputedStyle(document.body).backgroundColor,
+        ...[...document.querySelectorAll('.main-svg .bg, .main-svg .gtitle')].map((one) => getComputedStyle(one).fill),
+        ...[...document.querySelectorAll('.js-plotly-plot .main-svg:first-of-type')].map((one) => one.style.background)];
+    const ink = [...document.querySelectorAll('.xtick text, .ytick text')].map((one) => getComputedStyle(one).fill);
+    const labels = [...document.querySelectorAll('canvas')].filter((one) => shown(one) && one.dataset.labelsUp).map((canvas) => {
+        const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+        const quiet = getComputedStyle(document.documentElement).getPropertyValue('--quiet').trim();
+        const wanted = [1, 3, 5].map((at) => parseInt(quiet.slice(at, at + 2), 16));
+        for (let at = 0; at < pixels.length; at += 4)
+            if (wanted.every((part, k) => Math.abs(pixels[at + k] - part) < 12) && pixels[at + 3] > 200) return true;
+        return false;
+    });
+    const all = (dark) => paper.filter((one) => /[0-9]/.test(one) && !/, 0[)]/.test(one)).every((one) => (named(one) < 100) === dark)
+        && ink.every((one) => (named(one) > 150) === dark) && labels.every((one) => one);
+    return all(true) ? 'dark' : all(false) ? 'light' : 'mixed';
+})()";
+
+/// Axes that are shown with fewer than three labels.
+const FEW_LABELS: &str = "(() => {
+    const few = [];
+    const shown = (one) => one.checkVisibility() && one.clientWidth > 0;
+    for (const canvas of [...document.querySelectorAll('canvas')].filter((one) => shown(one) && one.dataset.labelsUp)) {
+        const { labelsUp, labelsAcross } = canvas.dataset;
+        if (Math.min(labelsUp, labelsAcross) < 3) few.push(`${canvas.id}: ${labelsUp} up, ${labelsAcross} across`);
+    }
+    for (const plot of [...document.querySelectorAll('.js-plotly-plot')].filter(shown)) {
+        for (const axis of Object.keys(plot._fullLayout).filter((name) => /^[xy]axis/.test(name))) {
+            const letter = axis[0] + axis.slice(5);
+            const labels = [...plot.querySelectorAll(`.${letter}tick text`)].filter((one) => one.textContent.trim() !== '');
+            const { type, visible, showticklabels } = plot._fullLayout[axis];
+            if (visible && showticklabels && type !== 'category' && labels.length < 3) {
+                few.push(`${plot.id || plot.closest('.card')?.querySelector('h2, h3')?.textContent} ${letter}: ${labels.map((one) => one.textContent).join(' ')}`);
+            }
+        }
+    }
+    return few.join('; ');
+})()";
+
 #[test]
 fn the_page_fits_phones_and_large_screens_in_light_and_dark() {
     let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     prepare(folder.path());
-    let server = Server::start(folder.path(), "--rig rig.toml swing1.csv swing2.csv");
+    let server = Server::start(folder.path(), "--rig rig.toml --port sim swing1.csv swing2.csv");
     block_on(async {
         for width in WIDTHS {
             let browser = Browser::open(&server.url, width, 900).await;
             browser.wait_for("document.querySelector('#verdict.bad')").await;
             browser.wait_for(IDLE).await;
             browser.wait_for("document.querySelectorAll('#pictures .main-svg').length >= 2").await;
+            browser.click("#tab-fit").await;
+            if width == WIDTHS[0] {
+                browser.click("#fit").await;
+            }
+            browser.wait_for("document.querySelectorAll('#fit-story .main-svg').length >= 4").await;
+            browser.wait_for(IDLE).await;
+            browser.click("#tab-live").await;
+            browser.wait_for("document.getElementById('live-velocity').dataset.labelsUp").await;
             let inside = browser.run("return innerWidth").await.as_u64().unwrap();
             assert!(inside.abs_diff(u64::from(width)) <= 20, "{inside} pixels for {width}");
             for theme in ["light", "dark"] {
-                browser.wait_for(&format!("(document.documentElement.dataset.theme = '{theme}') === '{theme}'")).await;
+                if browser.run("return document.documentElement.dataset.theme").await != theme {
+                    browser.click("#theme").await;
+                }
+                browser.wait_for(&format!("document.documentElement.dataset.theme === '{theme}'")).await;
                 for tab in ["model", "live", "fit"] {
                     browser.click(&format!("#tab-{tab}")).await;
                     assert_eq!(browser.run(FITS).await, "", "{tab} at {width} pixels, {theme}");
+                    browser.wait_for(&format!("({LOOKS}) === '{theme}'")).await;
+                    browser.wait_for(&format!("({FEW_LABELS}) === ''")).await;
                     browser.keep_picture(&format!("width-{width}-{tab}-{theme}")).await;
                 }
             }

@@ -11,8 +11,8 @@ use std::collections::VecDeque;
 /// of it has 2.8 times the noise.
 const SPAN_S: f64 = 0.1;
 
-/// From here on the observer does not follow the pendulum, rad. On the simulated rig a swing with the wrong model stays
-/// below a tenth of it, a hand that holds exceeds it ten times; half or twice of it cut the same points.
+/// From here on the observer does not follow the pendulum, rad. On the simulated rig a swing with the first guess of a
+/// model stays below a fifth of it, a hand that holds exceeds it several times; half or twice of it lie between, too.
 pub(super) const LOST_RAD: f32 = 0.1;
 
 /// The angles of the last moments.

@@ -33,7 +33,31 @@ export async function draw(element, make) {
   if (drawn.get(element) !== make || !element.isConnected) return;
   const { traces, layout } = make();
   await plotly.react(element, traces, themed(layout), { responsive: true, displaylogo: false, displayModeBar: false });
+  await label(plotly, element);
 }
+
+/** Fewer labels don't tell a scale from a number. */
+const LEAST_LABELS = 3;
+
+/** Steps are rounded up to two and a half times what is asked for: with eight, three labels are certain. */
+const WANTED_TICKS = [5, 6, 7, 8];
+
+/** Small plots get few labels by themselves: as many are asked for as give three on each axis. */
+async function label(plotly, element) {
+  for (const wanted of WANTED_TICKS) {
+    const few = scales(element).filter((name) => labels(element, name) < LEAST_LABELS);
+    if (few.length === 0) return;
+    await plotly.relayout(element, Object.fromEntries(few.map((name) => [`${name}.nticks`, wanted])));
+  }
+}
+
+/** Axes with labels of the library's own choice. */
+function scales(element) {
+  const isScale = ([name, axis]) => /^[xy]axis/.test(name) && axis.type === 'linear' && axis.showticklabels && axis.tickmode === 'auto';
+  return Object.entries(element._fullLayout).filter(isScale).map(([name]) => name);
+}
+
+const labels = (element, name) => element.querySelectorAll(`.${name.replace('axis', '')}tick text`).length;
 
 export function redrawAll() {
   for (const [element, make] of drawn) {
