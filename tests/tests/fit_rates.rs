@@ -136,6 +136,12 @@ fn a_gyroscopes_scale_is_not_sent_to_a_rig_with_a_potentiometer() {
     assert!(sent.succeeded().contains("viscous") && !sent.succeeded().contains("sensor-gain"), "{sent:?}");
     Server::start(folder.path(), "--rig improved.toml --port sim").post("/api/rig/push", "{}").refused(422, words[0]);
 
+    // What the page itself fitted is known as well as what the command did.
+    let server = Server::start(folder.path(), "--rig rig.toml --port sim swing1.csv");
+    let is_fitted = |state: &Value| state["comparison"]["answer"] == "nothing-missing";
+    server.tab().wait_for(|state| is_fitted(state) && state["rig"]["firmware"].is_string());
+    server.post("/api/rig/push", "{}").refused(422, words[0]);
+
     // A number that somebody knows of the potentiometer, or that its angles gave, is the rig's own.
     let known = fs::read_to_string(folder.path().join("rates.toml")).unwrap();
     let typed: String = known
