@@ -150,6 +150,9 @@ fn a_gyroscopes_scale_is_not_sent_to_a_rig_with_a_potentiometer() {
         .collect();
     fs::write(folder.path().join("typed.toml"), typed).unwrap();
     host(folder.path(), "push --rig typed.toml --port sim").succeeded();
+    let typed = fs::read_to_string(folder.path().join("typed.toml")).unwrap() + "\n[sensor]\nmeasured = \"rate\"\n";
+    fs::write(folder.path().join("typed.toml"), typed).unwrap();
+    host(folder.path(), "push --rig typed.toml --port sim").failed(2, &words);
     save(&rig.recording(0), &folder.path().join("angles.csv"), Existing::Keep).unwrap();
     host(folder.path(), "fit angles.csv --rig rates.toml --method least-squares -o angles.toml").succeeded();
     host(folder.path(), "push --rig angles.toml --port sim").succeeded();

@@ -117,7 +117,7 @@ fn told(
     let done = Exported { file: path.to_owned(), format: options.format, effects: effects(model), n_lines, files };
     let size = match n_lines {
         Some(n_lines) => format!("{n_lines} lines"),
-        None => done.files.join(", "),
+        None => format!("with {}", done.files.join(", ")),
     };
     if options.json {
         output::json("export", &done)

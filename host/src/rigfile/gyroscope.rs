@@ -23,6 +23,9 @@ impl RigFile {
 
     fn gyroscope(&self) -> Vec<&'static Effect<f64>> {
         let is_of_rates = |id: u16| {
+            if self.measured == Some(Measured::Rate) {
+                return true;
+            }
             let sources = self.knowledge.iter().filter(|(known, _)| known.is_of(id)).map(|(_, known)| &known.source);
             sources.flatten().any(|source| source.measured == Measured::Rate)
         };

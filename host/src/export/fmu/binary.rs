@@ -30,7 +30,7 @@ fn compile(folder: &Path, source: &str, library: &str) -> Result<(), String> {
         .args(["-std=c99", "-O2", "-shared", "-fPIC", "-fvisibility=hidden", source, "-o", library, "-lm"])
         .current_dir(folder)
         .output()
-        .map_err(|error| format!("there is no C compiler {named}: {error}"))?;
+        .map_err(|error| format!("the C compiler {named:?} does not run: {error}"))?;
     let complaint = String::from_utf8_lossy(&output.stderr);
     let first = complaint.lines().next().unwrap_or("it says nothing");
     if output.status.success() { Ok(()) } else { Err(format!("{named} failed: {first}")) }
