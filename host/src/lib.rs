@@ -18,6 +18,7 @@ pub mod lanes;
 pub mod link;
 pub mod noise;
 mod now;
+pub mod operations;
 pub mod paper;
 pub mod plan;
 pub mod plot;

@@ -10,7 +10,7 @@ use tests::program::{PATIENT, host, path};
 use tests::protocol_page;
 
 /// Pages with code blocks, each run by a test of its own.
-const PAGES: [&str; 19] = [
+const PAGES: [&str; 20] = [
     "README.md",
     "docs/add-a-board.md",
     "docs/add-an-effect.md",
@@ -30,6 +30,7 @@ const PAGES: [&str; 19] = [
     "docs/fmu.md",
     "docs/matlab.md",
     "docs/python.md",
+    "docs/python-package.md",
 ];
 
 /// What stands for `cargo` while a page is run: its aliases, with the program that is built already.
@@ -212,6 +213,8 @@ fn run(page: &str) {
             "rust" => quoted(page, &block.text),
             // A whole effect; `tests/more new-effect` adds it to a copy of the tree.
             "rust,effect" => {}
+            // Runs where the package is built: host/python/tests/test_guide.py.
+            "python,package" => {}
             other => panic!("{page}: nobody knows how to run a block of {other:?}"),
         }
     }

@@ -4,8 +4,9 @@ use super::output;
 use super::values::{finite, point, positive};
 use crate::compare::measurement::Measurement;
 use crate::error::Failure;
+use crate::operations::reading;
 use crate::recording::segment::SegmentOptions;
-use crate::recording::{self, AngleUnit, Columns, Measured, ReadOptions, Recording};
+use crate::recording::{AngleUnit, Columns, Measured, ReadOptions, Recording};
 use crate::rigfile::RigFile;
 use crate::swing::Swing;
 use clap::Args;
@@ -51,13 +52,7 @@ pub(super) struct Reading {
 impl Reading {
     /// What only both limits together tell.
     pub(super) fn check(&self) -> Result<(), Failure> {
-        match (self.from, self.to) {
-            (Some(from), Some(to)) if from >= to => {
-                Err(Failure::wrong_use(format!("--from {from} s is not before --to {to} s"))
-                    .next(format!("write --from {to} --to {from}, or leave one out")))
-            }
-            _ => Ok(()),
-        }
+        self.rules().check()
     }
 
     /// The same, for recordings of the sensor that a model file tells of.
@@ -67,7 +62,7 @@ impl Reading {
 
     /// Reads a recording.
     pub(super) fn read(&self, path: &Path) -> Result<Recording, Failure> {
-        recording::read(path, &self.options()).map_err(Failure::failed)
+        self.rules().recording(path)
     }
 
     /// How files are read.
@@ -106,21 +101,15 @@ impl Reading {
 
     /// Reads a recording and finds its free swing; gives what was noticed on the way too.
     pub(super) fn swing(&self, path: &Path) -> Result<(Swing, Vec<String>), Failure> {
-        let recording = self.read(path)?;
-        let name = path.display().to_string();
-        let options = self.segment();
-        let (swing, segments) = Swing::from_recording(&name, &recording, &options)
-            .map_err(|error| Failure::failed(format!("{name}: {error}")))?;
-        let notes = recording.notes().iter().chain(&segments.notes).map(|note| format!("{name}: {note}")).collect();
-        Ok((swing, notes))
+        self.rules().swing(&path.display().to_string(), &self.read(path)?)
     }
 
     /// Reads a recording and finds its free swing, with what is known around it.
     pub(super) fn measurement(&self, path: &Path) -> Result<Measurement, Failure> {
-        let recording = self.read(path)?;
-        let name = path.display().to_string();
-        let options = self.segment();
-        let failed = |error| Failure::failed(format!("{name}: {error}"));
-        Measurement::from_recording(&name, &recording, &options).map_err(failed)
+        self.rules().measurement(&path.display().to_string(), &self.read(path)?)
+    }
+
+    fn rules(&self) -> reading::Reading {
+        reading::Reading { options: self.options(), segment: self.segment() }
     }
 }

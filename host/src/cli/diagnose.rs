@@ -3,10 +3,11 @@
 use super::given::Given;
 use super::values::custom_effect;
 use super::{evidence, output};
-use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
+use crate::diagnose::{Wishes, diagnose_with};
 use crate::error::Failure;
+use crate::operations::diagnose::Fields;
+use crate::operations::json::all_named;
 use clap::Args;
-use serde::Serialize;
 use shared::effect::Effect;
 use std::path::PathBuf;
 
@@ -34,14 +35,6 @@ Example:
   host diagnose swing*.csv --formulas
   host diagnose swing*.csv --effect 'torque = -k*omega^3; k in 0..1e-4 N·m·s³'";
 
-#[derive(Serialize)]
-struct Shown<'a> {
-    #[serde(serialize_with = "output::all_lossy")]
-    recordings: &'a [PathBuf],
-    #[serde(flatten)]
-    diagnosis: &'a Diagnosis,
-}
-
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let model = options.given.model()?;
     let swings = options.given.swings(&model)?;
@@ -50,7 +43,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let wishes = Wishes { typed: options.effect, formulas: options.formulas };
     let diagnosis = diagnose_with(&swings, &held_out, model.parameters(), wishes);
     if options.given.json {
-        output::json("diagnose", &Shown { recordings: &options.given.recordings, diagnosis: &diagnosis });
+        output::json("diagnose", &Fields { recordings: &all_named(&options.given.recordings), diagnosis: &diagnosis });
     } else {
         output::result(&evidence::in_words(&diagnosis));
     }

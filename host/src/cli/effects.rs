@@ -3,9 +3,9 @@
 use super::output;
 use crate::error::Failure;
 use crate::formula;
+use crate::operations::effects::{Shown, acts_on, chosen};
 use clap::Args;
-use serde::Serialize;
-use shared::effect::{Action, CUSTOM_FORMULA_NAME, Effect};
+use shared::effect::{CUSTOM_FORMULA_NAME, Effect};
 
 /// List the physical effects, or explain one.
 #[derive(Debug, Args)]
@@ -28,43 +28,14 @@ Example:
   host effects quadratic-drag
   host effects custom                 how to type one of your own";
 
-#[derive(Serialize)]
-struct Shown {
-    effects: Vec<Entry>,
-}
-
-#[derive(Serialize)]
-struct Entry {
-    id: u16,
-    name: &'static str,
-    acts_on: &'static str,
-    summary: &'static str,
-    formula: &'static str,
-    source: &'static str,
-    experiment: &'static str,
-    parameters: Vec<Number>,
-}
-
-#[derive(Serialize)]
-struct Number {
-    symbol: &'static str,
-    unit: &'static str,
-    low: f64,
-    high: f64,
-    meaning: &'static str,
-}
-
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if options.name.as_deref() == Some(CUSTOM_FORMULA_NAME) && !options.json {
         output::result(formula::GUIDE);
         return Ok(());
     }
-    let chosen: Vec<&Effect<f64>> = match &options.name {
-        None => Effect::ALL.iter().collect(),
-        Some(name) => vec![Effect::by_name(name).ok_or_else(|| unknown(name))?],
-    };
+    let chosen = chosen(options.name.as_deref())?;
     if options.json {
-        output::json("effects", &Shown { effects: chosen.into_iter().map(entry).collect() });
+        output::json("effects", &Shown::of(&chosen));
     } else if options.markdown {
         output::result(&markdown());
     } else if options.name.is_some() {
@@ -73,41 +44,6 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         output::result(&listing());
     }
     Ok(())
-}
-
-fn unknown(name: &str) -> Failure {
-    let names: Vec<&str> = Effect::<f64>::ALL.iter().map(|effect| effect.name).collect();
-    Failure::wrong_use(format!("there is no effect called {name}")).next(format!("choose one of {}", names.join(", ")))
-}
-
-fn acts_on(effect: &Effect<f64>) -> &'static str {
-    match effect.action {
-        Action::Base => "base model",
-        Action::Drive(_) | Action::Friction(_) => "torque",
-        Action::State(_) => "torque with memory",
-        Action::Sensor(_) => "sensor",
-        Action::Formula(_) => "formula",
-    }
-}
-
-fn entry(effect: &Effect<f64>) -> Entry {
-    let number = |p: &shared::effect::Parameter| Number {
-        symbol: p.symbol,
-        unit: p.unit,
-        low: p.low,
-        high: p.high,
-        meaning: p.meaning,
-    };
-    Entry {
-        id: effect.id,
-        name: effect.name,
-        acts_on: acts_on(effect),
-        summary: effect.summary,
-        formula: effect.formula,
-        source: effect.source,
-        experiment: effect.experiment,
-        parameters: effect.parameters.iter().map(number).collect(),
-    }
 }
 
 fn listing() -> String {

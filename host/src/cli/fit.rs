@@ -4,26 +4,25 @@ mod drawing;
 mod paper;
 mod progress;
 mod result;
-mod stages;
 
 use super::columns::Reading;
-use super::given::{check_geometry, refuse_doubles};
+use super::given::check_geometry;
 use super::record::{Patience, take};
 use super::values::{Range, custom_effect};
 use super::{output, port, rig};
-use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit};
-use crate::improve::{Change, change};
 use crate::link::Session;
+use crate::operations::fit::{self, Check, Outcome};
+use crate::operations::given::refuse_doubles;
+use crate::operations::json::named;
 use crate::record::{in_words, unused_path};
 use crate::recording::Existing;
 use crate::rigfile::{RigFile, Source};
 use crate::swing::{Swing, kind};
-use crate::verdict::Left;
 use clap::{ArgGroup, Args, ValueEnum};
 use progress::Screen;
-use result::{Check, Outcome};
+use result::Shown;
 use shared::effect::Effect;
 use shared::observer::Observer;
 use shared::parameters::Parameters;
@@ -102,11 +101,7 @@ enum Method {
 impl Method {
     /// As it stands in the model file.
     fn words(self) -> &'static str {
-        match self {
-            Self::Rsm => "response surfaces",
-            Self::LeastSquares => "least squares",
-            Self::Both => "response surfaces, least squares",
-        }
+        fit::words(self.into())
     }
 }
 
@@ -139,33 +134,22 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     refuse_doubles(&swings, &held_out)?;
     check_geometry(model.parameters(), &swings)?;
 
-    let rig = with_effect(options, &swings, model.parameters())?;
-    let plain = identify(options, &swings, &held_out, &rig)?;
-    let discovery = options.discover.then(|| discover(&swings, &held_out, &plain, options.effect)).flatten();
-    let fit = match &discovery {
-        Some(found) => refit(&swings, &held_out, found)?,
-        None => plain,
-    };
+    let outcome = identify(options, &swings, &held_out, &model)?;
+    let fit = &outcome.fit;
     let source = Source::new(options.method.words(), &recordings).of(kind(&swings));
-    model.adopt_fit(&fit, &source)?;
+    model.adopt_fit(fit, &source)?;
     if let Some(path) = &options.output {
         model.save(path)?;
     }
     if let Some(path) = &options.plot {
-        drawing::of_fit(path, &fit, &swings, options.force)?;
+        drawing::of_fit(path, fit, &swings, options.force)?;
     }
     let check = match session.as_mut() {
-        Some(session) if !options.no_push => Some(push_and_check(session, options, &fit)?),
+        Some(session) if !options.no_push => Some(push_and_check(session, options, fit)?),
         _ => None,
     };
-    let outcome = Outcome {
-        fit: &fit,
-        swings: &swings,
-        stages: stages::stages(&fit, options.method.into(), &swings),
-        check: check.as_ref(),
-        discovery: discovery.as_ref(),
-    };
-    result::show(options, &recordings, &outcome);
+    let shown = Shown { outcome: &outcome, swings: &swings, check: check.as_ref() };
+    result::show(options, &recordings, &shown);
     Ok(())
 }
 
@@ -189,47 +173,19 @@ fn record(session: &mut Session, options: &Options, suffix: &str) -> Result<Path
     Ok(path)
 }
 
-/// The model with the effect that was typed, fitted well enough to begin with: a formula may need several starts.
-fn with_effect(options: &Options, swings: &[Swing], rig: &Parameters<f64>) -> Result<Parameters<f64>, Failure> {
-    let Some(effect) = options.effect else { return Ok(rig.clone()) };
-    output::say("looking where the formula's parameters may lie …");
-    let steps = change(swings, &[], rig, &[Change::Add(effect)]).map_err(Failure::failed)?;
-    Ok(steps.last().map_or_else(|| rig.clone(), |step| step.parameters.clone()))
-}
-
 fn swings_quietly(reading: &Reading, recordings: &[PathBuf]) -> Result<Vec<Swing>, Failure> {
     recordings.iter().map(|path| reading.swing(path).map(|(swing, _)| swing)).collect()
 }
 
-/// The identification itself.
-fn identify(options: &Options, swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>) -> Result<Fit, Failure> {
+/// The fit itself, and what is told meanwhile.
+fn identify(options: &Options, swings: &[Swing], held_out: &[Swing], rig: &RigFile) -> Result<Outcome, Failure> {
     let method = options.method.into();
     let ranges =
         options.range.iter().map(|range| (range.quantity.symbol().to_owned(), range.low, range.high)).collect();
-    let settings = identify::Options { method, ranges };
+    let request = fit::Request { method, ranges, typed: options.effect, discover: options.discover };
     let longest_s = swings.iter().map(Swing::duration_s).fold(0.0, f64::max);
     let screen = Screen::new(method, longest_s);
-    identify::fit(swings, held_out, rig, &settings, &|progress| screen.show(progress)).map_err(Failure::failed)
-}
-
-/// What is missing, if the base model leaves more than the noise and something can be named.
-fn discover(swings: &[Swing], held_out: &[Swing], fit: &Fit, typed: Option<&'static Effect<f64>>) -> Option<Diagnosis> {
-    if fit.left == Left::Noise {
-        return None;
-    }
-    output::say("physics is missing: trying every effect …");
-    let found = diagnose_with(swings, held_out, &fit.parameters, Wishes { typed, ..Wishes::default() });
-    let named = found.parameters.effects.len() > found.base_parameters.effects.len();
-    if !named {
-        output::warn("no effect of the list explains what is left");
-    }
-    named.then_some(found)
-}
-
-/// All numbers of the enlarged model with their uncertainties.
-fn refit(swings: &[Swing], held_out: &[Swing], found: &Diagnosis) -> Result<Fit, Failure> {
-    let settings = identify::Options { method: identify::Method::LeastSquares, ranges: Vec::new() };
-    identify::fit(swings, held_out, &found.parameters, &settings, &|_| {}).map_err(Failure::failed)
+    fit::fit(swings, held_out, rig.parameters(), &request, &|news| screen.show(news))
 }
 
 /// Pushes the model, then lets the observer judge old and new parameters by a second swing.
@@ -245,7 +201,7 @@ fn push_and_check(session: &mut Session, options: &Options, fit: &Fit) -> Result
         bandwidth_rad_s,
         innovation_before_rad: innovation(&before),
         innovation_after_rad: innovation(&fit.parameters),
-        recording,
+        recording: named(&recording),
     })
 }
 

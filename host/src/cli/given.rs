@@ -3,9 +3,9 @@
 use super::columns::Reading;
 use super::{output, rig};
 use crate::error::Failure;
-use crate::geometry;
+use crate::operations::given::{doubts, refuse_doubles};
 use crate::rigfile::RigFile;
-use crate::swing::{Swing, one_kind};
+use crate::swing::Swing;
 use clap::Args;
 use shared::parameters::Parameters;
 use std::path::PathBuf;
@@ -53,32 +53,6 @@ impl Given {
 
 /// Can these be swings of this pendulum? Doubts are told.
 pub(super) fn check_geometry(parameters: &Parameters<f64>, swings: &[Swing]) -> Result<(), Failure> {
-    let doubts = geometry::check(parameters, swings).map_err(Failure::failed)?;
-    doubts.iter().for_each(|doubt| output::warn(doubt));
+    doubts(parameters, swings)?.iter().for_each(|doubt| output::warn(doubt));
     Ok(())
-}
-
-/// Angles and rates do not mix; a recording that is given twice would count twice, and one that is fitted confirms nothing when it is held out.
-pub(super) fn refuse_doubles(fitted: &[Swing], held_out: &[Swing]) -> Result<(), Failure> {
-    one_kind(fitted.iter().chain(held_out)).map_err(Failure::failed)?;
-    let all: Vec<(&Swing, bool)> =
-        fitted.iter().map(|swing| (swing, false)).chain(held_out.iter().map(|swing| (swing, true))).collect();
-    for (i, (swing, is_held_out)) in all.iter().enumerate() {
-        let Some((other, _)) = all[..i].iter().find(|(other, _)| is_same(swing, other)) else { continue };
-        let (name, other) = (&swing.name, &other.name);
-        let was_fitted = *is_held_out && fitted.iter().any(|fitted| is_same(swing, fitted));
-        let failure = if was_fitted {
-            Failure::wrong_use(format!("{name} is fitted (as {other}) and held out at once, so it confirms nothing"))
-                .next("hold out another recording, or leave this one out of the fit")
-        } else {
-            Failure::wrong_use(format!("{name} holds the same recording as {other}, which would count twice"))
-                .next("give each recording once")
-        };
-        return Err(failure);
-    }
-    Ok(())
-}
-
-fn is_same(a: &Swing, b: &Swing) -> bool {
-    a.len() == b.len() && a.angles_rad == b.angles_rad && a.times_s == b.times_s
 }

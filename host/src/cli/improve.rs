@@ -3,18 +3,16 @@
 use super::given::Given;
 use super::values::custom_effect;
 use super::{evidence, output, rig};
-use crate::diagnose::{Wishes, diagnose_with};
 use crate::error::Failure;
 use crate::fit::identify::Carries;
-use crate::formula::effect_of;
-use crate::improve::{Change, Step, change};
+use crate::improve::{Change, Step};
+use crate::operations::improve::{Improved, METHOD, effect_named, improve};
 use crate::plot::staircase::{Tread, staircase};
 use crate::plot::svg::svg;
 use crate::rigfile::Source;
 use crate::swing::kind;
 use clap::Args;
-use serde::Serialize;
-use shared::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
+use shared::effect::Effect;
 use shared::parameters::Parameters;
 use std::path::PathBuf;
 
@@ -62,27 +60,16 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     check_outputs(options)?;
     let swings = options.given.swings(&model)?;
     let held_out = options.given.held_out(&model, &options.hold_out, &swings)?;
-    let (parameters, values) = if changes.is_empty() {
-        let diagnosis = diagnose_with(
-            &swings,
-            &held_out,
-            model.parameters(),
-            Wishes { typed: options.effect, ..Wishes::default() },
-        );
-        show(options, &diagnosis, || evidence::in_words(&diagnosis));
-        draw(options, &evidence::treads(&diagnosis), diagnosis.noise)?;
-        (diagnosis.parameters, diagnosis.values)
+    let improved = improve(&swings, &held_out, model.parameters(), options.effect, &changes)?;
+    if options.given.json {
+        output::json("improve", &improved);
     } else {
-        let steps = change(&swings, &held_out, model.parameters(), &changes).map_err(Failure::failed)?;
-        let unit = kind(&swings).milli_unit();
-        show(options, &Steps { steps: &steps }, || in_words(&steps, unit));
-        draw(options, &treads(&steps), steps.first().map_or(0.0, |step| step.noise))?;
-        let last = steps.into_iter().next_back();
-        last.map_or_else(|| (model.parameters().clone(), Vec::new()), |step| (step.parameters, step.values))
-    };
+        output::result(&in_words(&improved, kind(&swings).milli_unit()));
+    }
+    draw(options, &improved)?;
     if let Some(path) = &options.output {
-        let source = Source::new("least squares, effects added", &options.given.recordings).of(kind(&swings));
-        model.adopt(&parameters, &values, &source)?;
+        let source = Source::new(METHOD, &options.given.recordings).of(kind(&swings));
+        improved.write_into(&mut model, &source)?;
         model.save(path)?;
         output::say(&format!("wrote {}", path.display()));
     }
@@ -95,28 +82,19 @@ fn check_outputs(options: &Options) -> Result<(), Failure> {
 }
 
 fn changes(options: &Options, rig: &Parameters<f64>) -> Result<Vec<Change>, Failure> {
-    let effect = |name: &String| {
-        if name == CUSTOM_FORMULA_NAME {
-            return options.effect.or(effect_of(rig, CUSTOM_FORMULA_ID)).ok_or_else(|| {
-                Failure::wrong_use("there is no custom effect to speak of").next("give its formula with --effect")
-            });
-        }
-        Effect::<f64>::by_name(name).ok_or_else(|| {
-            Failure::wrong_use(format!("there is no effect called {name}")).next("see the names with `host effects`")
-        })
-    };
+    let effect = |name: &String| effect_named(name, options.effect, rig);
     let added = options.add.iter().map(|name| Ok(Change::Add(effect(name)?)));
     let removed = options.remove.iter().map(|name| Ok(Change::Remove(effect(name)?)));
     added.chain(removed).collect()
 }
 
-fn show(options: &Options, fields: &impl Serialize, words: impl Fn() -> String) {
-    if options.given.json { output::json("improve", fields) } else { output::result(&words()) }
-}
-
-fn draw(options: &Options, treads: &[Tread], noise_rad: f64) -> Result<(), Failure> {
+fn draw(options: &Options, improved: &Improved) -> Result<(), Failure> {
     let Some(path) = &options.plot else { return Ok(()) };
-    output::write(path, &svg(&staircase(treads, noise_rad)), options.force)
+    let (treads, noise) = match improved {
+        Improved::Diagnosed(diagnosis) => (evidence::treads(diagnosis), diagnosis.noise),
+        Improved::Changed { steps } => (treads(steps), steps.first().map_or(0.0, |step| step.noise)),
+    };
+    output::write(path, &svg(&staircase(&treads, noise)), options.force)
 }
 
 fn treads(steps: &[Step]) -> Vec<Tread> {
@@ -124,12 +102,14 @@ fn treads(steps: &[Step]) -> Vec<Tread> {
     steps.iter().map(tread).collect()
 }
 
-#[derive(Serialize)]
-struct Steps<'a> {
-    steps: &'a [Step],
+fn in_words(improved: &Improved, unit: &str) -> String {
+    match improved {
+        Improved::Diagnosed(diagnosis) => evidence::in_words(diagnosis),
+        Improved::Changed { steps } => error_after_each(steps, unit),
+    }
 }
 
-fn in_words(steps: &[Step], unit: &str) -> String {
+fn error_after_each(steps: &[Step], unit: &str) -> String {
     let line = |step: &Step| {
         let held_out = step.held_out.map_or(String::new(), |rmse| format!("  held out {:.3} {unit}", 1e3 * rmse));
         let noises = step.rmse / step.noise;

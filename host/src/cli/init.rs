@@ -1,8 +1,9 @@
 //! `host init`: writes a model file.
 
+use super::output;
 use super::values::{not_negative, positive};
-use super::{output, rig};
 use crate::error::Failure;
+use crate::operations::model::{Value, values};
 use crate::rigfile::{RigFile, RigFileError};
 use clap::Args;
 use serde::Serialize;
@@ -57,7 +58,7 @@ struct Written {
     gravity_torque_nm: f64,
     pivot_inertia_kg_m2: f64,
     period_s: f64,
-    parameters: Vec<rig::Value>,
+    parameters: Vec<Value>,
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
@@ -74,7 +75,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         gravity_torque_nm,
         pivot_inertia_kg_m2,
         period_s: 2.0 * std::f64::consts::PI * (pivot_inertia_kg_m2 / gravity_torque_nm).sqrt(),
-        parameters: rig::values(&file),
+        parameters: values(&file),
     };
     if options.json {
         output::json("init", &written)

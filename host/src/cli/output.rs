@@ -2,6 +2,7 @@
 
 use crate::error::Failure;
 use crate::files::{self, Existing, FileError};
+use crate::operations::json;
 use env_logger::Env;
 use env_logger::fmt::Formatter;
 use log::Record;
@@ -11,9 +12,6 @@ use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-
-/// Version of every `--json` object.
-const JSON_FORMAT: u32 = 1;
 
 /// What went wrong with stdout, told when the command is through.
 static LOST: Mutex<Option<String>> = Mutex::new(None);
@@ -49,15 +47,7 @@ pub(super) fn finish() -> Result<(), Failure> {
 
 /// The one object of `--json`: the command's own fields behind its name.
 pub(super) fn json(command: &str, fields: &impl Serialize) {
-    #[derive(Serialize)]
-    struct Object<'a, T> {
-        format: u32,
-        command: &'a str,
-        #[serde(flatten)]
-        fields: &'a T,
-    }
-    let object = Object { format: JSON_FORMAT, command, fields };
-    match serde_json::to_string_pretty(&object) {
+    match json::text(command, fields) {
         Ok(text) => result(&text),
         Err(error) => lose(&error.to_string()),
     }
@@ -66,11 +56,6 @@ pub(super) fn json(command: &str, fields: &impl Serialize) {
 /// A path in a `--json` object; what is not UTF-8 in it stands there as �.
 pub(super) fn lossy<S: Serializer>(path: &impl AsRef<Path>, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_str(&path.as_ref().display())
-}
-
-/// Several of them.
-pub(super) fn all_lossy<S: Serializer>(paths: &impl AsRef<[PathBuf]>, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(paths.as_ref().iter().map(|path| path.to_string_lossy()))
 }
 
 /// Writes a picture, a report or a program that was asked for; replaces a file with `force` only.

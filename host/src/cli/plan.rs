@@ -3,12 +3,11 @@
 use super::given::Given;
 use super::output;
 use super::table::table;
-use crate::diagnose::{Diagnosis, diagnose};
 use crate::error::Failure;
-use crate::plan::{DISTINGUISHABLE, Experiment, Prospect, plan};
+use crate::operations::json::all_named;
+use crate::operations::plan::Planned;
+use crate::plan::{DISTINGUISHABLE, Experiment, Prospect};
 use clap::Args;
-use serde::Serialize;
-use std::path::PathBuf;
 
 /// Find the experiment that would best separate the leading explanations: release angle and side, mass, length.
 #[derive(Debug, Args)]
@@ -25,46 +24,28 @@ Example:
 The models that explain the recordings best are simulated in each experiment. What counts is the difference that stays
 when a wrong model moves its parameters as far as the recordings allow.";
 
-#[derive(Serialize)]
-struct Planned<'a> {
-    #[serde(serialize_with = "output::all_lossy")]
-    recordings: &'a [PathBuf],
-    models: Vec<String>,
-    undecided: &'a [&'static str],
-    experiments: &'a [Prospect],
-}
-
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let file = options.given.model()?;
     let swings = options.given.swings(&file)?;
-    output::say("looking for the leading explanations …");
-    let diagnosis = diagnose(&swings, &[], file.parameters());
-    output::say("simulating experiments with each …");
-    let prospects =
-        if diagnosis.leading.len() < 2 { Vec::new() } else { plan(&swings, &diagnosis.leading, !file.is_normalised()) };
-    let models = diagnosis.leading.iter().map(|trial| named(&trial.names())).collect();
+    output::say("looking for the leading explanations, then simulating experiments with each …");
+    let planned = Planned::new(&all_named(&options.given.recordings), &swings, &file);
     if options.given.json {
-        let undecided = &diagnosis.undecided;
-        let recordings = &options.given.recordings;
-        output::json("plan", &Planned { recordings, models, undecided, experiments: &prospects });
+        output::json("plan", &planned);
     } else {
-        output::result(&in_words(&diagnosis, &models, &prospects));
+        output::result(&in_words(&planned));
     }
     Ok(())
 }
 
-fn named(names: &[&str]) -> String {
-    if names.is_empty() { "nothing".to_owned() } else { names.join(" + ") }
-}
-
-fn in_words(diagnosis: &Diagnosis, models: &[String], prospects: &[Prospect]) -> String {
+fn in_words(planned: &Planned) -> String {
+    let Planned { models, undecided, experiments: prospects, .. } = planned;
     let Some(best) = prospects.first() else {
         return "Nothing is missing at this noise level, so there is nothing to separate. A release from another angle, \
                 or less noise, may show more."
             .to_owned();
     };
     let mut lines = vec![format!("Missing is, by these recordings: {}.", models[0])];
-    lines.push(match diagnosis.undecided.as_slice() {
+    lines.push(match undecided.as_slice() {
         [] => format!("The next best explanations are {}.", models[1..].join(", ")),
         names => format!("They can't tell it from {}.", names.join(", ")),
     });

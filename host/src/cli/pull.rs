@@ -3,6 +3,7 @@
 use super::{output, port, rig};
 use crate::error::Failure;
 use crate::link::Session;
+use crate::operations::model::{Value, values};
 use crate::rigfile::RigFile;
 use clap::Args;
 use serde::Serialize;
@@ -36,7 +37,7 @@ struct Pulled {
     firmware: String,
     #[serde(serialize_with = "output::lossy")]
     file: PathBuf,
-    parameters: Vec<rig::Value>,
+    parameters: Vec<Value>,
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
@@ -45,7 +46,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let file = if options.output.exists() { updated(options, &mut session)? } else { session.model_file()? };
     file.save(&options.output)?;
     let (port, firmware) = (options.port.clone(), session.firmware());
-    let pulled = Pulled { port, firmware, file: options.output.clone(), parameters: rig::values(&file) };
+    let pulled = Pulled { port, firmware, file: options.output.clone(), parameters: values(&file) };
     if options.json {
         output::json("pull", &pulled);
     } else {

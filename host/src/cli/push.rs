@@ -2,11 +2,8 @@
 
 use super::{output, port, rig};
 use crate::error::Failure;
-use crate::link::Session;
-use crate::rigfile::RigFile;
+use crate::operations::push::push;
 use clap::Args;
-use serde::Serialize;
-use shared::wire::Command;
 use std::path::PathBuf;
 
 /// Send a model to the rig, save it to flash, read it back and compare.
@@ -36,14 +33,6 @@ Example:
 
 The rig keeps the model without power. Values are compared after rounding to the rig's 32-bit numbers.";
 
-#[derive(Serialize)]
-struct Pushed {
-    port: String,
-    firmware: String,
-    calibration: bool,
-    parameters: Vec<rig::Value>,
-}
-
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut file = rig::load(options.rig.as_deref())?;
     if options.without_sensor {
@@ -51,14 +40,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     file.check_sensor()?;
     let mut session = port::connect(&options.port)?;
-    let calibration = calibrate(&mut session, &file, options.calibration)?;
-    session.push(file.parameters())?;
-    let pushed = Pushed {
-        port: options.port.clone(),
-        firmware: session.firmware(),
-        calibration,
-        parameters: rig::values(&file),
-    };
+    let pushed = push(&mut session, &file, options.calibration, &|note| output::warn(note))?;
     if options.json {
         output::json("push", &pushed);
     } else {
@@ -66,23 +48,4 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         output::result(&format!("saved in {} and read back the same:\n{listing}", pushed.firmware));
     }
     Ok(())
-}
-
-/// Sends the calibration if that is wanted; else says when the rig has another one than the file.
-fn calibrate(session: &mut Session, file: &RigFile, wanted: bool) -> Result<bool, Failure> {
-    let Some(potentiometer) = file.potentiometer() else {
-        let nothing = Failure::wrong_use("the model file has no [sensor] table, so there is no calibration to send")
-            .next("leave --calibration out, or take the rig's with `host pull`");
-        return if wanted { Err(nothing) } else { Ok(false) };
-    };
-    let settings = session.settings()?;
-    if settings.potentiometer == *potentiometer {
-        return Ok(false);
-    }
-    if wanted {
-        session.tell(&Command::SetSettings(shared::wire::Settings { potentiometer: *potentiometer, ..settings }))?;
-    } else {
-        output::warn("the rig's calibration differs from the file's and stays; --calibration sends the file's");
-    }
-    Ok(wanted)
 }

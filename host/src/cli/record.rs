@@ -5,12 +5,11 @@ use super::{interrupt, output, port};
 use crate::error::Failure;
 use crate::link::Session;
 use crate::now;
-use crate::record::{End, Live, Plan, Stage, Taken, Watch, in_words, record, usable};
+use crate::operations::record::{Recorded, at_rate};
+use crate::record::{Live, Plan, Stage, Taken, Watch, in_words, record, usable};
 use crate::recording::Existing;
 use clap::Args;
-use serde::Serialize;
 use shared::rig::{HIGHEST_RATE_HZ, LOWEST_RATE_HZ};
-use shared::wire::{Command, Settings};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -60,43 +59,13 @@ Example:
 
 Ctrl-C ends a recording early and keeps it. The file holds raw, unfiltered angles and converter codes.";
 
-#[derive(Serialize)]
-struct Recorded {
-    #[serde(serialize_with = "output::lossy")]
-    file: PathBuf,
-    rate_hz: f32,
-    n_samples: usize,
-    release_rad: f64,
-    n_passages: u32,
-    swing_s: f64,
-    frames_lost: u64,
-    samples_lost: u64,
-    ended: &'static str,
-}
-
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut session = port::connect(&options.port)?;
-    let before = options.rate.map(|rate_hz| sample_at(&mut session, rate_hz)).transpose()?;
-    let rate_hz = session.settings()?.rate_hz;
-    let taken = take(&mut session, &options.output, Existing::forced(options.force), &options.patience);
-    if let Some(before) = before {
-        // The link may be what broke.
-        let _ = session.tell(&Command::SetSettings(before));
-    }
-    let taken = taken?;
-    let recorded = Recorded {
-        file: taken.path.clone(),
-        rate_hz,
-        n_samples: taken.n_samples,
-        release_rad: taken.release_rad,
-        n_passages: taken.n_passages,
-        swing_s: taken.swing_s,
-        frames_lost: taken.frames_lost,
-        samples_lost: taken.samples_lost,
-        ended: ended(&taken.end),
-    };
+    let (taken, rate_hz) = at_rate(&mut session, options.rate, &output::say, |session| {
+        take(session, &options.output, Existing::forced(options.force), &options.patience)
+    })?;
     if options.json {
-        output::json("record", &recorded)
+        output::json("record", &Recorded::new(&taken, rate_hz))
     } else {
         output::result(&in_words(&taken))
     }
@@ -108,18 +77,6 @@ fn rate(text: &str) -> Result<f32, String> {
     let range = LOWEST_RATE_HZ..=HIGHEST_RATE_HZ;
     let within = text.parse().ok().filter(|rate_hz| range.contains(rate_hz));
     within.ok_or_else(|| format!("expected {} to {} samples a second", range.start(), range.end()))
-}
-
-/// Sets the rate, and says so if the rig makes another one of it; gives the settings before.
-fn sample_at(session: &mut Session, rate_hz: f32) -> Result<Settings, Failure> {
-    let (made_hz, before) = session.sample_at(rate_hz)?;
-    if made_hz != rate_hz {
-        let ppm = 1e6 * (f64::from(made_hz) / f64::from(rate_hz) - 1.0);
-        output::say(&format!(
-            "the rig samples at {made_hz} Hz, the nearest to {rate_hz} Hz that it can make ({ppm:+.0} ppm)"
-        ));
-    }
-    Ok(before)
 }
 
 /// Records one swing; anything but a usable one is a failure, told together with what was kept.
@@ -139,16 +96,6 @@ pub(super) fn take(
         output::warn(&note);
     }
     Ok(taken)
-}
-
-fn ended(end: &End) -> &'static str {
-    match end {
-        End::AtRest => "at rest",
-        End::TimeLimit => "time limit",
-        End::Stopped => "stopped",
-        End::Disconnected { .. } => "disconnected",
-        End::Lost(_) => "link lost",
-    }
 }
 
 /// What the person at the rig sees.

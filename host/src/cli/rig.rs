@@ -5,8 +5,8 @@ use super::output;
 use crate::error::Failure;
 use crate::files::are_one;
 use crate::link::Session;
-use crate::rigfile::{Quantity, RigFile, Source, USUAL_NAME};
-use serde::Serialize;
+use crate::operations::model::{Value, values};
+use crate::rigfile::{RigFile, Source, USUAL_NAME};
 use std::path::{Path, PathBuf};
 
 /// The model file of a command: the named one, or `rig.toml` here.
@@ -56,29 +56,7 @@ pub(super) fn check_outputs(
     output::check(&new, &recordings().chain(rig.as_deref()).collect::<Vec<_>>(), force)
 }
 
-/// A number of the model, as `--json` shows it.
-#[derive(Debug, Serialize)]
-pub(super) struct Value {
-    symbol: &'static str,
-    name: &'static str,
-    value: f64,
-    std: Option<f64>,
-    unit: &'static str,
-}
-
-/// Every number of a model.
-pub(super) fn values(file: &RigFile) -> Vec<Value> {
-    let describe = |quantity: Quantity| Value {
-        symbol: quantity.symbol(),
-        name: quantity.owner(),
-        value: quantity.get(file.parameters()).unwrap_or_default(),
-        std: file.knowledge(quantity).and_then(|knowledge| knowledge.std),
-        unit: quantity.unit(),
-    };
-    Quantity::all(file.parameters()).into_iter().map(describe).collect()
-}
-
-/// The same for a person: one number a line.
+/// Every number of a model for a person: one number a line.
 pub(super) fn listing(file: &RigFile) -> String {
     let values = values(file);
     let number = |value: &Value| match value.std {

@@ -1,27 +1,16 @@
 //! `host simulate`: a swing of the model, written as a recording.
 
-use super::values::{Assignment, custom_effect, finite, not_negative, positive};
+use super::values::{custom_effect, finite, not_negative, positive};
 use super::{output, rig};
 use crate::error::Failure;
-use crate::formula::{self, effect_of};
-use crate::recording::{Calibration, Existing, Header, WriteError, Writer};
-use crate::sim::{Noise, Scenario};
+use crate::operations::simulate::{Assignment, Simulation, check_size, runs_away, scenario, with};
+use crate::recording::{Existing, WriteError, Writer};
+use crate::sim::Scenario;
 use clap::Args;
 use serde::Serialize;
-use shared::effect::{CUSTOM_FORMULA_ID, Effect};
-use shared::model::Model;
-use shared::parameters::Parameters;
+use shared::effect::Effect;
 use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
 use std::path::{Path, PathBuf};
-
-/// The pendulum is held still at the start angle for so long, s.
-const HELD_S: f64 = 0.5;
-
-/// Rates beyond this make files nobody wants.
-const HIGHEST_RATE_HZ: f64 = 100_000.0;
-
-/// Longer swings neither.
-const LONGEST_S: f64 = 36_000.0;
 
 /// Simulate a swing of the model, with 0.5 s of stillness before the release, and write it as a recording.
 #[derive(Debug, Args)]
@@ -109,8 +98,16 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     };
     let parameters = with(&model, options.effect, &options.with)?;
     let potentiometer = potentiometer.unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT));
-    let simulated =
-        write(options, path, &parameters, (!options.exact).then_some(potentiometer)).map_err(not_written)?;
+    let simulation = Simulation {
+        parameters,
+        start_rad: options.start,
+        seconds: options.seconds,
+        noise_rad: options.noise,
+        seed: options.seed,
+        rate_hz: options.rate,
+        converter: (!options.exact).then_some(potentiometer),
+    };
+    let simulated = write(options, path, &simulation).map_err(not_written)?;
     if options.json {
         output::json("simulate", &simulated);
     } else {
@@ -122,14 +119,6 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         ));
     }
     Ok(())
-}
-
-fn scenario(name: &str) -> Result<&'static Scenario, Failure> {
-    Scenario::by_name(name).ok_or_else(|| {
-        let names: Vec<&str> = Scenario::ALL.iter().map(|scenario| scenario.name).collect();
-        Failure::wrong_use(format!("there is no scenario called {name}"))
-            .next(format!("choose one of {}", names.join(", ")))
-    })
 }
 
 #[derive(Serialize)]
@@ -153,91 +142,28 @@ fn reveal(options: &Options, scenario: &'static Scenario) -> Result<(), Failure>
 }
 
 fn check(options: &Options, path: &Path) -> Result<(), Failure> {
-    if options.rate > HIGHEST_RATE_HZ || options.seconds > LONGEST_S {
-        let what = format!("{} s at {} Hz is too much", options.seconds, options.rate);
-        return Err(Failure::wrong_use(what).next(format!("stay within {LONGEST_S} s and {HIGHEST_RATE_HZ} Hz")));
-    }
+    check_size(options.seconds, options.rate)?;
     let rig = rig::chosen_path(options.rig.as_deref()).filter(|_| options.scenario.is_none());
     output::check(&[path], &rig.as_deref().into_iter().collect::<Vec<_>>(), options.force)
 }
 
-fn with(
-    parameters: &Parameters<f64>,
-    effect: Option<&'static Effect<f64>>,
-    assignments: &[Assignment],
-) -> Result<Parameters<f64>, Failure> {
-    let refused = |error| Failure::wrong_use(error).next("give --with a value within the range");
-    let mut parameters = parameters.clone();
-    if let Some(effect) = effect {
-        let start: Vec<f64> = effect.parameters.iter().map(|parameter| parameter.start).collect();
-        formula::add(&mut parameters, effect, &start).map_err(refused)?;
-    }
-    let custom = effect_of(&parameters, CUSTOM_FORMULA_ID);
-    for assignment in assignments {
-        let quantity = assignment
-            .quantity(custom)
-            .map_err(|error| Failure::wrong_use(error).next("name one of them in --with"))?;
-        quantity.add_effect(&mut parameters).map_err(refused)?;
-        quantity.set(&mut parameters, assignment.value);
-    }
-    parameters.check().map_err(refused)?;
-    Ok(parameters)
-}
-
-fn write(
-    options: &Options,
-    path: &Path,
-    parameters: &Parameters<f64>,
-    converter: Option<Potentiometer>,
-) -> Result<Simulated, WriteError> {
-    let mut writer = Writer::whole(path, &header(options, converter), Existing::forced(options.force))?;
-    let model = Model::new(parameters);
-    let mut state = model.release(options.start, 0.0);
-    let mut sensor = model.sensor_at_rest(&state);
-    let mut noise = Noise::new(options.seed);
-    let n_held = (HELD_S * options.rate).round() as usize;
-    let n_samples = n_held + (options.seconds * options.rate).round() as usize + 1;
-    for sample_idx in 0..n_samples {
-        if sample_idx > n_held {
-            model.step(&mut state, 1.0 / options.rate);
-        }
-        let angle_rad = model.read(&state, &mut sensor) + options.noise * noise.normal();
-        let (angle_rad, code) = converter.map_or((angle_rad, None), |potentiometer| convert(&potentiometer, angle_rad));
-        writer.write(sample_idx as f64 / options.rate, angle_rad, code)?;
-    }
+fn write(options: &Options, path: &Path, simulation: &Simulation) -> Result<Simulated, WriteError> {
+    let mut writer = Writer::whole(path, &simulation.header(), Existing::forced(options.force))?;
+    let end = simulation.run(|time_s, angle_rad, code| writer.write(time_s, angle_rad, code))?;
     writer.finish()?;
     Ok(Simulated {
         file: path.to_owned(),
-        n_samples,
+        n_samples: end.n_samples,
         rate_hz: options.rate,
         release_rad: options.start,
-        final_angle_rad: state.angle_rad,
-        rests: state.contact.is_resting(),
+        final_angle_rad: end.final_angle_rad,
+        rests: end.rests,
     })
-}
-
-fn header(options: &Options, converter: Option<Potentiometer>) -> Header {
-    let calibration = converter.map(|potentiometer| Calibration {
-        zero_code: f64::from(potentiometer.zero_code),
-        radians_per_code: f64::from(potentiometer.radian_per_code),
-    });
-    let comment = format!("simulated, noise {} rad, seed {}", options.noise, options.seed);
-    Header { rate_hz: Some(options.rate), calibration, comment: Some(comment), ..Header::default() }
-}
-
-/// Through the converter and back, as the rig does it.
-fn convert(potentiometer: &Potentiometer, angle_rad: f64) -> (f64, Option<u16>) {
-    let (zero, step) = (f64::from(potentiometer.zero_code), f64::from(potentiometer.radian_per_code));
-    let code = (angle_rad / step + zero).round().clamp(0.0, f64::from(potentiometer.full_scale)) as u16;
-    ((f64::from(code) - zero) * step, Some(code))
 }
 
 fn not_written(error: WriteError) -> Failure {
     match error {
-        WriteError::BadSample { time_s, angle_rad, .. } => {
-            let what = format!("the swing runs away: at {time_s:.3} s its angle is {angle_rad:e} rad");
-            Failure::failed(what).next("an effect of the model feeds energy in without end; choose smaller values")
-        }
+        WriteError::BadSample { time_s, angle_rad, .. } => runs_away(time_s, angle_rad),
         error => Failure::failed(error),
     }
 }

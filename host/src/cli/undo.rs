@@ -2,6 +2,7 @@
 
 use super::{output, port, rig};
 use crate::error::Failure;
+use crate::operations::model::{Value, values};
 use clap::Args;
 use serde::Serialize;
 
@@ -28,7 +29,7 @@ first one back.";
 struct Undone {
     port: String,
     firmware: String,
-    parameters: Vec<rig::Value>,
+    parameters: Vec<Value>,
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
@@ -36,7 +37,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let before = session.previous()?;
     session.push(before.parameters())?;
     let (port, firmware) = (options.port.clone(), session.firmware());
-    let undone = Undone { port, firmware, parameters: rig::values(&before) };
+    let undone = Undone { port, firmware, parameters: values(&before) };
     if options.json {
         output::json("undo", &undone);
     } else {

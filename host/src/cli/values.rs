@@ -1,6 +1,7 @@
 //! Numbers on the command line, checked where they enter.
 
 use crate::formula;
+use crate::operations::simulate::{Assignment, quantity};
 use crate::rigfile::Quantity;
 use shared::effect::Effect;
 
@@ -34,20 +35,6 @@ pub(super) fn point(text: &str) -> Result<[f64; 2], String> {
 pub(super) fn custom_effect(text: &str) -> Result<&'static Effect<f64>, String> {
     // The command line's own sentence comes first; the formula with its mark begins on a line of its own.
     formula::read(text).map_err(|error| error.to_string())
-}
-
-/// `NAME=VALUE`, the name a symbol such as `Cq`.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Assignment {
-    pub(super) name: String,
-    pub(super) value: f64,
-}
-
-impl Assignment {
-    /// The number that is meant; those of a formula come first.
-    pub(super) fn quantity(&self, custom: Option<&'static Effect<f64>>) -> Result<Quantity, String> {
-        custom.and_then(|effect| Quantity::by_formula_name(&self.name, effect)).map_or_else(|| quantity(&self.name), Ok)
-    }
 }
 
 impl std::str::FromStr for Assignment {
@@ -85,11 +72,6 @@ impl std::str::FromStr for Range {
             _ => Ok(Self { quantity, low, high }),
         }
     }
-}
-
-fn quantity(name: &str) -> Result<Quantity, String> {
-    let name = name.trim();
-    Quantity::by_name(name).ok_or_else(|| format!("there is no parameter {name}; known are {}", Quantity::symbols()))
 }
 
 #[cfg(test)]

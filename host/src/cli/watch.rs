@@ -4,14 +4,11 @@ use super::number::{significant, with_spread};
 use super::record::Patience;
 use super::{interrupt, output, port};
 use crate::error::Failure;
-use crate::link::SIMULATED;
-use crate::record::{End, Limits, Stage, listen};
-use crate::watch::{Candidate, Event, Look, Watcher};
+use crate::operations::watch::watch;
+use crate::record::{Limits, Stage};
+use crate::watch::{Candidate, Event, Look};
 use clap::Args;
 use std::io::Write;
-
-/// Simulated pendulums let go by themselves, at most so often.
-const SIMULATED_SWINGS: u32 = 5;
 
 /// A bar is so many letters long at most …
 const BAR: usize = 30;
@@ -54,40 +51,14 @@ recordings is the thorough answer.";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut session = port::connect(&options.port)?;
-    let parameters = session.parameters()?.map(f64::from);
-    let rate_hz = f64::from(session.settings()?.rate_hz);
+    let limits = Limits { wait_s: options.patience.wait, limit_s: options.patience.limit };
     let mut screen = Screen::default();
     let mut tell = |event: Event| screen.show(&event);
-    let mut watcher = Watcher::new(parameters, rate_hz, &mut tell);
-    let limits = Limits { wait_s: options.patience.wait, limit_s: options.patience.limit };
-    let is_simulated = options.port.split(':').next() == Some(SIMULATED);
-    let n_swings = options.swings.unwrap_or(if is_simulated { SIMULATED_SWINGS } else { 1 });
-    let mut last = None;
-    for _ in 0..n_swings {
-        let end = interrupt::orderly(|stop| listen(&mut session, limits, &mut watcher, stop))?;
-        let look = last.insert(watcher.rests());
-        let is_enough = options.swings.is_none() && !look.named.is_empty();
-        if is_last(&end)? || is_enough {
-            break;
-        }
-    }
+    let last = interrupt::orderly(|stop| watch(&mut session, options.swings, limits, &mut tell, stop))?;
     if let Some(look) = last {
         tell_result(&look, options.json);
     }
     Ok(())
-}
-
-/// Was this the last swing that can be watched?
-fn is_last(end: &End) -> Result<bool, Failure> {
-    match end {
-        End::AtRest | End::TimeLimit => Ok(false),
-        End::Stopped => Ok(true),
-        End::Lost(error) => Err(Failure::failed(error).next(error.next_step())),
-        End::Disconnected { code } => Err(Failure::failed(format!(
-            "the potentiometer reads code {code}, an end of its range: nothing is said of this swing"
-        ))
-        .next("check the potentiometer's three wires; release from a smaller angle if it left its track")),
-    }
 }
 
 fn tell_result(look: &Look, is_json: bool) {

@@ -4,13 +4,12 @@ use crate::cli::output;
 use crate::error::Failure;
 use crate::fit::identify::Fit;
 use crate::fit::problem::Start;
+use crate::operations::fit::modelled;
 use crate::paper::data::Published;
 use crate::paper::replay::Replay;
 use crate::plot::overlay::{Overlay, Row};
 use crate::recording::Measured;
 use crate::swing::Swing;
-use crate::trajectory::simulate;
-use shared::model::Model;
 use shared::parameters::Parameters;
 use std::path::Path;
 
@@ -55,11 +54,7 @@ pub(super) fn of_paper(path: &Path, force: bool) -> Result<(), Failure> {
 }
 
 fn row(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Row {
-    let model = Model::new(parameters);
-    let state = model.release(start.angle_rad, start.velocity_rad_s);
-    let mut model_rad = Vec::with_capacity(swing.len());
-    let schedule = swing.schedule(parameters);
-    simulate(&model, state, schedule, swing.len(), |_, reading: f64| model_rad.push(reading + start.offset_rad));
+    let model_rad = modelled(swing, start, parameters);
     let squares: f64 = swing.angles_rad.iter().zip(&model_rad).map(|(m, s)| (m - s).powi(2)).sum();
     let rmse_mrad = 1e3 * (squares / swing.len() as f64).sqrt();
     let name = Path::new(&swing.name).file_name().map_or(swing.name.as_str().into(), |name| name.to_string_lossy());

@@ -3,42 +3,58 @@
 use crate::cli::output;
 use crate::fit::identify::{Method, Progress};
 use crate::fit::windows::WINDOWS_S;
+use crate::operations::fit::News;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// The bar is drawn anew so often, so that its clock runs.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Shows the steps of an identification.
+/// Shows the steps of a fit.
 pub(super) struct Screen {
-    bar: Option<ProgressBar>,
+    method: Method,
+    longest_s: f64,
+    /// On a terminal, from the first step on.
+    bar: Mutex<Option<ProgressBar>>,
 }
 
 impl Screen {
     /// For a method and the longest of the swings, s.
     pub(super) fn new(method: Method, longest_s: f64) -> Self {
-        let bar = output::is_watched() && !output::is_quiet();
-        Self { bar: bar.then(|| bar_of(n_steps(method, longest_s))) }
+        Self { method, longest_s, bar: Mutex::new(None) }
     }
 
-    /// A step begins.
-    pub(super) fn show(&self, progress: Progress) {
-        let text = progress.to_string();
-        match &self.bar {
-            Some(bar) => {
-                bar.inc(1);
-                bar.set_message(text);
+    /// Something begins.
+    pub(super) fn show(&self, news: News) {
+        match news {
+            News::Identifying(progress) if output::is_watched() && !output::is_quiet() => self.advance(&progress),
+            News::NothingNamed => output::warn(&news.to_string()),
+            News::Discovering => {
+                self.clear();
+                output::say(&news.to_string());
             }
-            None => output::say(&format!("{text} …")),
+            _ => output::say(&news.to_string()),
+        }
+    }
+
+    fn advance(&self, progress: &Progress) {
+        let mut bar = self.bar.lock().unwrap_or_else(PoisonError::into_inner);
+        let bar = bar.get_or_insert_with(|| bar_of(n_steps(self.method, self.longest_s)));
+        bar.inc(1);
+        bar.set_message(progress.to_string());
+    }
+
+    fn clear(&self) {
+        if let Some(bar) = self.bar.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            bar.finish_and_clear();
         }
     }
 }
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
+        self.clear();
     }
 }
 

@@ -1,19 +1,17 @@
 //! The result of a fit: one object for programs, a screen of tables and sentences for a person.
 
 use super::Options;
-use super::stages::After;
 use crate::cli::number::{count, significant, with_spread};
 use crate::cli::table::{table, wrapped};
 use crate::cli::{evidence, output};
-use crate::diagnose::Diagnosis;
 use crate::fit::identify::{Fit, Identified, Verdict};
 use crate::fit::quality::Responses;
-use crate::fit::sequential::Stage;
+use crate::operations::fit::{After, Check, Outcome};
+use crate::operations::json::all_named;
 use crate::recording::Measured;
 use crate::rigfile::USUAL_NAME;
 use crate::swing::Swing;
 use crate::verdict::Left;
-use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Correlations beyond this are worth a sentence.
@@ -28,97 +26,40 @@ const AS_GOOD: f64 = 1.1;
 /// No model is that much better than the noise.
 const BELOW_NOISE: f64 = 0.7;
 
-/// How well the rig's observer follows a fresh swing, before and after.
-#[derive(Clone, Debug, Serialize)]
-pub(super) struct Check {
-    #[serde(serialize_with = "output::lossy")]
-    pub(super) recording: PathBuf,
-    pub(super) bandwidth_rad_s: f64,
-    pub(super) innovation_before_rad: f64,
-    pub(super) innovation_after_rad: f64,
-}
-
 /// Everything there is to tell.
-pub(super) struct Outcome<'a> {
-    pub(super) fit: &'a Fit,
+pub(super) struct Shown<'a> {
+    pub(super) outcome: &'a Outcome,
     pub(super) swings: &'a [Swing],
-    pub(super) stages: Vec<After>,
     pub(super) check: Option<&'a Check>,
-    pub(super) discovery: Option<&'a Diagnosis>,
-}
-
-#[derive(Serialize)]
-struct Object<'a> {
-    #[serde(serialize_with = "output::all_lossy")]
-    recordings: &'a [PathBuf],
-    method: &'static str,
-    parameters: &'a [Identified],
-    correlations: &'a [Vec<Option<f64>>],
-    rmse: f64,
-    noise: f64,
-    left: Left,
-    held_out_rmse: Option<f64>,
-    responses: &'a Responses,
-    responses_before: &'a Responses,
-    lowered: &'a [After],
-    stages: &'a [Stage],
-    warnings: &'a [String],
-    simulations: usize,
-    seconds: f64,
-    check: Option<&'a Check>,
-    discovery: Option<&'a Diagnosis>,
 }
 
 /// Prints it on stdout.
-pub(super) fn show(options: &Options, recordings: &[PathBuf], outcome: &Outcome) {
+pub(super) fn show(options: &Options, recordings: &[PathBuf], shown: &Shown) {
     if options.json {
-        output::json("fit", &object(options, recordings, outcome));
+        output::json("fit", &shown.outcome.fields(&all_named(recordings), options.method.into(), shown.check));
     } else {
-        if let Some(found) = outcome.discovery {
+        if let Some(found) = &shown.outcome.discovery {
             output::result(&format!("{}\n", evidence::in_words(found)));
         }
-        output::result(&in_words(options, recordings, outcome));
+        output::result(&in_words(options, recordings, shown));
     }
 }
 
-fn object<'a>(options: &Options, recordings: &'a [PathBuf], outcome: &'a Outcome) -> Object<'a> {
-    let fit = outcome.fit;
-    Object {
-        recordings,
-        method: options.method.words(),
-        parameters: &fit.identified,
-        correlations: &fit.correlations,
-        rmse: fit.rmse_rad,
-        noise: fit.noise_rad,
-        left: fit.left,
-        held_out_rmse: fit.held_out_rmse_rad,
-        responses: &fit.responses,
-        responses_before: &fit.responses_before,
-        lowered: &outcome.stages,
-        stages: &fit.stages,
-        warnings: &fit.warnings,
-        simulations: fit.n_simulations,
-        seconds: fit.seconds,
-        check: outcome.check,
-        discovery: outcome.discovery,
-    }
-}
-
-fn in_words(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> String {
-    let fit = outcome.fit;
+fn in_words(options: &Options, recordings: &[PathBuf], shown: &Shown) -> String {
+    let fit = &shown.outcome.fit;
     let parts = [
-        opening(options, outcome),
+        opening(options, shown),
         parameters(fit),
-        lowered(&outcome.stages, fit),
-        sentences(outcome).iter().map(|sentence| wrapped(sentence, 0)).collect::<Vec<_>>().join("\n"),
+        lowered(&shown.outcome.stages, fit),
+        sentences(shown).iter().map(|sentence| wrapped(sentence, 0)).collect::<Vec<_>>().join("\n"),
         fit.warnings.iter().map(|note| wrapped(&format!("note: {note}"), 6)).collect::<Vec<_>>().join("\n"),
-        ending(options, recordings, outcome),
+        ending(options, recordings, shown),
     ];
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n\n")
 }
 
-fn opening(options: &Options, outcome: &Outcome) -> String {
-    let (fit, swings) = (outcome.fit, outcome.swings);
+fn opening(options: &Options, shown: &Shown) -> String {
+    let (fit, swings) = (&shown.outcome.fit, shown.swings);
     let what = match swings {
         [swing] => format!("{}, {:.1} s of swing", swing.name, swing.duration_s()),
         _ => format!("{} swings, {:.1} s together", swings.len(), swings.iter().map(Swing::duration_s).sum::<f64>()),
@@ -164,12 +105,12 @@ fn lowered(stages: &[After], fit: &Fit) -> String {
     }
 }
 
-fn sentences(outcome: &Outcome) -> Vec<String> {
-    let fit = outcome.fit;
-    let unit = outcome.swings.first().map_or(Measured::Angle, |swing| swing.measured).milli_unit();
+fn sentences(shown: &Shown) -> Vec<String> {
+    let fit = &shown.outcome.fit;
+    let unit = shown.swings.first().map_or(Measured::Angle, |swing| swing.measured).milli_unit();
     let mut sentences = vec![error_against_noise(fit, unit)];
     sentences.extend(fit.held_out_rmse_rad.map(|rmse_rad| held_out(rmse_rad, fit, unit)));
-    sentences.extend(outcome.check.map(innovation));
+    sentences.extend(shown.check.map(innovation));
     sentences.extend(strong_correlations(fit));
     sentences
 }
@@ -234,40 +175,40 @@ fn physics_is_missing(fit: &Fit) -> bool {
 }
 
 /// What was saved where, and what to do next.
-fn ending(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> String {
+fn ending(options: &Options, recordings: &[PathBuf], shown: &Shown) -> String {
     let mut lines = Vec::new();
-    let shown = |path: &Path| path.display().to_string();
+    let name = |path: &Path| path.display().to_string();
     if options.port.is_some() {
-        let all = recordings.iter().chain(outcome.check.map(|check| &check.recording));
-        lines.push(format!("recorded   {}", all.map(|path| shown(path)).collect::<Vec<_>>().join(", ")));
+        let all = recordings.iter().map(|path| name(path)).chain(shown.check.map(|check| check.recording.clone()));
+        lines.push(format!("recorded   {}", all.collect::<Vec<_>>().join(", ")));
     }
-    lines.extend(options.output.as_deref().map(|path| format!("model      {}", shown(path))));
-    lines.extend(options.plot.as_deref().map(|path| format!("drawing    {}", shown(path))));
+    lines.extend(options.output.as_deref().map(|path| format!("model      {}", name(path))));
+    lines.extend(options.plot.as_deref().map(|path| format!("drawing    {}", name(path))));
     if let Some(port) = &options.port {
-        let state = if outcome.check.is_some() { "has the new model, in its flash too" } else { "was left as it is" };
+        let state = if shown.check.is_some() { "has the new model, in its flash too" } else { "was left as it is" };
         lines.push(format!("rig        {port} {state}"));
     }
-    let (why, command) = next(options, recordings, outcome);
+    let (why, command) = next(options, recordings, shown);
     lines.push(format!("next       {command}\n           {why}"));
     lines.join("\n")
 }
 
 /// The next command to try, and what it is good for.
-fn next(options: &Options, recordings: &[PathBuf], outcome: &Outcome) -> (&'static str, String) {
+fn next(options: &Options, recordings: &[PathBuf], shown: &Shown) -> (&'static str, String) {
     let names = output::recordings(recordings);
     let quoted = |path: &Path| output::command(&[&path.to_string_lossy()]);
     let rig = options.rig.as_deref().map_or(String::new(), |path| format!(" --rig {}", quoted(path)));
-    let is_pushed = outcome.check.is_some();
+    let is_pushed = shown.check.is_some();
     match (&options.port, &options.output) {
         (Some(port), None) if is_pushed => {
             let force = if Path::new(USUAL_NAME).exists() { " --force" } else { "" };
             ("keeps the model in a file", format!("host pull --port {port} -o {USUAL_NAME}{force}"))
         }
-        (_, None) if physics_is_missing(outcome.fit) => {
+        (_, None) if physics_is_missing(&shown.outcome.fit) => {
             ("names the effect that is missing", format!("host diagnose {names}{rig}"))
         }
         (_, None) => ("keeps the model in a file", format!("host fit {names}{rig} -o {USUAL_NAME}")),
-        (_, Some(path)) if physics_is_missing(outcome.fit) => {
+        (_, Some(path)) if physics_is_missing(&shown.outcome.fit) => {
             ("names the effect that is missing", format!("host diagnose {names} --rig {}", quoted(path)))
         }
         (port, Some(path)) if !is_pushed => {

@@ -13,11 +13,11 @@ use std::sync::atomic::AtomicUsize;
 
 /// The responses over the whole swings after a stage.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct After {
+pub struct After {
     /// What was just done.
-    pub(super) stage: &'static str,
+    pub stage: &'static str,
     /// Where that led.
-    pub(super) responses: Responses,
+    pub responses: Responses,
 }
 
 /// First guess, response surfaces, least squares, as far as the method has them.

@@ -1,0 +1,86 @@
+//! What may act on a pendulum, read from the one list.
+
+use crate::error::Failure;
+use serde::Serialize;
+use shared::effect::{Action, Effect};
+
+/// Effects, as `--json` shows them.
+#[derive(Serialize)]
+pub struct Shown {
+    effects: Vec<Entry>,
+}
+
+#[derive(Serialize)]
+struct Entry {
+    id: u16,
+    name: &'static str,
+    acts_on: &'static str,
+    summary: &'static str,
+    formula: &'static str,
+    source: &'static str,
+    experiment: &'static str,
+    parameters: Vec<Number>,
+}
+
+#[derive(Serialize)]
+struct Number {
+    symbol: &'static str,
+    unit: &'static str,
+    low: f64,
+    high: f64,
+    meaning: &'static str,
+}
+
+impl Shown {
+    /// These effects.
+    pub fn of(effects: &[&Effect<f64>]) -> Self {
+        Self { effects: effects.iter().map(|effect| entry(effect)).collect() }
+    }
+}
+
+/// The effect of this name, or all of them.
+///
+/// # Errors
+/// There is none of this name.
+pub fn chosen(name: Option<&str>) -> Result<Vec<&'static Effect<f64>>, Failure> {
+    match name {
+        None => Ok(Effect::ALL.iter().collect()),
+        Some(name) => Ok(vec![Effect::by_name(name).ok_or_else(|| unknown(name))?]),
+    }
+}
+
+fn unknown(name: &str) -> Failure {
+    let names: Vec<&str> = Effect::<f64>::ALL.iter().map(|effect| effect.name).collect();
+    Failure::wrong_use(format!("there is no effect called {name}")).next(format!("choose one of {}", names.join(", ")))
+}
+
+/// What an effect acts on, in words.
+pub fn acts_on(effect: &Effect<f64>) -> &'static str {
+    match effect.action {
+        Action::Base => "base model",
+        Action::Drive(_) | Action::Friction(_) => "torque",
+        Action::State(_) => "torque with memory",
+        Action::Sensor(_) => "sensor",
+        Action::Formula(_) => "formula",
+    }
+}
+
+fn entry(effect: &Effect<f64>) -> Entry {
+    let number = |p: &shared::effect::Parameter| Number {
+        symbol: p.symbol,
+        unit: p.unit,
+        low: p.low,
+        high: p.high,
+        meaning: p.meaning,
+    };
+    Entry {
+        id: effect.id,
+        name: effect.name,
+        acts_on: acts_on(effect),
+        summary: effect.summary,
+        formula: effect.formula,
+        source: effect.source,
+        experiment: effect.experiment,
+        parameters: effect.parameters.iter().map(number).collect(),
+    }
+}

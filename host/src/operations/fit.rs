@@ -1,0 +1,218 @@
+//! The fit of a rig to its swings, with what may be asked of it: a typed torque, missing physics found and added.
+
+use super::covariance::Covariance;
+use super::stages;
+pub use super::stages::After;
+use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
+use crate::error::Failure;
+use crate::fit::identify::{self, Fit, Identified, Progress};
+use crate::fit::problem::Start;
+use crate::fit::quality::Responses;
+use crate::fit::sequential::Stage;
+use crate::improve::{Change, change};
+use crate::swing::Swing;
+use crate::trajectory::simulate;
+use crate::verdict::Left;
+use serde::Serialize;
+use shared::effect::Effect;
+use shared::model::Model;
+use shared::parameters::Parameters;
+
+/// What is asked for.
+#[derive(Clone)]
+pub struct Request {
+    /// How to identify.
+    pub method: identify::Method,
+    /// Search within these ranges, by symbol.
+    pub ranges: Vec<(String, f64, f64)>,
+    /// A torque that somebody typed.
+    pub typed: Option<&'static Effect<f64>>,
+    /// If physics is missing, find out which and go on with the enlarged model.
+    pub discover: bool,
+}
+
+/// What happens meanwhile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum News {
+    /// A typed torque may need several starts.
+    Starting,
+    /// A step of the identification begins.
+    Identifying(Progress),
+    /// Every effect is tried.
+    Discovering,
+    /// No effect explains what is left.
+    NothingNamed,
+}
+
+impl std::fmt::Display for News {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Starting => write!(out, "looking where the formula's parameters may lie …"),
+            Self::Identifying(progress) => write!(out, "{progress} …"),
+            Self::Discovering => write!(out, "physics is missing: trying every effect …"),
+            Self::NothingNamed => write!(out, "no effect of the list explains what is left"),
+        }
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The numbers.
+    pub fit: Fit,
+    /// The responses after each stage.
+    pub stages: Vec<After>,
+    /// What was missing, if it was looked for and found.
+    pub discovery: Option<Diagnosis>,
+}
+
+/// How well the rig's observer follows a fresh swing, before and after.
+#[derive(Clone, Debug, Serialize)]
+pub struct Check {
+    /// The file of that swing.
+    pub recording: String,
+    /// The observer's bandwidth, rad/s.
+    pub bandwidth_rad_s: f64,
+    /// Measured minus predicted angle with the old parameters, rms, rad.
+    pub innovation_before_rad: f64,
+    /// The same with the new ones.
+    pub innovation_after_rad: f64,
+}
+
+/// The fields of `fit --json`.
+#[derive(Serialize)]
+pub struct Fields<'a> {
+    recordings: &'a [String],
+    method: &'static str,
+    parameters: &'a [Identified],
+    correlations: &'a [Vec<Option<f64>>],
+    covariance: Covariance,
+    rmse: f64,
+    noise: f64,
+    left: Left,
+    held_out_rmse: Option<f64>,
+    responses: &'a Responses,
+    responses_before: &'a Responses,
+    lowered: &'a [After],
+    stages: &'a [Stage],
+    warnings: &'a [String],
+    simulations: usize,
+    seconds: f64,
+    check: Option<&'a Check>,
+    discovery: Option<&'a Diagnosis>,
+}
+
+/// A method as model files and results name it.
+pub fn words(method: identify::Method) -> &'static str {
+    match method {
+        identify::Method::Rsm => "response surfaces",
+        identify::Method::LeastSquares => "least squares",
+        identify::Method::Both => "response surfaces, least squares",
+    }
+}
+
+/// Fits friction and inertia of `rig` to the swings.
+///
+/// # Errors
+/// As [`identify::fit`]; a typed torque that can't be added.
+pub fn fit(
+    swings: &[Swing],
+    held_out: &[Swing],
+    rig: &Parameters<f64>,
+    request: &Request,
+    tell: &(dyn Fn(News) + Sync),
+) -> Result<Outcome, Failure> {
+    let rig = with_typed(swings, rig, request.typed, tell)?;
+    let settings = identify::Options { method: request.method, ranges: request.ranges.clone() };
+    let told = |progress| tell(News::Identifying(progress));
+    let plain = identify::fit(swings, held_out, &rig, &settings, &told).map_err(Failure::failed)?;
+    let discovery = request.discover.then(|| discover(swings, held_out, &plain, request.typed, tell)).flatten();
+    let fit = match &discovery {
+        Some(found) => refit(swings, held_out, found)?,
+        None => plain,
+    };
+    let stages = stages::stages(&fit, request.method, swings);
+    Ok(Outcome { fit, stages, discovery })
+}
+
+impl Outcome {
+    /// The fields of `--json`: with the names of the recordings, the method that was asked for, and how a rig took the
+    /// new model.
+    pub fn fields<'a>(
+        &'a self,
+        recordings: &'a [String],
+        method: identify::Method,
+        check: Option<&'a Check>,
+    ) -> Fields<'a> {
+        let fit = &self.fit;
+        Fields {
+            recordings,
+            method: words(method),
+            parameters: &fit.identified,
+            correlations: &fit.correlations,
+            covariance: Covariance::of(fit),
+            rmse: fit.rmse_rad,
+            noise: fit.noise_rad,
+            left: fit.left,
+            held_out_rmse: fit.held_out_rmse_rad,
+            responses: &fit.responses,
+            responses_before: &fit.responses_before,
+            lowered: &self.stages,
+            stages: &fit.stages,
+            warnings: &fit.warnings,
+            simulations: fit.n_simulations,
+            seconds: fit.seconds,
+            check,
+            discovery: self.discovery.as_ref(),
+        }
+    }
+}
+
+/// The model's readings at a swing's times, from a start: rad, or rad/s where rates were measured.
+pub fn modelled(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Vec<f64> {
+    let model = Model::new(parameters);
+    let state = model.release(start.angle_rad, start.velocity_rad_s);
+    let mut readings = Vec::with_capacity(swing.len());
+    let schedule = swing.schedule(parameters);
+    simulate(&model, state, schedule, swing.len(), |_, reading: f64| readings.push(reading + start.offset_rad));
+    readings
+}
+
+/// The model with the effect that was typed, fitted well enough to begin with: a formula may need several starts.
+fn with_typed(
+    swings: &[Swing],
+    rig: &Parameters<f64>,
+    typed: Option<&'static Effect<f64>>,
+    tell: &(dyn Fn(News) + Sync),
+) -> Result<Parameters<f64>, Failure> {
+    let Some(effect) = typed else { return Ok(rig.clone()) };
+    tell(News::Starting);
+    let steps = change(swings, &[], rig, &[Change::Add(effect)]).map_err(Failure::failed)?;
+    Ok(steps.last().map_or_else(|| rig.clone(), |step| step.parameters.clone()))
+}
+
+/// What is missing, if the base model leaves more than the noise and something can be named.
+fn discover(
+    swings: &[Swing],
+    held_out: &[Swing],
+    fit: &Fit,
+    typed: Option<&'static Effect<f64>>,
+    tell: &(dyn Fn(News) + Sync),
+) -> Option<Diagnosis> {
+    if fit.left == Left::Noise {
+        return None;
+    }
+    tell(News::Discovering);
+    let found = diagnose_with(swings, held_out, &fit.parameters, Wishes { typed, ..Wishes::default() });
+    let named = found.parameters.effects.len() > found.base_parameters.effects.len();
+    if !named {
+        tell(News::NothingNamed);
+    }
+    named.then_some(found)
+}
+
+/// All numbers of the enlarged model with their uncertainties.
+fn refit(swings: &[Swing], held_out: &[Swing], found: &Diagnosis) -> Result<Fit, Failure> {
+    let settings = identify::Options { method: identify::Method::LeastSquares, ranges: Vec::new() };
+    identify::fit(swings, held_out, &found.parameters, &settings, &|_| {}).map_err(Failure::failed)
+}

@@ -1,0 +1,81 @@
+//! A larger model: what a diagnosis adds, or what somebody adds and takes out by hand.
+
+use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
+use crate::error::Failure;
+use crate::formula::effect_of;
+use crate::improve::{Change, Step, change};
+use crate::rigfile::{RigFile, RigFileError, Source};
+use crate::swing::Swing;
+use serde::Serialize;
+use shared::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
+use shared::parameters::Parameters;
+
+/// How the values were found, as model files say it.
+pub const METHOD: &str = "least squares, effects added";
+
+/// How a larger model came about, as `--json` shows it.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+#[expect(clippy::large_enum_variant, reason = "there is one of it at a time")]
+pub enum Improved {
+    /// By a diagnosis.
+    Diagnosed(Diagnosis),
+    /// By hand.
+    Changed {
+        /// After each change.
+        steps: Vec<Step>,
+    },
+}
+
+/// Adds what is missing, or makes these changes if there are any.
+///
+/// # Errors
+/// A change that can't be made.
+pub fn improve(
+    swings: &[Swing],
+    held_out: &[Swing],
+    rig: &Parameters<f64>,
+    typed: Option<&'static Effect<f64>>,
+    changes: &[Change],
+) -> Result<Improved, Failure> {
+    if changes.is_empty() {
+        let wishes = Wishes { typed, ..Wishes::default() };
+        return Ok(Improved::Diagnosed(diagnose_with(swings, held_out, rig, wishes)));
+    }
+    let steps = change(swings, held_out, rig, changes).map_err(Failure::failed)?;
+    Ok(Improved::Changed { steps })
+}
+
+impl Improved {
+    /// Puts the larger model into a model file.
+    ///
+    /// # Errors
+    /// As [`RigFile::set`].
+    pub fn write_into(&self, file: &mut RigFile, source: &Source) -> Result<(), RigFileError> {
+        match self {
+            Self::Diagnosed(diagnosis) => file.adopt(&diagnosis.parameters, &diagnosis.values, source),
+            Self::Changed { steps } => {
+                steps.last().map_or(Ok(()), |step| file.adopt(&step.parameters, &step.values, source))
+            }
+        }
+    }
+}
+
+/// The effect of this name; `custom` is the one that was typed now, or is in the model.
+///
+/// # Errors
+/// There is none.
+pub fn effect_named(
+    name: &str,
+    typed: Option<&'static Effect<f64>>,
+    rig: &Parameters<f64>,
+) -> Result<&'static Effect<f64>, Failure> {
+    if name == CUSTOM_FORMULA_NAME {
+        return typed.or(effect_of(rig, CUSTOM_FORMULA_ID)).ok_or_else(|| {
+            Failure::wrong_use("there is no custom effect to speak of").next("give its formula with --effect")
+        });
+    }
+    Effect::<f64>::by_name(name).ok_or_else(|| {
+        Failure::wrong_use(format!("there is no effect called {name}")).next("see the names with `host effects`")
+    })
+}

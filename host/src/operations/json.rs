@@ -1,0 +1,32 @@
+//! The one object of `--json`: the command's own fields behind its name.
+
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Version of every `--json` object.
+const FORMAT: u32 = 1;
+
+/// The object as text. SI units; a number that is not finite is null; reading a number back gives the same bits.
+///
+/// # Errors
+/// Fields that JSON can't hold.
+pub fn text(command: &str, fields: &impl Serialize) -> serde_json::Result<String> {
+    #[derive(Serialize)]
+    struct Object<'a, T> {
+        format: u32,
+        command: &'a str,
+        #[serde(flatten)]
+        fields: &'a T,
+    }
+    serde_json::to_string_pretty(&Object { format: FORMAT, command, fields })
+}
+
+/// A path in such an object; what is not UTF-8 in it stands there as �.
+pub fn named(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}
+
+/// Several of them.
+pub fn all_named(paths: &[PathBuf]) -> Vec<String> {
+    paths.iter().map(|path| named(path)).collect()
+}

@@ -1,0 +1,39 @@
+//! Which experiment would tell the leading explanations apart.
+
+use crate::diagnose::diagnose;
+use crate::plan::{Prospect, plan};
+use crate::rigfile::RigFile;
+use crate::swing::Swing;
+use serde::Serialize;
+
+/// Experiments for a rig, as `--json` shows them.
+#[derive(Clone, Debug, Serialize)]
+pub struct Planned {
+    /// What the leading explanations were found from.
+    pub recordings: Vec<String>,
+    /// The leading explanations, the best one first.
+    pub models: Vec<String>,
+    /// Effects that the recordings can't tell from what is named.
+    pub undecided: Vec<&'static str>,
+    /// The experiments, the best one first; none if nothing is to be separated.
+    pub experiments: Vec<Prospect>,
+}
+
+impl Planned {
+    /// From recordings of these names, and their swings.
+    pub fn new(recordings: &[String], swings: &[Swing], rig: &RigFile) -> Self {
+        let diagnosis = diagnose(swings, &[], rig.parameters());
+        let leading = &diagnosis.leading;
+        let experiments = if leading.len() < 2 { Vec::new() } else { plan(swings, leading, !rig.is_normalised()) };
+        Self {
+            recordings: recordings.to_vec(),
+            models: leading.iter().map(|trial| named(&trial.names())).collect(),
+            undecided: diagnosis.undecided,
+            experiments,
+        }
+    }
+}
+
+fn named(names: &[&str]) -> String {
+    if names.is_empty() { "nothing".to_owned() } else { names.join(" + ") }
+}

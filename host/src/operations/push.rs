@@ -1,0 +1,49 @@
+//! A model onto the rig.
+
+use super::model::{Value, values};
+use crate::error::Failure;
+use crate::link::Session;
+use crate::rigfile::RigFile;
+use serde::Serialize;
+use shared::wire::Command;
+
+/// What the rig has now, as `--json` tells it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Pushed {
+    port: String,
+    /// Who has it.
+    pub firmware: String,
+    calibration: bool,
+    parameters: Vec<Value>,
+}
+
+/// Sends a model, and the calibration if that is wanted; saves it, reads it back and compares.
+///
+/// # Errors
+/// Effects of another sensor; no calibration to send; the link, or a value that came back different.
+pub fn push(session: &mut Session, file: &RigFile, calibration: bool, warn: &dyn Fn(&str)) -> Result<Pushed, Failure> {
+    file.check_sensor()?;
+    let calibration = calibrate(session, file, calibration, warn)?;
+    session.push(file.parameters())?;
+    let (port, firmware) = (session.port().to_owned(), session.firmware());
+    Ok(Pushed { port, firmware, calibration, parameters: values(file) })
+}
+
+/// Sends the calibration if that is wanted; else says when the rig has another one than the file.
+fn calibrate(session: &mut Session, file: &RigFile, wanted: bool, warn: &dyn Fn(&str)) -> Result<bool, Failure> {
+    let Some(potentiometer) = file.potentiometer() else {
+        let nothing = Failure::wrong_use("the model file has no [sensor] table, so there is no calibration to send")
+            .next("leave --calibration out, or take the rig's with `host pull`");
+        return if wanted { Err(nothing) } else { Ok(false) };
+    };
+    let settings = session.settings()?;
+    if settings.potentiometer == *potentiometer {
+        return Ok(false);
+    }
+    if wanted {
+        session.tell(&Command::SetSettings(shared::wire::Settings { potentiometer: *potentiometer, ..settings }))?;
+    } else {
+        warn("the rig's calibration differs from the file's and stays; --calibration sends the file's");
+    }
+    Ok(wanted)
+}

@@ -1,0 +1,67 @@
+//! From recordings to the swings that a command works on.
+
+use crate::compare::measurement::Measurement;
+use crate::error::Failure;
+use crate::recording::segment::SegmentOptions;
+use crate::recording::{self, ReadOptions, Recording};
+use crate::rigfile::RigFile;
+use crate::swing::Swing;
+use std::path::Path;
+
+/// How recordings are read, and where their free swing lies if somebody knows it better.
+#[derive(Clone, Debug, Default)]
+pub struct Reading {
+    /// How files are read.
+    pub options: ReadOptions,
+    /// Where the free swing lies.
+    pub segment: SegmentOptions,
+}
+
+impl Reading {
+    /// What only both limits together tell.
+    ///
+    /// # Errors
+    /// The swing would end before it begins.
+    pub fn check(&self) -> Result<(), Failure> {
+        match (self.segment.from_s, self.segment.to_s) {
+            (Some(from), Some(to)) if from >= to => {
+                Err(Failure::wrong_use(format!("--from {from} s is not before --to {to} s"))
+                    .next(format!("write --from {to} --to {from}, or leave one out")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The same, for recordings of the sensor that a model file tells of.
+    pub fn of(self, model: &RigFile) -> Self {
+        Self { options: ReadOptions { measured: model.measured(), ..self.options }, ..self }
+    }
+
+    /// Reads a recording.
+    ///
+    /// # Errors
+    /// As [`recording::read`].
+    pub fn recording(&self, path: &Path) -> Result<Recording, Failure> {
+        recording::read(path, &self.options).map_err(Failure::failed)
+    }
+
+    /// The free swing of a recording, and what was noticed on the way.
+    ///
+    /// # Errors
+    /// No free swing is in it.
+    pub fn swing(&self, name: &str, recording: &Recording) -> Result<(Swing, Vec<String>), Failure> {
+        let (swing, segments) = Swing::from_recording(name, recording, &self.segment)
+            .map_err(|error| Failure::failed(format!("{name}: {error}")))?;
+        let notes = recording.notes().iter().chain(&segments.notes).map(|note| format!("{name}: {note}")).collect();
+        Ok((swing, notes))
+    }
+
+    /// The free swing of a recording, with what is known around it.
+    ///
+    /// # Errors
+    /// No free swing is in it.
+    pub fn measurement(&self, name: &str, recording: &Recording) -> Result<Measurement, Failure> {
+        Measurement::from_recording(name, recording, &self.segment)
+            .map_err(|error| Failure::failed(format!("{name}: {error}")))
+    }
+}

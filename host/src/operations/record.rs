@@ -1,0 +1,79 @@
+//! A swing from the rig into a file, as `--json` tells it.
+
+use super::json::named;
+use crate::error::Failure;
+use crate::link::Session;
+use crate::record::{End, Taken};
+use serde::Serialize;
+use shared::wire::{Command, Settings};
+
+/// What was recorded.
+#[derive(Clone, Debug, Serialize)]
+pub struct Recorded {
+    file: String,
+    rate_hz: f32,
+    n_samples: usize,
+    release_rad: f64,
+    n_passages: u32,
+    swing_s: f64,
+    frames_lost: u64,
+    samples_lost: u64,
+    ended: &'static str,
+}
+
+impl Recorded {
+    /// At so many samples a second.
+    pub fn new(taken: &Taken, rate_hz: f32) -> Self {
+        Self {
+            file: named(&taken.path),
+            rate_hz,
+            n_samples: taken.n_samples,
+            release_rad: taken.release_rad,
+            n_passages: taken.n_passages,
+            swing_s: taken.swing_s,
+            frames_lost: taken.frames_lost,
+            samples_lost: taken.samples_lost,
+            ended: ended(&taken.end),
+        }
+    }
+}
+
+/// Does something while the rig samples at this rate, and afterwards as before; gives the rate it had, Hz, too.
+///
+/// # Errors
+/// The link, and those of what is done.
+pub fn at_rate<T>(
+    session: &mut Session,
+    rate_hz: Option<f32>,
+    say: &dyn Fn(&str),
+    work: impl FnOnce(&mut Session) -> Result<T, Failure>,
+) -> Result<(T, f32), Failure> {
+    let before = rate_hz.map(|rate_hz| sample_at(session, rate_hz, say)).transpose()?;
+    let rate_hz = session.settings()?.rate_hz;
+    let done = work(session);
+    if let Some(before) = before {
+        // The link may be what broke.
+        let _ = session.tell(&Command::SetSettings(before));
+    }
+    Ok((done?, rate_hz))
+}
+
+/// Sets the rate, and says so if the rig makes another one of it; gives the settings before.
+fn sample_at(session: &mut Session, rate_hz: f32, say: &dyn Fn(&str)) -> Result<Settings, Failure> {
+    let (made_hz, before) = session.sample_at(rate_hz)?;
+    if made_hz != rate_hz {
+        let ppm = 1e6 * (f64::from(made_hz) / f64::from(rate_hz) - 1.0);
+        say(&format!("the rig samples at {made_hz} Hz, the nearest to {rate_hz} Hz that it can make ({ppm:+.0} ppm)"));
+    }
+    Ok(before)
+}
+
+fn ended(end: &End) -> &'static str {
+    match end {
+        End::AtRest => "at rest",
+        End::TimeLimit => "time limit",
+        End::Stopped => "stopped",
+        End::Disconnected { .. } => "disconnected",
+        End::Lost(_) => "link lost",
+    }
+}

@@ -1,0 +1,174 @@
+//! A swing of a model as a sensor would record it, with noise and converter.
+
+use crate::error::Failure;
+use crate::formula::{self, effect_of};
+use crate::recording::{Calibration, Header};
+use crate::rigfile::Quantity;
+use crate::sim::{Noise, Scenario};
+use shared::effect::{CUSTOM_FORMULA_ID, Effect};
+use shared::model::Model;
+use shared::parameters::Parameters;
+use shared::potentiometer::Potentiometer;
+
+/// The pendulum is held still at the start angle for so long, s.
+const HELD_S: f64 = 0.5;
+
+/// Rates beyond this make files nobody wants.
+const HIGHEST_RATE_HZ: f64 = 100_000.0;
+
+/// Longer swings neither.
+const LONGEST_S: f64 = 36_000.0;
+
+/// What is simulated.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// The model.
+    pub parameters: Parameters<f64>,
+    /// Release angle, rad.
+    pub start_rad: f64,
+    /// Length of the swing, s.
+    pub seconds: f64,
+    /// Standard deviation of white noise on the angle, rad.
+    pub noise_rad: f64,
+    /// Equal seeds give equal noise.
+    pub seed: u64,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// The angle goes through this one, if through any.
+    pub converter: Option<Potentiometer>,
+}
+
+/// How a simulated swing ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End {
+    /// Samples, the held ones included.
+    pub n_samples: usize,
+    /// The model's last angle, rad.
+    pub final_angle_rad: f64,
+    /// Does it rest there?
+    pub rests: bool,
+}
+
+impl Simulation {
+    /// Hands every sample on: its time in s, its angle in rad, its code if there is a converter.
+    ///
+    /// # Errors
+    /// Those of whoever takes them.
+    pub fn run<E>(&self, mut take: impl FnMut(f64, f64, Option<u16>) -> Result<(), E>) -> Result<End, E> {
+        let model = Model::new(&self.parameters);
+        let mut state = model.release(self.start_rad, 0.0);
+        let mut sensor = model.sensor_at_rest(&state);
+        let mut noise = Noise::new(self.seed);
+        let n_held = (HELD_S * self.rate_hz).round() as usize;
+        let n_samples = n_held + (self.seconds * self.rate_hz).round() as usize + 1;
+        for sample_idx in 0..n_samples {
+            if sample_idx > n_held {
+                model.step(&mut state, 1.0 / self.rate_hz);
+            }
+            let angle_rad = model.read(&state, &mut sensor) + self.noise_rad * noise.normal();
+            let converted = |potentiometer| convert(&potentiometer, angle_rad);
+            let (angle_rad, code) = self.converter.map_or((angle_rad, None), converted);
+            take(sample_idx as f64 / self.rate_hz, angle_rad, code)?;
+        }
+        Ok(End { n_samples, final_angle_rad: state.angle_rad, rests: state.contact.is_resting() })
+    }
+
+    /// How it was taken.
+    pub fn header(&self) -> Header {
+        let calibration = self.converter.map(|potentiometer| Calibration {
+            zero_code: f64::from(potentiometer.zero_code),
+            radians_per_code: f64::from(potentiometer.radian_per_code),
+        });
+        let comment = format!("simulated, noise {} rad, seed {}", self.noise_rad, self.seed);
+        Header { rate_hz: Some(self.rate_hz), calibration, comment: Some(comment), ..Header::default() }
+    }
+}
+
+/// Refuses what makes files nobody wants.
+///
+/// # Errors
+/// Too long, or too many samples a second.
+pub fn check_size(seconds: f64, rate_hz: f64) -> Result<(), Failure> {
+    if rate_hz > HIGHEST_RATE_HZ || seconds > LONGEST_S {
+        let what = format!("{seconds} s at {rate_hz} Hz is too much");
+        return Err(Failure::wrong_use(what).next(format!("stay within {LONGEST_S} s and {HIGHEST_RATE_HZ} Hz")));
+    }
+    Ok(())
+}
+
+/// A swing that no recording can hold.
+pub fn runs_away(time_s: f64, angle_rad: f64) -> Failure {
+    let what = format!("the swing runs away: at {time_s:.3} s its angle is {angle_rad:e} rad");
+    Failure::failed(what).next("an effect of the model feeds energy in without end; choose smaller values")
+}
+
+/// The scenario of this name.
+///
+/// # Errors
+/// There is none.
+pub fn scenario(name: &str) -> Result<&'static Scenario, Failure> {
+    Scenario::by_name(name).ok_or_else(|| {
+        let names: Vec<&str> = Scenario::ALL.iter().map(|scenario| scenario.name).collect();
+        Failure::wrong_use(format!("there is no scenario called {name}"))
+            .next(format!("choose one of {}", names.join(", ")))
+    })
+}
+
+/// A number that is set, its name a symbol such as `Cq`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assignment {
+    /// The symbol.
+    pub name: String,
+    /// In its unit.
+    pub value: f64,
+}
+
+impl Assignment {
+    /// The number that is meant; those of a formula come first.
+    fn quantity(&self, custom: Option<&'static Effect<f64>>) -> Result<Quantity, String> {
+        custom.and_then(|effect| Quantity::by_formula_name(&self.name, effect)).map_or_else(|| quantity(&self.name), Ok)
+    }
+}
+
+/// The number of this name.
+///
+/// # Errors
+/// There is none; the known ones are told.
+pub fn quantity(name: &str) -> Result<Quantity, String> {
+    let name = name.trim();
+    Quantity::by_name(name).ok_or_else(|| format!("there is no parameter {name}; known are {}", Quantity::symbols()))
+}
+
+/// A model with a typed effect in it and some numbers set; their effects are added if need be.
+///
+/// # Errors
+/// A name that is no parameter's, or a value outside its range.
+pub fn with(
+    parameters: &Parameters<f64>,
+    effect: Option<&'static Effect<f64>>,
+    assignments: &[Assignment],
+) -> Result<Parameters<f64>, Failure> {
+    let refused = |error| Failure::wrong_use(error).next("give --with a value within the range");
+    let mut parameters = parameters.clone();
+    if let Some(effect) = effect {
+        let start: Vec<f64> = effect.parameters.iter().map(|parameter| parameter.start).collect();
+        formula::add(&mut parameters, effect, &start).map_err(refused)?;
+    }
+    let custom = effect_of(&parameters, CUSTOM_FORMULA_ID);
+    for assignment in assignments {
+        let quantity = assignment
+            .quantity(custom)
+            .map_err(|error| Failure::wrong_use(error).next("name one of them in --with"))?;
+        quantity.add_effect(&mut parameters).map_err(refused)?;
+        quantity.set(&mut parameters, assignment.value);
+    }
+    parameters.check().map_err(refused)?;
+    Ok(parameters)
+}
+
+/// Through the converter and back, as the rig does it.
+fn convert(potentiometer: &Potentiometer, angle_rad: f64) -> (f64, Option<u16>) {
+    let (zero, step) = (f64::from(potentiometer.zero_code), f64::from(potentiometer.radian_per_code));
+    let code = (angle_rad / step + zero).round().clamp(0.0, f64::from(potentiometer.full_scale)) as u16;
+    ((f64::from(code) - zero) * step, Some(code))
+}

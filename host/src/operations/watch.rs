@@ -1,0 +1,50 @@
+//! Watching a rig, release after release, until something is named.
+
+use crate::error::Failure;
+use crate::link::{SIMULATED, Session};
+use crate::record::{End, Limits, listen};
+use crate::watch::{Event, Look, Watcher};
+use std::sync::atomic::AtomicBool;
+
+/// Simulated pendulums let go by themselves, at most so often.
+const SIMULATED_SWINGS: u32 = 5;
+
+/// Watches so many releases; without a number one, of a simulated rig until something is named.
+///
+/// # Errors
+/// The link, or a swing that never began.
+pub fn watch(
+    session: &mut Session,
+    n_swings: Option<u32>,
+    limits: Limits,
+    tell: &mut dyn FnMut(Event),
+    stop: &AtomicBool,
+) -> Result<Option<Look>, Failure> {
+    let parameters = session.parameters()?.map(f64::from);
+    let rate_hz = f64::from(session.settings()?.rate_hz);
+    let is_simulated = session.port().split(':').next() == Some(SIMULATED);
+    let mut watcher = Watcher::new(parameters, rate_hz, tell);
+    let mut last = None;
+    for _ in 0..n_swings.unwrap_or(if is_simulated { SIMULATED_SWINGS } else { 1 }) {
+        let end = listen(session, limits, &mut watcher, stop)?;
+        let look = last.insert(watcher.rests());
+        let is_enough = n_swings.is_none() && !look.named.is_empty();
+        if is_last(&end)? || is_enough {
+            break;
+        }
+    }
+    Ok(last)
+}
+
+/// Was this the last swing that can be watched?
+fn is_last(end: &End) -> Result<bool, Failure> {
+    match end {
+        End::AtRest | End::TimeLimit => Ok(false),
+        End::Stopped => Ok(true),
+        End::Lost(error) => Err(Failure::failed(error).next(error.next_step())),
+        End::Disconnected { code } => Err(Failure::failed(format!(
+            "the potentiometer reads code {code}, an end of its range: nothing is said of this swing"
+        ))
+        .next("check the potentiometer's three wires; release from a smaller angle if it left its track")),
+    }
+}
