@@ -124,6 +124,7 @@ pub(crate) struct PyState {
 
 #[pymethods]
 impl PyModel {
+    #[pyo3(signature = (angle_rad, velocity_rad_s=0.0))]
     fn release(&self, angle_rad: f64, velocity_rad_s: f64) -> PyState {
         let inner = self.inner.release(angle_rad, velocity_rad_s);
         PyState { inner, sensor: self.inner.sensor_at_rest(&inner) }

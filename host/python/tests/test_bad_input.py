@@ -33,7 +33,7 @@ def test_an_effect_that_is_none(rig, swing):
         (lambda rig, swing: pr.fit(swing, rig, reading=pr.Reading(start=3.0, end=2.0)), "not before"),
         (lambda rig, swing: pr.Recording([0.0, 1.0], [0.0]), r"\(2,\)"),
         (lambda rig, swing: pr.Recording(numpy.arange(20.0), numpy.full(20, numpy.nan)), "nan|finite|NaN"),
-        (lambda rig, swing: pr.Rig(mass=-1.0, length=0.1, inertia=0.1), "-1"),
+        (lambda rig, swing: pr.Rig(mass=-1.0, length=0.1, inertia=0.1), "mass"),
         (lambda rig, swing: rig.with_values(Mx=1.0), "no parameter Mx"),
         (lambda rig, swing: rig["Mx"], "no Mx"),
         (lambda rig, swing: pr.simulate(rig, seconds=-1.0), "seconds is -1"),

@@ -87,3 +87,7 @@ def test_without_matplotlib_an_error_says_what_to_install(fitted, monkeypatch):
     monkeypatch.setattr("pendulum_rig.extras.import_module", lambda name: refused(name))
     with pytest.raises(pr.MissingExtra, match="pip install matplotlib"):
         fitted.plot()
+
+
+def test_what_was_noticed_is_noted(rig, fitted):
+    assert any("held still before the release" in note for note in fitted.notes)

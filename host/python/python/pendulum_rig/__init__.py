@@ -13,7 +13,7 @@ Everything is in SI units and radians; 0 = hanging, counter-clockwise positive. 
 from ._native import __version__
 from .commands import compare, diagnose, effects, fit, improve, plan, simulate
 from .connection import Connection, connect
-from .errors import Doubt, Error, Failed, MissingExtra, WrongUse
+from .errors import Error, Failed, MissingExtra, WrongUse
 from .numbers import Number
 from .recordings import Reading, Recording, read
 from .results import Comparison, Curve, Diagnosis, Effect, Fit, Improvement, Look, Plan
@@ -24,7 +24,6 @@ __all__ = [
     "Connection",
     "Curve",
     "Diagnosis",
-    "Doubt",
     "Effect",
     "Error",
     "Failed",

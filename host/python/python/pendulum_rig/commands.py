@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, Union
 
 from . import _native
-from .errors import Doubt, WrongUse
+from .errors import WrongUse
 from .recordings import Reading, Recording, RecordingLike, given
 from .results import Comparison, Diagnosis, Effect, Fit, Improvement, Plan
 from .rig import Rig, rig_of
@@ -52,8 +51,7 @@ def fit(
     chosen = [(symbol, float(low), float(high)) for symbol, (low, high) in (ranges or {}).items()]
     asked = (given(recordings), given(hold_out), rig_of(rig), reading)
     text, fitted, curves, notes = _native.fit(*asked, method, chosen, effect, discover, progress)
-    _tell(notes)
-    return Fit(text, fitted, curves)
+    return Fit(text, fitted, curves, notes)
 
 
 def compare(
@@ -66,8 +64,7 @@ def compare(
 ) -> Comparison:
     """Shows how well a model follows recordings, and where it fails, as ``host compare``. Arguments as :func:`fit`."""
     text, curves, notes = _native.compare(given(recordings), given(hold_out), rig_of(rig), reading, progress)
-    _tell(notes)
-    return Comparison(text, curves)
+    return Comparison(text, curves, notes)
 
 
 def diagnose(
@@ -88,8 +85,7 @@ def diagnose(
     """
     asked = (given(recordings), given(hold_out), rig_of(rig), reading)
     text, notes = _native.diagnose(*asked, effect, formulas, progress)
-    _tell(notes)
-    return Diagnosis(text)
+    return Diagnosis(text, notes)
 
 
 def improve(
@@ -111,8 +107,7 @@ def improve(
     """
     asked = (given(recordings), given(hold_out), rig_of(rig), reading)
     text, rig_after, notes = _native.improve(*asked, effect, list(add), list(remove), progress)
-    _tell(notes)
-    return Improvement(text, rig_after)
+    return Improvement(text, rig_after, notes)
 
 
 def plan(
@@ -120,8 +115,7 @@ def plan(
 ) -> Plan:
     """Finds the experiment that would best separate the leading explanations, as ``host plan``."""
     text, notes = _native.plan(given(recordings), rig_of(rig), reading, progress)
-    _tell(notes)
-    return Plan(text)
+    return Plan(text, notes)
 
 
 def simulate(
@@ -158,7 +152,3 @@ def effects(name: str | None = None) -> dict[str, Effect]:
     """The physical effects by name, or one of them, as ``host effects``."""
     return {each["name"]: Effect(each) for each in json.loads(_native.effects(name))["effects"]}
 
-
-def _tell(notes: list[str]) -> None:
-    for note in notes:
-        warnings.warn(note, Doubt, stacklevel=3)

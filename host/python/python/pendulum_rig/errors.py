@@ -30,7 +30,3 @@ class Failed(Error, RuntimeError):
 
 class MissingExtra(Error, ImportError):
     """A package is needed that is not installed."""
-
-
-class Doubt(UserWarning):
-    """A result stands, and this should be known of it."""

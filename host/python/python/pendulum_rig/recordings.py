@@ -134,7 +134,7 @@ class Recording:
         """Draws the readings over time by matplotlib; gives the axes."""
         axes = axes_of(axes)
         axes.plot(self.times_s, self.readings, linewidth=0.8)
-        axes.set(title=self.name, xlabel="time (s)", ylabel=f"reading ({self.unit})")
+        axes.set(title=os.path.basename(self.name), xlabel="time (s)", ylabel=f"reading ({self.unit})")
         axes.grid(alpha=0.3)
         return axes
 
@@ -163,9 +163,18 @@ def read(path: str | os.PathLike[str], reading: Reading = Reading()) -> Recordin
 
 def given(recordings: Any) -> list[Any]:
     """One recording or several, as files, recordings, tables or (times, readings), as the native part takes them."""
-    if isinstance(recordings, (str, os.PathLike, Recording, tuple)) or hasattr(recordings, "columns"):
+    if _is_named(recordings) or _is_pair(recordings):
         recordings = [recordings]
     return [_one(recording, index) for index, recording in enumerate(recordings)]
+
+
+def _is_named(recording: Any) -> bool:
+    return isinstance(recording, (str, os.PathLike, Recording)) or hasattr(recording, "columns")
+
+
+def _is_pair(recording: Any) -> bool:
+    """Times and readings, and not two recordings?"""
+    return isinstance(recording, tuple) and len(recording) == 2 and not any(map(_is_named, recording))
 
 
 def _one(recording: RecordingLike, index: int) -> Any:
@@ -175,7 +184,7 @@ def _one(recording: RecordingLike, index: int) -> Any:
         return os.fspath(recording)
     if hasattr(recording, "columns"):
         return _of_table(recording, index)._native
-    if isinstance(recording, tuple) and len(recording) == 2:
+    if _is_pair(recording):
         return Recording(*recording, name=f"recording {index + 1}")._native
     raise WrongUse(
         f"recording {index + 1} is a {type(recording).__name__}",

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,9 +39,14 @@ class Curve:
 
 
 class Result:
-    """A result of a command."""
+    """A result of a command.
 
-    def __init__(self, text: str) -> None:
+    Attributes:
+        notes: what was noticed in the recordings, in words: what was cut, gaps, doubts.
+    """
+
+    def __init__(self, text: str, notes: Sequence[str] = ()) -> None:
+        self.notes = list(notes)
         self._text = text
         self._fields: dict[str, Any] = json.loads(text)
 
@@ -62,8 +69,8 @@ class Result:
 class Curved(Result):
     """A result with curves of every swing."""
 
-    def __init__(self, text: str, curves: _native.Curves) -> None:
-        super().__init__(text)
+    def __init__(self, text: str, curves: _native.Curves, notes: Sequence[str] = ()) -> None:
+        super().__init__(text, notes)
         self._curves = curves
 
     @property
@@ -82,7 +89,7 @@ class Curved(Result):
         curve = Curve(*self._curves.of(swing))
         above.plot(curve.times_s, curve.measured, color="0.6", linewidth=1.6, label="measured")
         above.plot(curve.times_s, curve.modelled, color="C3", linewidth=0.7, label="model")
-        above.set(title=curve.name, ylabel="reading (rad)")
+        above.set(title=os.path.basename(curve.name), ylabel="reading (rad)")
         above.legend(loc="upper right")
         below.plot(curve.times_s, 1e3 * curve.residuals, color="C0", linewidth=0.5)
         below.set(xlabel="time (s)", ylabel="left (mrad)")
@@ -94,8 +101,8 @@ class Curved(Result):
 class Fit(Curved):
     """The numbers of a pendulum, found from its swings."""
 
-    def __init__(self, text: str, rig: _native.Rig, curves: _native.Curves) -> None:
-        super().__init__(text, curves)
+    def __init__(self, text: str, rig: _native.Rig, curves: _native.Curves, notes: Sequence[str] = ()) -> None:
+        super().__init__(text, curves, notes)
         self._rig = rig
 
     @property
@@ -259,7 +266,7 @@ class Diagnosis(Result):
         errors = [1e3 * self.rmse_before, 1e3 * self.rmse_after]
         axes.bar(["base model", " + ".join(["base", *self.missing])], errors, width=0.5, color=["0.6", "C3"])
         axes.axhline(1e3 * self.noise, color="C0", linestyle="--", label="noise")
-        axes.set(ylabel="error (mrad rms)", yscale="log")
+        axes.set(ylabel="error (mrad rms)")
         axes.legend()
         return axes
 
@@ -273,8 +280,8 @@ class Diagnosis(Result):
 class Improvement(Result):
     """A larger model, and how the error fell."""
 
-    def __init__(self, text: str, rig: _native.Rig) -> None:
-        super().__init__(text)
+    def __init__(self, text: str, rig: _native.Rig, notes: Sequence[str] = ()) -> None:
+        super().__init__(text, notes)
         self._rig = rig
 
     @property
@@ -301,7 +308,7 @@ class Improvement(Result):
         rows = self._rows()
         axes.step(range(len(rows)), [1e3 * row["rmse"] for row in rows], where="mid", marker="o", color="C3")
         axes.set_xticks(range(len(rows)), [row["words"] for row in rows])
-        axes.set(ylabel="error (mrad rms)", yscale="log")
+        axes.set(ylabel="error (mrad rms)", ylim=(0.0, None))
         return axes
 
     def __repr__(self) -> str:
