@@ -24,7 +24,7 @@ def swing(parameters, times, gravity_torque):
         return omega, -(gravity_torque * np.sin(theta) + mw * omega + mc * np.tanh(omega / SOFT)) / j
 
     span, began = (times[0], times[-1]), (angle, velocity)
-    solved = solve_ivp(slope, span, began, t_eval=times, method="LSODA", rtol=1e-6, atol=1e-8)
+    solved = solve_ivp(slope, span, began, t_eval=times, method="LSODA", rtol=1e-8, atol=1e-10)
     return solved.y[0] if solved.success else np.full(len(times), 1e3)
 
 
@@ -37,7 +37,7 @@ def by_scipy(times, angles, gravity_torque, start, windows):
         scale = np.abs(guess) + [1e-5, 1e-5, 1e-4, 1e-2, 1e-2]
         left = lambda p: swing(p * scale, times[inside], gravity_torque) - angles[inside]  # noqa: E731
         low = np.array([0.0, 0.0, 1e-9, -np.inf, -np.inf]) / scale
-        found = least_squares(left, guess / scale, bounds=(low, np.inf), diff_step=1e-5)
+        found = least_squares(left, guess / scale, bounds=(low, np.inf), diff_step=1e-4)
         guess = found.x * scale
     freedom = inside.sum() - len(guess)
     covariance = np.linalg.pinv(found.jac.T @ found.jac) * 2.0 * found.cost / freedom
