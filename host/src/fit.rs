@@ -4,6 +4,7 @@
 //! by letting the time window grow, [`stiction`] and [`stop_level`] search the two parameters in which the error is not smooth, and
 //! [`covariance`] tells how well each is known.
 
+pub mod arrow;
 pub mod by_least_squares;
 mod by_surfaces;
 pub mod clusters;
@@ -22,6 +23,7 @@ pub mod refine;
 pub mod region;
 mod report;
 pub mod runs;
+mod scouts;
 pub mod sequential;
 pub mod solve;
 pub mod start;

@@ -7,7 +7,7 @@
 //! experiment, and P the precision (inverse covariance) of its parameters from the present recordings.
 
 use crate::fit::fitted::Fitted;
-use crate::fit::linear::{Linear, Steps, linearise};
+use crate::fit::linear::{Equations, Steps, equations};
 use crate::fit::problem::{PER_SWING, Point, Problem, Start, Unknown};
 use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
@@ -122,8 +122,12 @@ impl<'a> Known<'a> {
         let problem = problem(swings, &fitted.unknowns, &fitted.parameters, count);
         let linear = fitted.linearised(&problem);
         // A model that leaves more than the noise knows its parameters less well.
-        let variance = (linear.cost / linear.n_samples as f64).max(problem.noise_rad().powi(2));
-        Self { fitted, name: fitted.name(), precision: of_unknowns(&linear.normal, fitted.unknowns.len()) / variance }
+        let variance = (linear.equations.cost / linear.equations.n_samples as f64).max(problem.noise_rad().powi(2));
+        Self {
+            fitted,
+            name: fitted.name(),
+            precision: of_unknowns(&linear.equations.normal.dense(), fitted.unknowns.len()) / variance,
+        }
     }
 
     /// The model in an experiment.
@@ -149,10 +153,10 @@ fn start(experiment: Experiment) -> Start {
 }
 
 /// The first pass finds the sizes of the finite differences.
-fn twice_linearised(problem: &Problem, point: &Point) -> Linear {
+fn twice_linearised(problem: &Problem, point: &Point) -> Equations {
     let mut steps = Steps::new(problem);
-    linearise(problem, point, Window::Whole, &mut steps);
-    linearise(problem, point, Window::Whole, &mut steps)
+    equations(problem, point, Window::Whole, &mut steps);
+    equations(problem, point, Window::Whole, &mut steps)
 }
 
 /// The normal matrix of the unknowns once starts and offsets took their best values (Schur complement).
@@ -193,8 +197,8 @@ fn imitation(truth: &Known, model: &Known, experiment: Experiment, noise_rad: f6
     let linear = twice_linearised(&problem, &point);
     let variance = noise_rad.powi(2);
     let n_unknowns = model.fitted.unknowns.len();
-    debug_assert_eq!(linear.normal.nrows(), n_unknowns + PER_SWING);
-    let mut normal = &linear.normal / variance;
+    debug_assert_eq!(linear.normal.len(), n_unknowns + PER_SWING);
+    let mut normal = linear.normal.dense() / variance;
     let mut block = normal.view_mut((0, 0), (n_unknowns, n_unknowns));
     block += &model.precision;
     let gradient: DVector<f64> = &linear.gradient / variance;

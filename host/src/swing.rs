@@ -9,6 +9,7 @@ use crate::trajectory::Schedule;
 use shared::effect::Effect;
 use shared::parameters::Parameters;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use step::{FINE_STEP_S, longest_step_s};
 
 /// Why a recording has no swing to fit.
@@ -65,7 +66,7 @@ pub struct Swing {
     /// What people call it: the file's name.
     pub name: String,
     /// Seconds since the first sample, rising strictly.
-    pub times_s: Vec<f64>,
+    pub times_s: Arc<[f64]>,
     /// What was measured.
     pub measured: Measured,
     /// The readings, unfiltered: angles in rad, or rates in rad/s where those were measured.
@@ -121,7 +122,7 @@ impl Swing {
         readings: &[f64],
         noise_rad: f64,
     ) -> Self {
-        let times_s: Vec<f64> = times_s.iter().map(|t| t - times_s[0]).collect();
+        let times_s: Arc<[f64]> = times_s.iter().map(|t| t - times_s[0]).collect();
         let sizes_rad: Vec<f64> = readings.iter().map(|reading| reading / reading_per_rad).collect();
         let n_lively = n_lively(&sizes_rad);
         let longest_step_s = longest_step_s(&times_s, &sizes_rad[..n_lively], noise_rad / reading_per_rad);
@@ -263,7 +264,7 @@ impl Swing {
 }
 
 /// Usual and fine steps, each so many times as long as it need be.
-fn schedules(times_s: &[f64], longest_step_s: f64, factor: f64, measured: Measured) -> [Schedule; 2] {
+fn schedules(times_s: &Arc<[f64]>, longest_step_s: f64, factor: f64, measured: Measured) -> [Schedule; 2] {
     [longest_step_s, longest_step_s.min(FINE_STEP_S)]
         .map(|step_s| Schedule::new(times_s, factor * step_s).reading(measured))
 }

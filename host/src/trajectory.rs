@@ -6,6 +6,7 @@
 use crate::recording::Measured;
 use shared::model::{Model, SensorState, State};
 use shared::real::Real;
+use std::sync::Arc;
 
 /// One integration step and the samples that fall into it (after its start, up to its end).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,27 +18,28 @@ struct Step {
 /// How to step through a list of sample times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
+    /// Shared with the swing and its other schedules: recordings are long.
+    times_s: Arc<[f64]>,
     steps: Vec<Step>,
-    /// Time of each sample within its step, 0 … 1.
-    shares: Vec<f64>,
     /// What is read at the samples.
     measured: Measured,
 }
 
 impl Schedule {
     /// `times_s` must rise strictly; the first is the start. No step is longer than `longest_step_s`. Angles are read.
-    pub fn new(times_s: &[f64], longest_step_s: f64) -> Self {
-        let (steps, shares) = (Vec::new(), Vec::with_capacity(times_s.len()));
-        let mut schedule = Self { steps, shares, measured: Measured::Angle };
+    pub fn new(times_s: &Arc<[f64]>, longest_step_s: f64) -> Self {
+        let mut schedule = Self { times_s: times_s.clone(), steps: Vec::new(), measured: Measured::Angle };
         let mut from = 0;
         while from + 1 < times_s.len() {
-            from = schedule.add_step(times_s, from, longest_step_s);
+            from = schedule.add_step(from, longest_step_s);
         }
+        schedule.steps.shrink_to_fit();
         schedule
     }
 
     /// One step from sample `from` over as many samples as it may hold, or several into one long interval.
-    fn add_step(&mut self, times_s: &[f64], from: usize, longest_step_s: f64) -> usize {
+    fn add_step(&mut self, from: usize, longest_step_s: f64) -> usize {
+        let times_s = &self.times_s;
         // The tolerance keeps five 1 ms intervals in one step although 5 × 0.001 rounds up.
         let reachable = |i: &usize| times_s[*i] - times_s[from] <= longest_step_s * (1.0 + 1e-9);
         let to = (from + 1..times_s.len()).take_while(reachable).last().unwrap_or(from + 1);
@@ -46,8 +48,6 @@ impl Schedule {
         let dt_s = length_s / n_steps;
         self.steps.extend((1..n_steps as usize).map(|_| Step { dt_s, n_samples: 0 }));
         self.steps.push(Step { dt_s, n_samples: to - from });
-        let share = |i: usize| if i == to { 1.0 } else { (times_s[i] - times_s[from]) / length_s };
-        self.shares.extend((from + 1..=to).map(share));
         to
     }
 
@@ -58,7 +58,7 @@ impl Schedule {
 
     /// Number of samples after the first.
     pub fn n_samples(&self) -> usize {
-        self.shares.len()
+        self.times_s.len().saturating_sub(1)
     }
 }
 
@@ -88,9 +88,12 @@ pub fn simulate<R: Real>(
         }
         let before = state;
         model.step(&mut state, R::of(step.dt_s));
-        for _ in 0..step.n_samples.min(n_samples - sample) {
-            let share = schedule.shares[sample - 1];
-            let here = if share == 1.0 { state } else { between(&before, &state, share, step.dt_s) };
+        // Several steps to one sample end at it.
+        let first = sample - 1;
+        for within in 1..=step.n_samples.min(n_samples - sample) {
+            let share = || (schedule.times_s[sample] - schedule.times_s[first]) / step.dt_s;
+            let is_end = within == step.n_samples;
+            let here = if is_end { state } else { between(&before, &state, share(), step.dt_s) };
             read(sample, reading(&here, &mut sensor));
             sample += 1;
         }
@@ -125,7 +128,7 @@ mod tests {
     use shared::parameters::Parameters;
 
     fn readings(times_s: &[f64]) -> Vec<f64> {
-        let schedule = Schedule::new(times_s, 5e-3);
+        let schedule = Schedule::new(&times_s.into(), 5e-3);
         let model = Model::new(&Parameters::paper());
         let mut out = Vec::new();
         simulate(&model, model.release(1.5, 0.0), &schedule, times_s.len(), |_, x| out.push(x));
@@ -146,7 +149,7 @@ mod tests {
     fn rates_between_long_steps_are_those_of_short_ones() {
         let rates = |interval_s: f64, n: u32| {
             let times_s: Vec<f64> = (0..n).map(|i| f64::from(i) * 1e-3).collect();
-            let schedule = Schedule::new(&times_s, interval_s).reading(Measured::Rate);
+            let schedule = Schedule::new(&times_s.as_slice().into(), interval_s).reading(Measured::Rate);
             let model = Model::new(&Parameters::paper());
             let mut out = Vec::new();
             simulate(&model, model.release(1.5, 0.0), &schedule, times_s.len(), |_, x| out.push(x));

@@ -138,8 +138,7 @@ pub fn knowledge(swings: &[Swing], rig: &Parameters<f64>, followed: &[Followed])
     linearise(&part, &point, Window::Whole, &mut steps);
     let linear = linearise(&part, &point, Window::Whole, &mut steps);
     let together = with_model_error(&part, &linear, &point.starts);
-    let of_swing = |swing_idx: usize| alone(&part, swing_idx, &linear.swings[swing_idx], &point);
-    let alone: Vec<Alone> = (0..swings.len()).map(of_swing).collect();
+    let alone = linear.each(|swing_idx, swing| alone(&part, swing_idx, swing, &point));
 
     let known = |(j, unknown): (usize, &Unknown)| {
         let column = free.iter().position(|k| *k == j);
@@ -196,13 +195,8 @@ fn alone(together: &Problem, swing_idx: usize, swing: &SwingLinear, point: &Poin
     let residuals: Vec<f64> = (0..swing.residuals.len())
         .map(|row| swing.residuals[row] - (0..n_columns).map(|j| swing.columns[j][row] * step[j]).sum::<f64>())
         .collect();
-    let linear = Linear {
-        cost: dot(&residuals, &residuals),
-        n_samples: residuals.len(),
-        swings: vec![SwingLinear { residuals, columns: swing.columns.clone() }],
-        normal,
-        gradient,
-    };
+    let left = SwingLinear { residuals, columns: swing.columns.clone() };
+    let linear = Linear::of(n_columns - PER_SWING, vec![left]);
     let place = swing_idx..swing_idx + 1;
     let covariance = with_model_error(&together.on(&together.swings[place.clone()]), &linear, &point.starts[place]);
     let estimate = |j: usize| Estimate {

@@ -194,7 +194,7 @@ impl Curves {
         let rate_hz = (swing.len() - 1) as f64 / swing.duration_s();
         let smooth = zero_phase::filter(&followed.residuals_rad, VELOCITY_CUTOFF_HZ, rate_hz);
         Self {
-            times_s: swing.times_s.clone(),
+            times_s: swing.times_s.to_vec(),
             angles_rad: swing.angles_rad.clone(),
             velocities_rad_s: slopes(&swing.times_s, &followed.angles_rad),
             velocity_residuals_rad_s: slopes(&swing.times_s, &smooth),

@@ -4,7 +4,7 @@
 
 use crate::fit::descent::{Tolerance, bounded_step, stepped};
 use crate::fit::fitted::Fitted;
-use crate::fit::linear::{Linear, linearise_added};
+use crate::fit::linear::{Linear, equations_with_added};
 use crate::fit::problem::Problem;
 use crate::fit::refine::Band;
 use crate::swing::Window;
@@ -54,9 +54,9 @@ fn prediction(
     let before = model.cost;
     let larger = model.with(effect, start)?;
     let (problem, point) = (larger.problem(on), larger.point());
-    let linear = linearise_added(&problem, &point, Window::Whole, known);
-    let step = bounded_step(&problem, &point, &linear, DAMPING);
-    let cost = linear.cost - linear.gain(&step);
+    let equations = equations_with_added(&problem, &point, Window::Whole, known);
+    let step = bounded_step(&problem, &point, &equations, DAMPING);
+    let cost = equations.cost - equations.gain(&step);
     let stepped = Fitted::at(&problem, &stepped(&point, &step, problem.unknowns.len()));
     let model = Fitted { effects: larger.effects, ..stepped };
     cost.is_finite().then_some(Prediction { effect, reduction: before - cost, model })

@@ -5,6 +5,7 @@ use super::fitted::{Fitted, Stiction};
 use super::identify::Progress;
 use super::problem::{Point, Problem, Quantity};
 use super::refine::Band;
+use super::scouts::scouted;
 use super::start;
 use super::stiction::GAIN_WORTH_A_BAND;
 use crate::swing::Window;
@@ -13,7 +14,8 @@ use shared::parameters::base;
 
 /// The model of a rig fitted to the swings, whatever its numbers were, and never worse than with these.
 pub fn fitted_as_it_is(problem: &Problem) -> Fitted {
-    not_worse_than_given(problem, least_squares(problem, &start::guess(problem), &|_| ()))
+    let found = scouted(problem, |few| least_squares(few, &start::guess(few), &|_| ()));
+    not_worse_than_given(problem, found)
 }
 
 /// Growing windows from a guess, then Ms and DV, then everything together.

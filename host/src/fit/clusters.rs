@@ -102,13 +102,11 @@ pub struct Spread {
 /// The clusters of linearised swings: normal equations over the unknowns and, where windows are cut, one offset a swing;
 /// cut so that no cluster alone tells one of the columns that matter.
 pub fn clusters(on: &Problem, linear: &Linear, starts: &[Start], matters: impl Fn(usize) -> bool) -> Vec<Cluster> {
-    let n_unknowns = linear.gradient.len() - PER_SWING * linear.swings.len();
-    if linear.swings.len() >= RELEASES {
-        return whole_swings(on, linear, n_unknowns);
+    if linear.n_swings() >= RELEASES {
+        return whole_swings(on, linear);
     }
-    let crossings: Vec<Vec<usize>> = (0..linear.swings.len())
-        .map(|swing_idx| upward_crossings(on, &linear.swings[swing_idx], swing_idx, starts[swing_idx].offset_rad))
-        .collect();
+    let crossings: Vec<Vec<usize>> =
+        linear.each(|swing_idx, swing| upward_crossings(on, swing, swing_idx, starts[swing_idx].offset_rad));
     let mut best: (usize, Vec<Cluster>) = (usize::MAX, Vec::new());
     for periods in PERIODS {
         let found = joined(windows(on, linear, &crossings, periods));
@@ -116,7 +114,7 @@ pub fn clusters(on: &Problem, linear: &Linear, starts: &[Start], matters: impl F
             Some(spread) if found.len() >= ENOUGH => {
                 (0..spread.stds.len()).filter(|j| matters(*j) && spread.stds[*j].is_none()).count()
             }
-            _ => linear.gradient.len() + ENOUGH.saturating_sub(found.len()),
+            _ => linear.equations.gradient.len() + ENOUGH.saturating_sub(found.len()),
         };
         if n_doubtful < best.0 {
             best = (n_doubtful, found);
@@ -130,34 +128,26 @@ pub fn clusters(on: &Problem, linear: &Linear, starts: &[Start], matters: impl F
 
 /// Windows of so many periods.
 fn windows(on: &Problem, linear: &Linear, crossings: &[Vec<usize>], periods: usize) -> Vec<Cluster> {
-    let n_unknowns = linear.gradient.len() - PER_SWING * linear.swings.len();
-    let ranges: Vec<(usize, Range<usize>)> = crossings
-        .iter()
-        .enumerate()
-        .flat_map(|(swing_idx, at)| {
-            let n_samples = linear.swings[swing_idx].residuals.len();
-            cut(at, periods, n_samples).into_iter().map(move |range| (swing_idx, range))
-        })
-        .collect();
-    let of_window = |(swing_idx, range): &(usize, Range<usize>)| {
-        let swing = &linear.swings[*swing_idx];
+    let (n_unknowns, size) = (linear.n_unknowns(), linear.n_unknowns() + linear.n_swings());
+    let of_swing = |swing_idx: usize, swing: &SwingLinear| -> Vec<Cluster> {
         let (starts, offset) = swing.columns[n_unknowns..].split_at(PER_SWING - 1);
         let mut shared: Vec<(usize, &[f64])> =
             swing.columns[..n_unknowns].iter().map(Vec::as_slice).enumerate().collect();
         shared.push((n_unknowns + swing_idx, &offset[0]));
-        cluster(on, *swing_idx, swing, range.clone(), starts, &shared, n_unknowns + linear.swings.len())
+        let of_window = |range| cluster(on, swing_idx, swing, range, starts, &shared, size);
+        cut(&crossings[swing_idx], periods, swing.residuals.len()).into_par_iter().map(of_window).collect()
     };
-    ranges.par_iter().map(of_window).collect()
+    linear.each(of_swing).concat()
 }
 
 /// Whole releases, each with its start and offset taken out.
-fn whole_swings(on: &Problem, linear: &Linear, n_unknowns: usize) -> Vec<Cluster> {
-    let of_swing = |(swing_idx, swing): (usize, &SwingLinear)| {
+fn whole_swings(on: &Problem, linear: &Linear) -> Vec<Cluster> {
+    let n_unknowns = linear.n_unknowns();
+    linear.each(|swing_idx, swing| {
         let (shared, own) = swing.columns.split_at(n_unknowns);
         let shared: Vec<(usize, &[f64])> = shared.iter().map(Vec::as_slice).enumerate().collect();
         cluster(on, swing_idx, swing, 0..swing.residuals.len(), own, &shared, n_unknowns)
-    };
-    linear.swings.par_iter().enumerate().map(of_swing).collect()
+    })
 }
 
 /// Where the predicted angle goes upward through the middle.
@@ -268,7 +258,7 @@ fn information(windows: &[Cluster], all: &Sums) -> Vec<f64> {
 }
 
 /// What another model leaves in the same clusters, rad², with a new start in each window; its linearisation may have the
-/// columns of the starts alone.
+/// columns of the starts alone. Clusters stand in the order of their swings.
 pub fn squares(linear: &Linear, like: &[Cluster]) -> Vec<f64> {
     let of_window = |swing: &SwingLinear, range: &Range<usize>| {
         let starts = &swing.columns[swing.columns.len() - PER_SWING..];
@@ -276,11 +266,11 @@ pub fn squares(linear: &Linear, like: &[Cluster]) -> Vec<f64> {
         let left = beyond(&swing.residuals[range.clone()], &basis);
         dot(&left, &left)
     };
-    let of_cluster = |cluster: &Cluster| {
-        let swing = &linear.swings[cluster.swing_idx];
-        cluster.windows.iter().map(|range| of_window(swing, range)).sum()
+    let of_swing = |swing_idx: usize, swing: &SwingLinear| -> Vec<f64> {
+        let own = like.iter().filter(|cluster| cluster.swing_idx == swing_idx);
+        own.map(|cluster| cluster.windows.iter().map(|range| of_window(swing, range)).sum()).collect()
     };
-    like.par_iter().map(of_cluster).collect()
+    linear.each(of_swing).concat()
 }
 
 /// Does a sum over clusters differ from zero, by Student's t at 95 %?

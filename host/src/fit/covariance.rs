@@ -6,11 +6,11 @@
 //! be surer than its scatter over the [`super::clusters`], and than what these would move it by.
 //! Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980) 817, for the sandwich.
 
+use super::arrow::Arrow;
 use super::clusters::{clusters, spread, upward_crossings};
 use super::linear::{Linear, SwingLinear, dot};
 use super::problem::{PER_SWING, Problem, Start};
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 /// Correlation below this many standard errors counts as none.
 const CORRELATION_SIGNIFICANT: f64 = 3.0;
@@ -46,28 +46,29 @@ const SINGULAR: f64 = 1e-13;
 
 /// The covariance at a linearisation; a column without effect has an infinite variance. `None` if rounding spoils all.
 pub fn covariance(linear: &Linear) -> Option<Covariance> {
-    let size = linear.gradient.len();
-    let scale = DVector::from_fn(size, |i, _| linear.normal[(i, i)].sqrt());
+    let equations = &linear.equations;
+    let size = equations.gradient.len();
+    let normal = equations.normal.dense();
+    let scale = DVector::from_fn(size, |i, _| normal[(i, i)].sqrt());
     let has_effect = |i: usize| scale[i].is_normal();
     let unit = DMatrix::from_fn(size, size, |i, j| match (i == j, has_effect(i) && has_effect(j)) {
         (true, true) => 1.0 + SINGULAR,
         (true, false) => 1.0,
-        (false, true) => linear.normal[(i, j)] / (scale[i] * scale[j]),
+        (false, true) => normal[(i, j)] / (scale[i] * scale[j]),
         (false, false) => 0.0,
     });
     let inverse = unit.cholesky()?.inverse();
-    let dof = linear.n_samples.saturating_sub(size).max(1) as f64;
-    let memory = linear.swings.iter().map(memory).max().unwrap_or(0);
+    let dof = equations.n_samples.saturating_sub(size).max(1) as f64;
+    let memory = linear.each(|_, swing| memory(swing)).into_iter().max().unwrap_or(0);
     let middle = if memory == 0 {
-        &inverse * (linear.cost / dof)
+        &inverse * (equations.cost / dof)
     } else {
-        let n_unknowns = size - PER_SWING * linear.swings.len();
-        let scores = score_covariance(linear, n_unknowns, memory * BLOCK_OF_MEMORIES);
+        let scores = score_covariance(linear, memory * BLOCK_OF_MEMORIES);
         let score = |i: usize, j: usize| {
             if has_effect(i) && has_effect(j) { scores[(i, j)] / (scale[i] * scale[j]) } else { 0.0 }
         };
         let sandwich = &inverse * DMatrix::from_fn(size, size, score) * &inverse;
-        let white = &inverse * (linear.cost / dof);
+        let white = &inverse * (equations.cost / dof);
         // The sandwich is an estimate from few blocks; it is never taken to be surer than white noise.
         larger_diagonal(sandwich, &white)
     };
@@ -85,17 +86,17 @@ pub fn with_model_error(on: &Problem, linear: &Linear, starts: &[Start]) -> Opti
     if !covariance.coloured {
         return Some(covariance);
     }
-    let comes_again = |(swing_idx, swing): (usize, &SwingLinear)| {
+    let comes_again = |swing_idx: usize, swing: &SwingLinear| {
         let crossings = upward_crossings(on, swing, swing_idx, starts[swing_idx].offset_rad);
         comes_again(swing, &crossings)
     };
-    if !linear.swings.iter().enumerate().any(comes_again) {
+    if !linear.each(comes_again).contains(&true) {
         return Some(covariance);
     }
     let Some(spread) = spread(&clusters(on, linear, starts, |_| true)) else { return Some(covariance) };
-    let n_unknowns = linear.gradient.len() - PER_SWING * linear.swings.len();
+    let (n_unknowns, size) = (linear.n_unknowns(), linear.equations.gradient.len());
     let place = |j: usize| if j < n_unknowns { j } else { n_unknowns + PER_SWING * (j - n_unknowns) + PER_SWING - 1 };
-    let mut least = DMatrix::zeros(linear.gradient.len(), linear.gradient.len());
+    let mut least = DMatrix::zeros(size, size);
     for (j, std) in spread.stds.iter().enumerate() {
         let variance = std.map_or(0.0, |std| std.powi(2) + spread.step[j].powi(2));
         least[(place(j), place(j))] = variance;
@@ -138,26 +139,16 @@ fn memory(swing: &SwingLinear) -> usize {
 }
 
 /// Sum over blocks of the products of Jᵀr: the covariance of the scores when blocks are independent.
-fn score_covariance(linear: &Linear, n_unknowns: usize, block: usize) -> DMatrix<f64> {
-    let size = linear.gradient.len();
-    let of_swing = |(swing_idx, swing): (usize, &SwingLinear)| {
-        let mut sum = DMatrix::zeros(size, size);
-        let place = |j: usize| if j < n_unknowns { j } else { j + PER_SWING * swing_idx };
+fn score_covariance(linear: &Linear, block: usize) -> DMatrix<f64> {
+    let of_swing = |_: usize, swing: &SwingLinear| {
+        let mut sum = DMatrix::zeros(swing.columns.len(), swing.columns.len());
         for from in (0..swing.residuals.len()).step_by(block) {
             let to = (from + block).min(swing.residuals.len());
-            let score: Vec<f64> = swing
-                .columns
-                .iter()
-                .map(|column| column[from..to].iter().zip(&swing.residuals[from..to]).map(|(c, r)| c * r).sum())
-                .collect();
-            for (i, a) in score.iter().enumerate() {
-                for (j, b) in score.iter().enumerate() {
-                    sum[(place(i), place(j))] += a * b;
-                }
-            }
+            let of_column = |column: &Vec<f64>| dot(&column[from..to], &swing.residuals[from..to]);
+            let score = DVector::from_iterator(swing.columns.len(), swing.columns.iter().map(of_column));
+            sum += &score * score.transpose();
         }
         sum
     };
-    let zero = || DMatrix::zeros(size, size);
-    linear.swings.par_iter().enumerate().map(of_swing).reduce(zero, |a, b| a + b)
+    Arrow::new(linear.n_unknowns(), PER_SWING, &linear.each(of_swing)).dense()
 }

@@ -3,9 +3,9 @@
 //! Source: D. W. Marquardt, J. SIAM 11 (1963) 431. Four dampings are tried at once, because four simulations cost
 //! little more than one.
 
-use super::linear::{Linear, Steps, linearise};
+use super::arrow::ArrowFactor;
+use super::linear::{Equations, Steps, equations};
 use super::problem::{LANES, PER_SWING, Point, Problem};
-use super::solve::solve_damped;
 use crate::swing::Window;
 use nalgebra::DVector;
 
@@ -62,8 +62,6 @@ pub struct Descent {
     pub point: Point,
     /// Sum of squared errors there, rad².
     pub cost: f64,
-    /// The last linearisation, at the best guess or one step before it.
-    pub linear: Linear,
     /// Finite-difference steps, to go on with.
     pub steps: Steps,
     /// Why it ended.
@@ -89,12 +87,12 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, tolerance: Toler
     let mut damping = FIRST_DAMPING;
     let unit = problem.noise_rad().powi(2).max(1e-14);
     let noise = unit * problem.n_samples(window) as f64;
-    let mut linear = linearise(problem, &point, window, &mut steps);
+    let mut linear = equations(problem, &point, window, &mut steps);
     let mut cost = linear.cost;
     let mut termination = Termination::LostPatience;
     for iteration in 0..tolerance.max_iterations {
         if iteration > 0 {
-            linear = linearise(problem, &point, window, &mut steps);
+            linear = equations(problem, &point, window, &mut steps);
         }
         let predicted = linear.gain(&bounded_step(problem, &point, &linear, 0.0));
         let gain = loop {
@@ -127,14 +125,14 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, tolerance: Toler
             break;
         }
     }
-    Descent { point, cost, linear, steps, termination }
+    Descent { point, cost, steps, termination }
 }
 
 /// The best of four damped steps, if it is better than staying.
 fn best_trial(
     problem: &Problem,
     point: &Point,
-    linear: &Linear,
+    linear: &Equations,
     window: Window,
     damping: f64,
     cost: f64,
@@ -152,14 +150,15 @@ fn best_trial(
 
 /// A damped step within the bounds: an unknown that would leave them is put on its bound, and the others are solved
 /// for again.
-pub fn bounded_step(problem: &Problem, point: &Point, linear: &Linear, damping: f64) -> DVector<f64> {
+pub fn bounded_step(problem: &Problem, point: &Point, linear: &Equations, damping: f64) -> DVector<f64> {
     let n_unknowns = problem.unknowns.len();
     let is_offset = |j: usize| j >= n_unknowns && (j - n_unknowns) % PER_SWING == PER_SWING - 1;
     let mut free: Vec<bool> = (0..linear.gradient.len()).map(|j| problem.offsets_are_free || !is_offset(j)).collect();
     let mut gradient = linear.gradient.clone();
     let mut fixed_step = DVector::zeros(gradient.len());
     loop {
-        let step = solve_damped(&linear.normal, &gradient, damping, &free) + &fixed_step;
+        let factor = ArrowFactor::new(&linear.normal, damping, |j| free[j]);
+        let step = factor.solve(&gradient) + &fixed_step;
         let leaving = (0..n_unknowns).filter(|j| free[*j]).find_map(|j| {
             let target = point.values[j] + step[j];
             let bounded = target.clamp(problem.unknowns[j].low, problem.unknowns[j].high);
@@ -170,7 +169,7 @@ pub fn bounded_step(problem: &Problem, point: &Point, linear: &Linear, damping: 
             Some((j, to_bound)) => {
                 free[j] = false;
                 fixed_step[j] = to_bound;
-                gradient -= linear.normal.column(j) * to_bound;
+                gradient -= linear.normal.shared_column(j) * to_bound;
             }
         }
     }

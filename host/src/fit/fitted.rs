@@ -122,12 +122,12 @@ impl Fitted {
         for (unknown, value) in self.unknowns.iter().zip(&descent.point.values) {
             unknown.set(&mut moved.parameters, *value);
         }
-        let Descent { point, cost, steps, termination, .. } = descent;
+        let Descent { point, cost, steps, termination } = descent;
         Self { starts: point.starts, cost, steps: Some(steps), termination: Some(termination), ..moved }
     }
 
     /// The model linearised where it is, with steps of the right size.
-    pub fn linearised(&self, on: &Problem) -> Linear {
+    pub fn linearised<'a>(&self, on: &Problem<'a>) -> Linear<'a> {
         let (problem, point) = (self.problem(on), self.point());
         linearise(&problem, &point, Window::Whole, &mut Steps::found(&problem, &point))
     }

@@ -3,12 +3,14 @@
 
 use super::by_least_squares::{least_squares, not_worse_than_given, polish};
 use super::by_surfaces::{finish_surfaces, surfaces};
+use super::fitted::Fitted;
 pub use super::found::{Fit, Identified, Verdict};
 pub use super::held_out::{Carries, HeldOut, held_out_rmse};
 use super::problem::{Point, Problem, Unknown};
 use super::report::Report;
 use super::runs::responses_at;
-use super::sequential::Ranges;
+use super::scouts::scouted;
+use super::sequential::{Ranges, Stage};
 use super::{ranges, start};
 use crate::formula::effect_of;
 use crate::geometry::{self, GeometryError};
@@ -128,31 +130,52 @@ pub fn fit(
     let ranges = chosen_ranges(&problem, &first, &options.ranges)?;
     let responses_before = responses_at(&problem, &first, Window::Whole);
 
-    // Designs need many runs but not every sample.
-    let thin: Vec<Swing> = swings.iter().map(|swing| swing.thinned(SURFACE_RATE_HZ)).collect();
-    let designed = problem.on(&thin);
-
     let (model, stages) = match options.method {
-        Method::LeastSquares => (not_worse_than_given(&problem, least_squares(&problem, &first, progress)), Vec::new()),
         Method::Rsm => {
+            let thin = thinned(&problem);
+            let designed = problem.on(&thin);
             let mut sequence = surfaces(&designed, &ranges, progress);
             let model = finish_surfaces(&designed, &mut sequence);
             (model.evaluated(&problem), sequence.stages)
         }
+        Method::LeastSquares => {
+            let found = scouted(&problem, |few| least_squares(few, &start::guess(few), progress));
+            (not_worse_than_given(&problem, found), Vec::new())
+        }
         Method::Both => {
-            let mut sequence = surfaces(&designed, &ranges, progress);
-            let ended = finish_surfaces(&designed, &mut sequence);
-            let from_surfaces = polish(&problem, &sequence.point, &ended, progress);
-            // Surfaces from poor ranges may end in a wrong valley; least squares from the first guess then decides.
-            let good = problem.rmse_rad(from_surfaces.cost) < GOOD_NOISES * problem.noise_rad();
-            let best =
-                if good { from_surfaces } else { from_surfaces.better(least_squares(&problem, &first, progress)) };
-            (not_worse_than_given(&problem, best), sequence.stages)
+            let mut stages = Vec::new();
+            let found = scouted(&problem, |few| {
+                let (found, on_the_way) = both(few, &ranges, progress);
+                stages = on_the_way;
+                found
+            });
+            (not_worse_than_given(&problem, found), stages)
         }
     };
     progress(Progress::Uncertainty);
     let report = Report { problem: &problem, model, given: &options.ranges };
     report.build(held_out, responses_before, stages, &count, began)
+}
+
+/// Response surfaces, then least squares from there.
+fn both(problem: &Problem, ranges: &Ranges, progress: &(dyn Fn(Progress) + Sync)) -> (Fitted, Vec<Stage>) {
+    let thin = thinned(problem);
+    let designed = problem.on(&thin);
+    let mut sequence = surfaces(&designed, ranges, progress);
+    let ended = finish_surfaces(&designed, &mut sequence);
+    let from_surfaces = polish(problem, &sequence.point, &ended, progress);
+    // Surfaces from poor ranges may end in a wrong valley; least squares from the first guess then decides.
+    let good = problem.rmse_rad(from_surfaces.cost) < GOOD_NOISES * problem.noise_rad();
+    let model = match good {
+        true => from_surfaces,
+        false => from_surfaces.better(least_squares(problem, &start::guess(problem), progress)),
+    };
+    (model, sequence.stages)
+}
+
+/// Designs need many runs but not every sample.
+fn thinned(problem: &Problem) -> Vec<Swing> {
+    problem.swings.iter().map(|swing| swing.thinned(SURFACE_RATE_HZ)).collect()
 }
 
 /// Designs look at this many samples a second.

@@ -1,5 +1,6 @@
 //! The model linearised at a guess: residuals, their derivatives, and the normal equations.
 
+use super::arrow::Arrow;
 use super::problem::{PER_SWING, Point, Problem, Start};
 use crate::swing::Window;
 use nalgebra::{DMatrix, DVector};
@@ -24,13 +25,11 @@ pub struct SwingLinear {
     pub columns: Vec<Vec<f64>>,
 }
 
-/// All swings, linearised at a guess.
+/// The normal equations of all swings at a guess.
 #[derive(Clone, Debug)]
-pub struct Linear {
-    /// One a swing.
-    pub swings: Vec<SwingLinear>,
+pub struct Equations {
     /// JᵀJ; unknowns first, then angle, velocity and offset of each swing.
-    pub normal: DMatrix<f64>,
+    pub normal: Arrow,
     /// Jᵀr.
     pub gradient: DVector<f64>,
     /// rᵀr, rad².
@@ -39,10 +38,110 @@ pub struct Linear {
     pub n_samples: usize,
 }
 
-impl Linear {
+impl Equations {
     /// How much a step would lower the cost, rad², were the model linear.
     pub fn gain(&self, step: &DVector<f64>) -> f64 {
-        2.0 * self.gradient.dot(step) - step.dot(&(&self.normal * step))
+        2.0 * self.gradient.dot(step) - self.normal.quadratic(step)
+    }
+}
+
+/// All swings, linearised at a guess.
+#[derive(Clone, Debug)]
+pub struct Linear<'a> {
+    columns: Columns<'a>,
+    n_unknowns: usize,
+    /// The normal equations.
+    pub equations: Equations,
+}
+
+/// Residuals and columns of each swing. Those of many swings would fill the memory, and are cheap to make anew.
+#[derive(Clone, Debug)]
+enum Columns<'a> {
+    Kept(Vec<SwingLinear>),
+    Anew(Box<Place<'a>>),
+}
+
+/// The columns of up to so many swings are kept.
+const MOST_KEPT: usize = 16;
+
+impl<'a> Linear<'a> {
+    /// Of linearised swings that have so many unknowns in common.
+    pub fn of(n_unknowns: usize, swings: Vec<SwingLinear>) -> Self {
+        let equations = assemble(n_unknowns, swings.par_iter().map(Block::of).collect());
+        Self { columns: Columns::Kept(swings), n_unknowns, equations }
+    }
+
+    fn at(place: Place<'a>) -> Self {
+        let n_unknowns = place.problem.unknowns.len();
+        if place.problem.swings.len() <= MOST_KEPT {
+            return Self::of(n_unknowns, place.each(|_, swing| swing));
+        }
+        let equations = place.equations();
+        Self { columns: Columns::Anew(Box::new(place)), n_unknowns, equations }
+    }
+
+    /// What something is of each swing.
+    pub fn each<T: Send>(&self, of: impl Fn(usize, &SwingLinear) -> T + Sync) -> Vec<T> {
+        match &self.columns {
+            Columns::Kept(swings) => swings.par_iter().enumerate().map(|(idx, swing)| of(idx, swing)).collect(),
+            Columns::Anew(place) => place.each(|idx, swing| of(idx, &swing)),
+        }
+    }
+
+    /// How many numbers the swings share.
+    pub fn n_unknowns(&self) -> usize {
+        self.n_unknowns
+    }
+
+    /// Number of swings.
+    pub fn n_swings(&self) -> usize {
+        (self.equations.gradient.len() - self.n_unknowns) / PER_SWING
+    }
+}
+
+/// Where a problem is linearised, and the unknowns moved for it.
+#[derive(Clone, Debug)]
+struct Place<'a> {
+    problem: Problem<'a>,
+    point: Point,
+    window: Window,
+    /// The values with one unknown moved, and by how much.
+    moved: Vec<(Vec<f64>, f64)>,
+}
+
+impl<'a> Place<'a> {
+    fn new(problem: &Problem<'a>, point: &Point, window: Window, steps: &Steps) -> Self {
+        let moved = moved_values(problem, point, steps);
+        Self { problem: problem.clone(), point: point.clone(), window, moved }
+    }
+
+    fn each<T: Send>(&self, of: impl Fn(usize, SwingLinear) -> T + Sync) -> Vec<T> {
+        let of_swing = |swing_idx: usize| of(swing_idx, self.of_swing(swing_idx));
+        (0..self.problem.swings.len()).into_par_iter().map(of_swing).collect()
+    }
+
+    fn equations(&self) -> Equations {
+        assemble(self.problem.unknowns.len(), self.each(|_, swing| Block::of(&swing)))
+    }
+
+    fn of_swing(&self, swing_idx: usize) -> SwingLinear {
+        let swing = &self.problem.swings[swing_idx];
+        let n_samples = swing.samples_within(self.window);
+        let (values, start) = (self.point.values.as_slice(), self.point.starts[swing_idx]);
+        let mut guesses: Vec<(&[f64], Start)> = vec![(values, start)];
+        guesses.extend(self.moved.iter().map(|(values, _)| (values.as_slice(), start)));
+        guesses.push((values, Start { angle_rad: start.angle_rad + START_STEP, ..start }));
+        guesses.push((values, Start { velocity_rad_s: start.velocity_rad_s + START_STEP, ..start }));
+        let mut predicted = self.problem.predict(swing_idx, n_samples, &guesses);
+
+        let base = predicted.remove(0);
+        let steps = self.moved.iter().map(|(_, step)| *step).chain([START_STEP; 2]);
+        for (column, step) in predicted.iter_mut().zip(steps) {
+            column.iter_mut().zip(&base).for_each(|(moved, base)| *moved = (*moved - base) / step);
+        }
+        predicted.push(vec![1.0; n_samples]);
+        let residuals = swing.angles_rad.iter().zip(&base).map(|(m, p)| m - p - start.offset_rad).collect();
+        SwingLinear { residuals, columns: predicted }
     }
 }
 
@@ -59,14 +158,14 @@ impl Steps {
     /// The right steps at a guess, found on decimated swings.
     pub fn found(problem: &Problem, point: &Point) -> Self {
         let mut steps = Self::new(problem);
-        linearise(&problem.on(&problem.decimated()), point, Window::Whole, &mut steps);
+        equations(&problem.on(&problem.decimated()), point, Window::Whole, &mut steps);
         steps
     }
 
-    /// `moved` as it gave `linear`.
-    fn adapt(&mut self, problem: &Problem, moved: &[(Vec<f64>, f64)], linear: &Linear) {
-        let n_samples = linear.n_samples.max(1) as f64;
-        let change = |j: usize, step: f64| step.abs() * (linear.normal[(j, j)] / n_samples).sqrt();
+    /// `moved` as it gave the equations.
+    fn adapt(&mut self, problem: &Problem, moved: &[(Vec<f64>, f64)], equations: &Equations) {
+        let n_samples = equations.n_samples.max(1) as f64;
+        let change = |j: usize, step: f64| step.abs() * (equations.normal.square(j) / n_samples).sqrt();
         let changes_rad = moved.iter().enumerate().map(|(j, (_, step))| change(j, *step));
         for ((step, unknown), change) in self.0.iter_mut().zip(&problem.unknowns).zip(changes_rad) {
             let factor = if change > NO_CHANGE_RAD { WANTED_CHANGE_RAD / change } else { 100.0 };
@@ -76,31 +175,35 @@ impl Steps {
 }
 
 /// Linearises at a guess within a window.
-pub fn linearise(problem: &Problem, point: &Point, window: Window, steps: &mut Steps) -> Linear {
-    let moved = moved_values(problem, point, steps);
-    let swings: Vec<SwingLinear> = (0..problem.swings.len())
-        .into_par_iter()
-        .map(|swing_idx| linearise_swing(problem, point, window, &moved, swing_idx))
-        .collect();
-    let linear = assemble(problem.unknowns.len(), swings);
-    steps.adapt(problem, &moved, &linear);
+pub fn linearise<'a>(problem: &Problem<'a>, point: &Point, window: Window, steps: &mut Steps) -> Linear<'a> {
+    let place = Place::new(problem, point, window, steps);
+    let moved = place.moved.clone();
+    let linear = Linear::at(place);
+    steps.adapt(problem, &moved, &linear.equations);
     linear
 }
 
-/// Linearises at a guess with more unknowns than `known`, whose columns are taken over: exact where the new unknowns
-/// do nothing yet, good enough for a first step elsewhere. The new unknowns stand last in the problem.
-pub fn linearise_added(problem: &Problem, point: &Point, window: Window, known: &Linear) -> Linear {
+/// The normal equations alone.
+pub fn equations(problem: &Problem, point: &Point, window: Window, steps: &mut Steps) -> Equations {
+    let place = Place::new(problem, point, window, steps);
+    let equations = place.equations();
+    steps.adapt(problem, &place.moved, &equations);
+    equations
+}
+
+/// The normal equations at a guess with more unknowns than `known`, whose columns are taken over: exact where the new
+/// unknowns do nothing yet, good enough for a first step elsewhere. The new unknowns stand last in the problem.
+pub fn equations_with_added(problem: &Problem, point: &Point, window: Window, known: &Linear) -> Equations {
     let mut steps = Steps::new(problem);
-    // The first linearisation finds the right steps, the second uses them.
+    // The first time finds the right steps, the second uses them.
     with_added(problem, point, window, known, &mut steps);
     with_added(problem, point, window, known, &mut steps)
 }
 
-fn with_added(problem: &Problem, point: &Point, window: Window, known: &Linear, steps: &mut Steps) -> Linear {
-    let n_known = known.gradient.len() - PER_SWING * known.swings.len();
+fn with_added(problem: &Problem, point: &Point, window: Window, known: &Linear, steps: &mut Steps) -> Equations {
     let moved = moved_values(problem, point, steps);
-    let added = &moved[n_known..];
-    let of_swing = |swing_idx: usize| {
+    let added = &moved[known.n_unknowns..];
+    let of_swing = |swing_idx: usize, known_swing: &SwingLinear| {
         let swing = &problem.swings[swing_idx];
         let start = point.starts[swing_idx];
         let mut guesses: Vec<(&[f64], Start)> = vec![(&point.values, start)];
@@ -110,14 +213,14 @@ fn with_added(problem: &Problem, point: &Point, window: Window, known: &Linear, 
         for (column, (_, step)) in predicted.iter_mut().zip(added) {
             column.iter_mut().zip(&base).for_each(|(moved, base)| *moved = (*moved - base) / step);
         }
-        let (unknowns, starts) = known.swings[swing_idx].columns.split_at(n_known);
-        let residuals = swing.angles_rad.iter().zip(&base).map(|(m, p)| m - p - start.offset_rad).collect();
-        SwingLinear { residuals, columns: [unknowns, &predicted, starts].concat() }
+        let (unknowns, starts) = known_swing.columns.split_at(known.n_unknowns);
+        let columns: Vec<&[f64]> = unknowns.iter().chain(&predicted).chain(starts).map(Vec::as_slice).collect();
+        let residuals: Vec<f64> = swing.angles_rad.iter().zip(&base).map(|(m, p)| m - p - start.offset_rad).collect();
+        Block::new(&residuals, &columns)
     };
-    let swings = (0..problem.swings.len()).into_par_iter().map(of_swing).collect();
-    let linear = assemble(problem.unknowns.len(), swings);
-    steps.adapt(problem, &moved, &linear);
-    linear
+    let equations = assemble(problem.unknowns.len(), known.each(of_swing));
+    steps.adapt(problem, &moved, &equations);
+    equations
 }
 
 /// The guess with one unknown moved, for each unknown, and by how much: inwards where a bound is near.
@@ -131,64 +234,46 @@ fn moved_values(problem: &Problem, point: &Point, steps: &Steps) -> Vec<(Vec<f64
     (0..problem.unknowns.len()).map(moved).collect()
 }
 
-fn linearise_swing(
-    problem: &Problem,
-    point: &Point,
-    window: Window,
-    moved: &[(Vec<f64>, f64)],
-    swing_idx: usize,
-) -> SwingLinear {
-    let swing = &problem.swings[swing_idx];
-    let n_samples = swing.samples_within(window);
-    let start = point.starts[swing_idx];
-    let mut guesses: Vec<(&[f64], Start)> = vec![(&point.values, start)];
-    guesses.extend(moved.iter().map(|(values, _)| (values.as_slice(), start)));
-    guesses.push((&point.values, Start { angle_rad: start.angle_rad + START_STEP, ..start }));
-    guesses.push((&point.values, Start { velocity_rad_s: start.velocity_rad_s + START_STEP, ..start }));
-    let mut predicted = problem.predict(swing_idx, n_samples, &guesses);
-
-    let base = predicted.remove(0);
-    let steps = moved.iter().map(|(_, step)| *step).chain([START_STEP; 2]);
-    for (column, step) in predicted.iter_mut().zip(steps) {
-        column.iter_mut().zip(&base).for_each(|(moved, base)| *moved = (*moved - base) / step);
-    }
-    predicted.push(vec![1.0; n_samples]);
-    let residuals = swing.angles_rad.iter().zip(&base).map(|(m, p)| m - p - start.offset_rad).collect();
-    SwingLinear { residuals, columns: predicted }
+/// What one swing adds to the normal equations.
+struct Block {
+    normal: DMatrix<f64>,
+    gradient: DVector<f64>,
+    cost: f64,
+    n_samples: usize,
 }
 
-/// Builds the normal equations of all swings.
-fn assemble(n_unknowns: usize, swings: Vec<SwingLinear>) -> Linear {
-    let size = n_unknowns + PER_SWING * swings.len();
-    let mut normal = DMatrix::zeros(size, size);
-    let mut gradient = DVector::zeros(size);
-    let mut cost = 0.0;
-    let blocks: Vec<(DMatrix<f64>, DVector<f64>)> = swings.par_iter().map(normal_of_swing).collect();
-    for (swing_idx, (block, slope)) in blocks.iter().enumerate() {
-        let place = |j: usize| if j < n_unknowns { j } else { j + PER_SWING * swing_idx };
-        for i in 0..slope.len() {
-            gradient[place(i)] += slope[i];
-            for j in 0..slope.len() {
-                normal[(place(i), place(j))] += block[(i, j)];
+impl Block {
+    fn of(swing: &SwingLinear) -> Self {
+        let columns: Vec<&[f64]> = swing.columns.iter().map(Vec::as_slice).collect();
+        Self::new(&swing.residuals, &columns)
+    }
+
+    fn new(residuals: &[f64], columns: &[&[f64]]) -> Self {
+        let n_columns = columns.len();
+        let mut normal = DMatrix::zeros(n_columns, n_columns);
+        for i in 0..n_columns {
+            for j in 0..=i {
+                let product = dot(columns[i], columns[j]);
+                normal[(i, j)] = product;
+                normal[(j, i)] = product;
             }
         }
-        cost += dot(&swings[swing_idx].residuals, &swings[swing_idx].residuals);
+        let gradient = DVector::from_iterator(n_columns, columns.iter().map(|column| dot(column, residuals)));
+        Self { normal, gradient, cost: dot(residuals, residuals), n_samples: residuals.len() }
     }
-    let n_samples = swings.iter().map(|swing| swing.residuals.len()).sum();
-    Linear { swings, normal, gradient, cost, n_samples }
 }
 
-fn normal_of_swing(swing: &SwingLinear) -> (DMatrix<f64>, DVector<f64>) {
-    let n_columns = swing.columns.len();
-    let mut normal = DMatrix::zeros(n_columns, n_columns);
-    for i in 0..n_columns {
-        for j in 0..=i {
-            let product = dot(&swing.columns[i], &swing.columns[j]);
-            normal[(i, j)] = product;
-            normal[(j, i)] = product;
-        }
+/// The normal equations of all swings.
+fn assemble(n_unknowns: usize, blocks: Vec<Block>) -> Equations {
+    let mut gradient = DVector::zeros(n_unknowns + PER_SWING * blocks.len());
+    for (swing_idx, block) in blocks.iter().enumerate() {
+        let place = |j: usize| if j < n_unknowns { j } else { j + PER_SWING * swing_idx };
+        (0..block.gradient.len()).for_each(|i| gradient[place(i)] += block.gradient[i]);
     }
-    (normal, DVector::from_iterator(n_columns, swing.columns.iter().map(|column| dot(column, &swing.residuals))))
+    let cost = blocks.iter().map(|block| block.cost).sum();
+    let n_samples = blocks.iter().map(|block| block.n_samples).sum();
+    let blocks: Vec<DMatrix<f64>> = blocks.into_iter().map(|block| block.normal).collect();
+    Equations { normal: Arrow::new(n_unknowns, PER_SWING, &blocks), gradient, cost, n_samples }
 }
 
 /// Sum of products, in four parts that the processor works on together.

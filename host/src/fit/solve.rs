@@ -22,15 +22,21 @@ pub struct Factor {
 impl Factor {
     /// Of JᵀJ with damping λ for the columns that `free` allows; the others stay put.
     pub fn new(normal: &DMatrix<f64>, damping: f64, free: impl Fn(usize) -> bool) -> Self {
-        let size = normal.nrows();
+        let squares: Vec<f64> = normal.diagonal().iter().copied().collect();
+        let mut damped = normal.clone();
+        (0..squares.len()).for_each(|j| damped[(j, j)] += damping * squares[j]);
+        Self::of_squares(&damped, &squares, free)
+    }
+
+    /// Of a matrix that is left of JᵀJ; a remainder is measured against the square of its column of J.
+    pub fn of_squares(left: &DMatrix<f64>, squares: &[f64], free: impl Fn(usize) -> bool) -> Self {
+        let size = left.nrows();
         let mut pivots: Vec<usize> = (0..size).filter(|j| free(*j)).collect();
-        let largest = pivots.iter().map(|j| normal[(*j, *j)]).fold(0.0, f64::max);
-        let length = |j: &usize| normal[(*j, *j)].max(1e-30 * largest).max(1e-300).sqrt();
+        let largest = pivots.iter().map(|j| squares[*j]).fold(0.0, f64::max);
+        let length = |j: &usize| squares[*j].max(1e-30 * largest).max(1e-300).sqrt();
         let mut scale: Vec<f64> = pivots.iter().map(length).collect();
-        let mut lower = DMatrix::from_fn(pivots.len(), pivots.len(), |i, j| {
-            let unit = normal[(pivots[i], pivots[j])] / (scale[i] * scale[j]);
-            if i == j { unit + damping } else { unit }
-        });
+        let unit = |i: usize, j: usize| left[(pivots[i], pivots[j])] / (scale[i] * scale[j]);
+        let mut lower = DMatrix::from_fn(pivots.len(), pivots.len(), unit);
         let mut rank = 0;
         while rank < pivots.len() {
             let remainder = |k: &usize| lower[(*k, *k)];
@@ -65,6 +71,12 @@ impl Factor {
         let mut step = DVector::zeros(self.size);
         (0..rank).for_each(|k| step[self.pivots[k]] = x[k] / self.scale[k]);
         step
+    }
+
+    /// A step for each column of right-hand sides.
+    pub fn solve_all(&self, gradients: &DMatrix<f64>) -> DMatrix<f64> {
+        let steps: Vec<DVector<f64>> = gradients.column_iter().map(|column| self.solve(&column.into_owned())).collect();
+        DMatrix::from_fn(self.size, steps.len(), |i, j| steps[j][i])
     }
 
     /// The inverse; zero in rows and columns that have no effect of their own.

@@ -4,16 +4,15 @@
 //! smooth parameters have answered to it to first order (a frozen linearisation); the best few are then descended
 //! from in earnest. Ms alone, DV = 0, is the matter of [`super::stop_level`].
 
+use super::arrow::ArrowFactor;
 use super::descent::Tolerance;
 use super::fitted::{Fitted, Stiction};
-use super::linear::{Linear, Steps, dot, linearise};
+use super::linear::{Linear, Steps, SwingLinear, dot, linearise};
 use super::problem::{PER_SWING, Point, Problem, Start, Unknown};
 use super::refine::best_on;
-use super::solve::Factor;
 use super::stop_level;
 use crate::swing::Window;
 use nalgebra::DVector;
-use rayon::prelude::*;
 use shared::effect::Effect;
 use shared::parameters::{Parameters, base};
 
@@ -73,25 +72,24 @@ pub(super) fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, 
     };
     let pairs: Vec<[f64; 2]> = tried.iter().map(|pair| [pair.level_nm, pair.velocity_band]).collect();
     let n_unknowns = problem.unknowns.len();
-    let per_swing: Vec<Vec<(f64, Vec<f64>)>> = (0..problem.swings.len())
-        .into_par_iter()
-        .map(|swing_idx| {
-            let swing = &problem.swings[swing_idx];
-            let start = point.starts[swing_idx];
-            let guesses: Vec<(&[f64], Start)> = pairs.iter().map(|pair| (pair.as_slice(), start)).collect();
-            let predicted = pair_problem.predict(swing_idx, swing.len(), &guesses);
-            let judge = |column: &Vec<f64>| {
-                let residuals: Vec<f64> =
-                    swing.angles_rad.iter().zip(column).map(|(m, p)| m - p - start.offset_rad).collect();
-                let slopes = linear.swings[swing_idx].columns.iter().map(|column| dot(column, &residuals)).collect();
-                (dot(&residuals, &residuals), slopes)
-            };
-            predicted.iter().map(judge).collect()
-        })
-        .collect();
-    let factor = Factor::new(&linear.normal, ANSWER_DAMPING, |_| true);
+    let of_swing = |swing_idx: usize, known: &SwingLinear| -> Vec<(f64, Vec<f64>)> {
+        let swing = &problem.swings[swing_idx];
+        let start = point.starts[swing_idx];
+        let guesses: Vec<(&[f64], Start)> = pairs.iter().map(|pair| (pair.as_slice(), start)).collect();
+        let predicted = pair_problem.predict(swing_idx, swing.len(), &guesses);
+        let judge = |column: &Vec<f64>| {
+            let residuals: Vec<f64> =
+                swing.angles_rad.iter().zip(column).map(|(m, p)| m - p - start.offset_rad).collect();
+            let slopes = known.columns.iter().map(|column| dot(column, &residuals)).collect();
+            (dot(&residuals, &residuals), slopes)
+        };
+        predicted.iter().map(judge).collect()
+    };
+    let per_swing = linear.each(of_swing);
+    let equations = &linear.equations;
+    let factor = ArrowFactor::new(&equations.normal, ANSWER_DAMPING, |_| true);
     let answered = |pair_idx: usize| {
-        let mut gradient = DVector::zeros(linear.gradient.len());
+        let mut gradient = DVector::zeros(equations.gradient.len());
         let mut cost = 0.0;
         for (swing_idx, judged) in per_swing.iter().enumerate() {
             let (square, slopes) = &judged[pair_idx];

@@ -1,8 +1,8 @@
 //! Ms alone: with DV = 0 the error depends on it only through the turning points at which the pendulum stays, so that
 //! only the torques between two of them need be tried.
 
-use super::descent::{Tolerance, descend};
-use super::fitted::{Fitted, Stiction};
+use super::descent::Tolerance;
+use super::fitted::{Fitted, Stiction, sort};
 use super::linear::{Linear, Steps, linearise};
 use super::problem::{Point, Problem};
 use super::stiction::{MAX_ROUNDS, answered_costs};
@@ -45,12 +45,6 @@ fn own_level(own_nm: f64, ranges: &[Range]) -> Level {
     Level { level_nm: own_nm, range: range.unwrap_or(if own_nm < lowest.0 { lowest } else { (own_nm, own_nm) }) }
 }
 
-/// A model at a level, with its last linearisation, by which other levels are judged.
-struct Tried {
-    model: Fitted,
-    linear: Linear,
-}
-
 /// A model with the best level, and the next best if that may be better on all samples. Its own level is one of those
 /// that are tried; without a band.
 pub(super) fn levels(decimated: &Problem, from: &Fitted) -> Vec<Fitted> {
@@ -62,43 +56,39 @@ pub(super) fn levels(decimated: &Problem, from: &Fitted) -> Vec<Fitted> {
     let ranges = promising(&problem, &point, &linear);
     let own = own_level(own_nm, &ranges);
     let first = ranges.first().copied().filter(|first| *first != own.range).map(Level::in_the_middle);
+    let first_steps = steps.clone();
     let begin = Fitted { steps: Some(steps), ..free };
     let mut tried = in_earnest(decimated, &begin, [Some(own), first].into_iter().flatten().collect());
     for _ in 1..MAX_ROUNDS {
-        tried[0] = descended(decimated, &tried[0].model, Tolerance::JUDGE);
-        let Tried { model, linear } = &tried[0];
+        tried[0] = tried[0].descended(decimated, Window::Whole, Tolerance::JUDGE);
+        let model = &tried[0];
         let lowest = model.cost;
-        let fresh = |range: &Range| tried.iter().all(|tried| !holds(range, tried.model.stiction().level_nm));
+        let fresh = |range: &Range| tried.iter().all(|tried| !holds(range, tried.stiction().level_nm));
+        let (here, mut steps) = (model.problem(decimated), model.steps.clone().unwrap_or_else(|| first_steps.clone()));
+        let linear = linearise(&here, &model.point(), Window::Whole, &mut steps);
         let free = model.with_stiction(Stiction::NONE).problem(decimated);
-        let next = promising(&free, &model.point(), linear).into_iter().filter(fresh).take(NEIGHBOURS);
+        let next = promising(&free, &model.point(), &linear).into_iter().filter(fresh).take(NEIGHBOURS);
         let more = in_earnest(decimated, model, next.map(Level::in_the_middle).collect());
         tried.extend(more);
-        tried.sort_by(|a, b| a.model.cost.total_cmp(&b.model.cost));
-        if tried[0].model.cost >= lowest {
+        sort(&mut tried);
+        if tried[0].cost >= lowest {
             break;
         }
     }
-    let doubt = tried[0].model.cost + DOUBT * decimated.noise_rad().powi(2);
-    tried.truncate(if tried.len() > 1 && tried[1].model.cost < doubt { 2 } else { 1 });
-    tried.into_iter().map(|tried| tried.model).collect()
-}
-
-/// Descends with each of some levels; the lowest cost first.
-fn in_earnest(decimated: &Problem, from: &Fitted, levels: Vec<Level>) -> Vec<Tried> {
-    let at_level = |level: Level| {
-        let moved = from.with_stiction(Stiction::level(level.level_nm));
-        descended(decimated, &Fitted { level_range_nm: level.range, ..moved }, Tolerance::ROUGH)
-    };
-    let mut tried: Vec<Tried> = levels.into_par_iter().map(at_level).collect();
-    tried.sort_by(|a, b| a.model.cost.total_cmp(&b.model.cost));
+    let doubt = tried[0].cost + DOUBT * decimated.noise_rad().powi(2);
+    tried.truncate(if tried.len() > 1 && tried[1].cost < doubt { 2 } else { 1 });
     tried
 }
 
-fn descended(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Tried {
-    let problem = from.problem(on);
-    let steps = from.steps.clone().unwrap_or_else(|| Steps::new(&problem));
-    let descent = descend(&problem, &from.point(), Window::Whole, tolerance, steps);
-    Tried { linear: descent.linear.clone(), model: from.after(descent) }
+/// Descends with each of some levels; the lowest cost first.
+fn in_earnest(decimated: &Problem, from: &Fitted, levels: Vec<Level>) -> Vec<Fitted> {
+    let at_level = |level: Level| {
+        let moved = from.with_stiction(Stiction::level(level.level_nm));
+        Fitted { level_range_nm: level.range, ..moved }.descended(decimated, Window::Whole, Tolerance::ROUGH)
+    };
+    let mut tried: Vec<Fitted> = levels.into_par_iter().map(at_level).collect();
+    sort(&mut tried);
+    tried
 }
 
 fn holds(range: &Range, level_nm: f64) -> bool {

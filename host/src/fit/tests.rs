@@ -5,10 +5,9 @@ use super::descent::{Termination, Tolerance, descend};
 use super::fitted::{Fitted, Stiction};
 use super::identify::problem_of;
 use super::linear::{Linear, Steps, SwingLinear, linearise};
-use super::problem::{Point, Problem, Start};
+use super::problem::{PER_SWING, Point, Problem, Start};
 use super::stop_level;
 use crate::swing::{Swing, Window};
-use nalgebra::{DMatrix, DVector};
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
 use std::f64::consts::PI;
@@ -68,8 +67,9 @@ fn derivatives_are_those_of_the_closed_form() {
             viscous_rad(viscous, inertia, t) / RELEASE_RAD,
         ]
     };
+    let columns = linear.each(|_, swing| swing.columns.clone()).remove(0);
     for k in 0..3 {
-        let column = &linear.swings[0].columns[k];
+        let column = &columns[k];
         let wanted: Vec<f64> = swings[0].times_s.iter().map(|t| expected(*t)[k]).collect();
         let largest = wanted.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
         let worst = column.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -107,16 +107,8 @@ fn a_descent_stays_within_the_bounds() {
 }
 
 /// A linearisation of one swing by hand: residuals and columns, the last three of them the start's.
-fn by_hand(residuals: Vec<f64>, columns: Vec<Vec<f64>>) -> Linear {
-    let n = columns.len();
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    Linear {
-        normal: DMatrix::from_fn(n, n, |i, j| product(&columns[i], &columns[j])),
-        gradient: DVector::from_fn(n, |i, _| product(&columns[i], &residuals)),
-        cost: product(&residuals, &residuals),
-        n_samples: residuals.len(),
-        swings: vec![SwingLinear { residuals, columns }],
-    }
+fn by_hand(residuals: Vec<f64>, columns: Vec<Vec<f64>>) -> Linear<'static> {
+    Linear::of(columns.len() - PER_SWING, vec![SwingLinear { residuals, columns }])
 }
 
 /// Uniform noise of variance 1/12 from a linear congruence.

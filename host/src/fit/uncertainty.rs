@@ -7,7 +7,7 @@
 
 use super::covariance::{Covariance, with_model_error};
 use super::fitted::{Fitted, Stiction};
-use super::linear::{Linear, Steps, linearise};
+use super::linear::{Linear, Steps, SwingLinear, linearise};
 use super::problem::{PER_SWING, Problem, Quantity, Unknown};
 use super::stiction::{answered_costs, stiction_unknowns};
 use super::stop_level;
@@ -86,14 +86,14 @@ pub fn without_bounds(on: &Problem, model: &Fitted) -> Uncertainty {
 }
 
 /// What the covariance was made from.
-struct Smooth {
-    linear: Linear,
+struct Smooth<'a> {
+    linear: Linear<'a>,
     covariance: Option<Covariance>,
     /// Are Ms and DV among its columns?
     has_stiction: bool,
 }
 
-fn of_smooth_numbers(on: &Problem, model: &Fitted) -> (Uncertainty, Smooth) {
+fn of_smooth_numbers<'a>(on: &Problem<'a>, model: &Fitted) -> (Uncertainty, Smooth<'a>) {
     let mut unknowns = model.unknowns.clone();
     unknowns.extend(stiction_unknowns(&model.parameters));
     let has_stiction = model.has_band() && on.swings.iter().any(Swing::comes_to_rest);
@@ -128,7 +128,8 @@ fn bound_stiction(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut Num
     let decimated = on.decimated();
     let rough = on.on(&decimated);
     let share = rough.n_samples(Window::Whole) as f64 / on.n_samples(Window::Whole).max(1) as f64;
-    let variance = smooth.linear.cost / smooth.linear.n_samples.max(1) as f64;
+    let equations = &smooth.linear.equations;
+    let variance = equations.cost / equations.n_samples.max(1) as f64;
     let allowed = PROFILE_95 * share * variance.max(on.noise_rad().powi(2));
     let (level_scale, band_scale) = (level.unknown.scale, band.unknown.scale);
     let wider = |more: f64, at: Stiction| Stiction { velocity_band: at.velocity_band + more, ..at };
@@ -185,8 +186,8 @@ fn profile_bound(
 fn stop_variance(linear: &Linear, covariance: Option<&Covariance>, model: &Fitted) -> f64 {
     let Some(covariance) = covariance else { return 0.0 };
     let gravity = model.parameters.pendulum.gravity_torque_nm();
-    let n_unknowns = model_columns(linear);
-    let of_swing = |(swing_idx, swing): (usize, &super::linear::SwingLinear)| {
+    let n_unknowns = linear.n_unknowns();
+    let of_swing = |swing_idx: usize, swing: &SwingLinear| {
         let place = |j: usize| if j < n_unknowns { j } else { j + PER_SWING * swing_idx };
         let last: Vec<f64> = swing.columns.iter().map(|column| column.last().copied().unwrap_or(0.0)).collect();
         let product = |i: usize, j: usize| last[i] * last[j] * covariance.matrix[(place(i), place(j))];
@@ -194,12 +195,8 @@ fn stop_variance(linear: &Linear, covariance: Option<&Covariance>, model: &Fitte
             (0..last.len()).flat_map(|i| (0..last.len()).map(move |j| (i, j))).map(|(i, j)| product(i, j)).sum();
         sum
     };
-    let largest = linear.swings.iter().enumerate().map(of_swing).filter(|x| x.is_finite()).fold(0.0, f64::max);
+    let largest = linear.each(of_swing).into_iter().filter(|x| x.is_finite()).fold(0.0, f64::max);
     gravity.powi(2) * largest
-}
-
-fn model_columns(linear: &Linear) -> usize {
-    linear.gradient.len() - PER_SWING * linear.swings.len()
 }
 
 /// Marks numbers that make up for each other, and says which.

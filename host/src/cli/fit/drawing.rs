@@ -62,7 +62,7 @@ fn row(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Row {
     let title = format!("{name}: error {rmse_mrad:.3} {unit} rms, noise {:.3} {unit} rms", 1e3 * swing.noise_rad);
     Row {
         title,
-        times_s: swing.times_s.clone(),
+        times_s: swing.times_s.to_vec(),
         measured_rad: swing.angles_rad.clone(),
         model_rad,
         noise_rad: swing.noise_rad,
