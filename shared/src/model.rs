@@ -201,25 +201,32 @@ impl<R: Real> Model<R> {
 
         // What happens within this step, lane by lane.
         let enters = sliding.and(self.velocity_band.le(before.slide * trial.velocity).not());
-        let leaves = in_band.and(self.velocity_band.lt(trial.velocity.abs()));
-        let crosses = enters.or(leaves);
+        let mut leaves = in_band.and(self.velocity_band.lt(trial.velocity.abs()));
         let excess = |angle, velocity, time| {
             before.push * self.drive_nm(angle, velocity, time, &state.memories) - before.level_nm
         };
         let end_s = state.time_s + dt_s;
         let creeps = in_band.and(leaves.not());
-        let holds = creeps.and_then(|| excess(trial.angle, trial.velocity, end_s).lt(R::zero()));
+        let mut holds = creeps.and_then(|| excess(trial.angle, trial.velocity, end_s).lt(R::zero()));
         let breaks =
             resting.and_then(|| self.balance(state.angle_rad, R::zero(), end_s, &state.memories).holds().not());
 
         // When it happens, as a share of the step.
-        let edge = R::select(sliding, before.slide, trial.velocity.sign()) * self.velocity_band;
         let mut share = R::select(breaks, R::zero(), R::one());
-        if crosses.may_be() {
-            share = R::select(crosses, self.share_until_edge(state, trial, dt_s, edge), share);
-        }
+        let (mut until, mut part) = (trial, R::one());
         if holds.may_be() {
             share = R::select(holds, self.share_until_held(state, trial, dt_s, excess), share);
+            // Where the drive is spent the speed is largest: if it is beyond the band there, the band was left before.
+            let spent = self.trial(state, share * dt_s);
+            let had_left = holds.and(self.velocity_band.lt(spent.velocity.abs()));
+            until = Phase::select(had_left, spent, trial);
+            part = R::select(had_left, share, R::one());
+            (leaves, holds) = (leaves.or(had_left), holds.and(had_left.not()));
+        }
+        let crosses = enters.or(leaves);
+        let edge = R::select(sliding, before.slide, until.velocity.sign()) * self.velocity_band;
+        if crosses.may_be() {
+            share = R::select(crosses, part * self.share_until_edge(state, until, part * dt_s, edge), share);
         }
 
         let reached = self.trial(state, share * dt_s);

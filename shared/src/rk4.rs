@@ -9,6 +9,13 @@ pub(crate) struct Phase<R> {
     pub(crate) velocity: R,
 }
 
+impl<R: Real> Phase<R> {
+    pub(crate) fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
+        let (angle, velocity) = (R::select(mask, yes.angle, no.angle), R::select(mask, yes.velocity, no.velocity));
+        Self { angle, velocity }
+    }
+}
+
 /// One step of θ' = ω, ω' = `acceleration(θ, ω, t)`.
 #[inline(always)]
 pub(crate) fn step<R: Real>(acceleration: impl Fn(R, R, R) -> R, start: Phase<R>, time: R, dt: R) -> Phase<R> {
