@@ -65,6 +65,22 @@ fn more_swings_make_the_uncertainties_smaller() {
 }
 
 #[test]
+fn twenty_swings_tell_the_truth_within_their_uncertainties() {
+    // More than find the way, and more than have their derivatives kept.
+    let mut chance = Chance::new(20);
+    let swings: Vec<Swing> = (0..20).map(|seed| release(&rig(), chance.within(0.7..2.2), 100 + seed)).collect();
+    let fit = fitted(&swings, &[], Method::Both, &[]).unwrap();
+    assert!(fit.rmse_rad < 1.005 * noise_rad(), "{} noises", fit.rmse_rad / noise_rad());
+    assert_eq!(fit.starts.len(), 20);
+    for (symbol, truth) in [("Mw", 5e-4), ("Mc", 7e-4), ("Ms", 4e-3), ("DV", 0.03), ("I", 0.0027)] {
+        let found = found(&fit, symbol);
+        let stds = (found.value - truth) / found.std.unwrap();
+        println!("{symbol}: {} {stds:.2} ± off", found.value);
+        assert!(stds.abs() < 3.5, "{symbol}: {found:?}");
+    }
+}
+
+#[test]
 fn friction_that_is_not_there_is_named() {
     let mut slippery = rig();
     slippery.set_friction(5e-4, 0.0, 1e-3, 0.0);

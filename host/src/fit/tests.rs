@@ -78,6 +78,24 @@ fn derivatives_are_those_of_the_closed_form() {
 }
 
 #[test]
+fn many_swings_are_linearised_as_each_of_them_alone() {
+    let (viscous, count) = (4e-4, AtomicUsize::new(0));
+    let swings = vec![viscous_swing(viscous)[0].clone(); 20];
+    let problem = viscous_problem(&swings, viscous, &count);
+    let point = Point { values: problem.template_values(), starts: at_rest(RELEASE_RAD).repeat(20) };
+    let all = linearise(&problem, &point, Window::Whole, &mut Steps::new(&problem));
+    let alone = problem.on(&swings[..1]);
+    let point = Point { starts: at_rest(RELEASE_RAD), ..point };
+    let one = linearise(&alone, &point, Window::Whole, &mut Steps::new(&problem));
+    let columns = one.each(|_, swing| swing.columns.clone()).remove(0);
+    assert!(all.each(|_, swing| swing.columns == columns).into_iter().all(|same| same));
+    let (all, one) = (&all.equations, &one.equations);
+    assert!((all.normal.square(0) / one.normal.square(0) - 20.0).abs() < 1e-9);
+    assert_eq!(all.normal.square(all.normal.len() - 1), one.normal.square(one.normal.len() - 1));
+    assert!((all.gradient[0] / one.gradient[0] - 20.0).abs() < 1e-9);
+}
+
+#[test]
 fn a_descent_finds_the_numbers_of_the_closed_form_and_says_why_it_ended() {
     let (viscous, count) = (4e-4, AtomicUsize::new(0));
     let swings = viscous_swing(viscous);
