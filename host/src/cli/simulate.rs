@@ -23,7 +23,7 @@ const HIGHEST_RATE_HZ: f64 = 100_000.0;
 /// Longer swings neither.
 const LONGEST_S: f64 = 36_000.0;
 
-/// Simulate a swing of the model, with 0.5 s of stillness before the release, and write it as a recording.
+/// Simulate a swing of the model, held still for 0.5 s first, and write it as a recording.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
