@@ -263,6 +263,8 @@ fn wrong_use_is_refused_with_what_to_do() {
     lab.study("--csv a.csv").failed(2, &["a.csv exists already", "--force"]);
     lab.study("--csv study.sqlite --force").failed(2, &["study.sqlite is being read"]);
     lab.study("--database no/folder/a.sqlite").failed(1, &["no/folder/a.sqlite", "--database"]);
+    // A place where nothing can be written, for root neither.
+    lab.study("--database /proc/study.sqlite").failed(1, &["/proc/study.sqlite", "may be written to"]);
     let script = "import sqlite3, sys\nsqlite3.connect(sys.argv[1]).execute('pragma user_version = 9')";
     Command::new("python3").args(["-c", script]).arg(lab.at("study.sqlite")).status().unwrap();
     lab.study("").failed(2, &["version 9", "has 1"]);

@@ -13,6 +13,10 @@ use drawing::{control, side_by_side, sums};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use words::{anchor, number};
 
+/// The newest so many swings of a rig are drawn and listed; more could not be told apart, and no browser would show
+/// them.
+const MOST_SWINGS: usize = 300;
+
 /// The whole page.
 pub fn page(study: &Study) -> String {
     let page = html! {
@@ -154,15 +158,17 @@ fn swings(rig: &RigView) -> Markup {
             }
         }
     };
+    let n_older = rig.rows.len().saturating_sub(MOST_SWINGS);
     html! {
         details {
             summary { "Every swing, " (rig.order) }
+            @if n_older > 0 { p.quiet { (n_older) " older ones stand in the table (--csv)." } }
             div.wide { table {
                 tr {
                     th { "no." } th { "recording" } th { "recorded" }
                     th { "Mc, N·m" } th { "Mw, N·m·s/rad" } th { "error / noise" }
                 }
-                @for each in rig.rows.iter().enumerate() { (row(each)) }
+                @for each in rig.rows.iter().enumerate().skip(n_older) { (row(each)) }
             } }
         }
     }

@@ -3,15 +3,13 @@
 use super::super::between::{Between, Place};
 use super::super::chart::{Alarm, Kind};
 use super::super::rig::{Friction, RigView};
+use super::MOST_SWINGS;
 use super::words::{anchor, number, raised};
 use maud::{Markup, html};
 
 /// Heights in pixels.
 const CONTROL: f64 = 190.0;
 const SUMS: f64 = 110.0;
-
-/// Newer swings than so many are drawn; more could not be told apart.
-const MOST_SWINGS: usize = 300;
 
 /// Bands of fewer swings don't set the scale.
 const FEW: usize = 12;
