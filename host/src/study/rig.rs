@@ -204,14 +204,14 @@ fn left_out(rows: &[Row]) -> Vec<(usize, String)> {
     out
 }
 
-/// Swings that leave far more than the others do, and more than noise.
+/// Swings that leave far more than the others do, and clearly more than noise.
 fn pushed(rows: &[Row], candidates: &[usize]) -> Vec<usize> {
     let found = |idx: &usize| rows[*idx].found();
     let ratios: Vec<f64> =
         candidates.iter().filter_map(found).map(|found| (found.error_rad / found.noise_rad).ln()).collect();
     let stands_out = outliers(&ratios, Side::Above, PUSH_SHARE * FALSE_ALARMS);
     let candidates = stands_out.into_iter().map(|place| candidates[place]);
-    candidates.filter(|idx| found(idx).is_some_and(|found| found.leaves_more_than_noise())).collect()
+    candidates.filter(|idx| found(idx).is_some_and(|found| found.left == "missing")).collect()
 }
 
 fn friction(rows: &[Row], steady: &[usize], charted: &Charted) -> Option<Friction> {
