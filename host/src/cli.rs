@@ -30,6 +30,7 @@ mod rig;
 mod serve;
 mod simulate;
 mod statistics;
+mod study;
 mod table;
 mod undo;
 mod update;
@@ -87,6 +88,7 @@ enum Command {
     Diagnose(diagnose::Options),
     Improve(improve::Options),
     Plan(plan::Options),
+    Study(study::Options),
     Effects(effects::Options),
     Doctor(doctor::Options),
     Calibrate(calibrate::Options),
@@ -133,6 +135,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Diagnose(options) => diagnose::run(&options),
         Command::Improve(options) => improve::run(&options),
         Command::Plan(options) => plan::run(&options),
+        Command::Study(options) => study::run(&options),
         Command::Effects(options) => effects::run(&options),
         Command::Doctor(options) => doctor::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),

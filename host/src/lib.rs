@@ -30,6 +30,7 @@ pub mod rigfile;
 pub mod rsm;
 pub mod serve;
 pub mod sim;
+pub mod study;
 pub mod swing;
 pub mod trajectory;
 pub mod update;

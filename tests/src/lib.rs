@@ -18,6 +18,7 @@ pub mod faults;
 pub mod hidden;
 pub mod image;
 pub mod innovation;
+pub mod lab;
 pub mod link;
 pub mod measured;
 pub mod memory;

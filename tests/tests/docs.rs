@@ -23,6 +23,7 @@ const PAGES: [&str; 20] = [
     "docs/files.md",
     "docs/fitting.md",
     "docs/instruction-counts.md",
+    "docs/many-rigs.md",
     "docs/paper.md",
     "docs/physics.md",
     "docs/promises.md",

@@ -1,4 +1,4 @@
-//! Ctrl-C: while a swing is recorded the first one asks for an orderly end; otherwise the program ends at once.
+//! Ctrl-C: while a swing is recorded or a study runs the first one asks for an orderly end; otherwise the program ends at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,4 +20,9 @@ pub(super) fn orderly<T>(work: impl FnOnce(&AtomicBool) -> T) -> T {
     let done = work(&ASKED);
     RECORDING.store(false, Ordering::SeqCst);
     done
+}
+
+/// Ends the program after an orderly end, as Ctrl-C does otherwise.
+pub(super) fn end() -> ! {
+    std::process::exit(INTERRUPTED)
 }

@@ -12,7 +12,7 @@ use shared::effect::Effect;
 use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
 use std::path::{Path, PathBuf};
 
-/// Simulate a swing of the model, with 0.5 s of stillness before the release, and write it as a recording.
+/// Simulate a swing of the model, held still for 0.5 s first, and write it as a recording.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {

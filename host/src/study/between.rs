@@ -1,0 +1,96 @@
+//! Which rig differs from the others?
+//!
+//! Bearings are never alike, so that enough swings tell any two apart. What counts is whether a rig stands out from
+//! how the others scatter: each rig's mean is compared with the means of all others (`outlier.rs`).
+
+use super::outlier::{FEWEST_OTHERS, Side, outliers};
+use super::rig::{CHARTED, RigView};
+use serde::Serialize;
+
+/// In so many studies without a special rig one is named.
+const BY_CHANCE: f64 = 0.01;
+
+/// A quantity over all rigs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Between {
+    /// The literature's symbol.
+    pub symbol: &'static str,
+    /// What it is.
+    pub name: &'static str,
+    /// SI unit.
+    pub unit: String,
+    /// Mean of the means.
+    pub mean: f64,
+    /// Rigs with such a number.
+    pub rigs: Vec<Place>,
+    /// Are there enough rigs to say what is usual?
+    pub is_judged: bool,
+}
+
+/// A rig among the others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Place {
+    /// Its folder within the study.
+    pub rig: String,
+    /// Its mean.
+    pub mean: f64,
+    /// Its standard error.
+    pub std_error: Option<f64>,
+    /// Difference to the mean of the others, as a share of that.
+    pub difference: Option<f64>,
+    /// The difference's standard error, from the swings of all.
+    pub difference_std: Option<f64>,
+    /// Does it stand out from how the others scatter?
+    pub stands_out: bool,
+}
+
+impl Between {
+    /// How a rig stands among the others, in a sentence.
+    pub fn in_words(&self, place: &Place) -> String {
+        let Self { symbol, name, .. } = self;
+        let Some(share) = place.difference else { return format!("it is the only rig with {symbol}") };
+        let side = if share < 0.0 { "lower" } else { "higher" };
+        format!("its {name} {symbol} is {} {side} than that of the other rigs", percent(share, place.difference_std))
+    }
+}
+
+/// `1.9 ± 0.3 %` of a share, without its sign; so many digits that the spread is seen.
+pub(super) fn percent(share: f64, std: Option<f64>) -> String {
+    let [share, std] = [share.abs(), std.unwrap_or(0.0)].map(|share| 100.0 * share);
+    let digits = if std > 0.0 { (1.0 - std.log10().floor()).clamp(0.0, 6.0) as usize } else { 1 };
+    if std > 0.0 { format!("{share:.digits$} ± {std:.digits$} %") } else { format!("{share:.digits$} %") }
+}
+
+/// Compares rigs in all quantities that are charted.
+pub fn between(rigs: &[RigView]) -> Vec<Between> {
+    CHARTED.iter().filter_map(|charted| of(rigs, charted.symbol, charted.name)).collect()
+}
+
+fn of(rigs: &[RigView], symbol: &'static str, name: &'static str) -> Option<Between> {
+    let all: Vec<_> = rigs.iter().filter_map(|rig| Some((&rig.name, rig.friction_of(symbol)?))).collect();
+    let means: Vec<f64> = all.iter().map(|(_, friction)| friction.mean.value).collect();
+    let unit = all.first()?.1.unit.clone();
+    let stands_out = outliers(&means, Side::Both, BY_CHANCE / means.len() as f64);
+    let place = |idx: usize| {
+        let (rig, friction) = &all[idx];
+        let others =
+            || all.iter().enumerate().filter(move |(other, _)| *other != idx).map(|(_, (_, other))| other.mean);
+        let n = others().count() as f64;
+        let usual = others().map(|mean| mean.value).sum::<f64>() / n;
+        let variance = |std_error: Option<f64>| std_error.map(|std_error| std_error * std_error);
+        let of_others: Option<f64> = others().map(|mean| variance(mean.std_error)).sum();
+        let std = variance(friction.mean.std_error).zip(of_others).map(|(own, others)| (own + others / (n * n)).sqrt());
+        let is_one_of_many = n > 0.0 && usual != 0.0;
+        Place {
+            rig: (*rig).clone(),
+            mean: friction.mean.value,
+            std_error: friction.mean.std_error,
+            difference: is_one_of_many.then(|| friction.mean.value / usual - 1.0),
+            difference_std: std.filter(|_| is_one_of_many).map(|std| std / usual.abs()),
+            stands_out: stands_out.contains(&idx),
+        }
+    };
+    let mean = means.iter().sum::<f64>() / means.len() as f64;
+    let is_judged = means.len() > FEWEST_OTHERS;
+    Some(Between { symbol, name, unit, mean, rigs: (0..all.len()).map(place).collect(), is_judged })
+}

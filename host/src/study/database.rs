@@ -1,0 +1,486 @@
+//! The study's database: one SQLite file that several programs may write at once, and that a kill at any moment leaves
+//! whole.
+//!
+//! A recording is one transaction: its row and its numbers are there together or not at all, and are on the disk when
+//! the transaction ends (write-ahead log, synchronous). Who finds the file locked waits. `application_id` and
+//! `user_version` say whose file it is and which tables it has.
+
+use super::row::{Key, Number, Origin, Outcome, Row};
+use rusqlite::{Connection, OpenFlags, OptionalExtension, TransactionBehavior, params};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use thiserror::Error;
+
+/// Version of the tables.
+pub const VERSION: i32 = 1;
+
+/// Marks a file as a study: `pend` in ASCII.
+const APPLICATION: i32 = 0x7065_6e64;
+
+const SCHEMA: &str = include_str!("schema.sql");
+
+/// Others write a recording in milliseconds; only what hangs locks the file so long.
+const BUSY: Duration = Duration::from_secs(120);
+
+/// Why a database can't be used.
+#[derive(Debug, Error)]
+pub enum DatabaseError {
+    /// It is not there.
+    #[error("there is no database {}", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file of something else.
+    #[error("{} is no database of a study", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Tables of another version.
+    #[error("{} has version {found} of the tables; this program has {VERSION}", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// As found.
+        found: i32,
+    },
+    /// SQLite or the system refused.
+    #[error("could not use the database {}: {source}", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: rusqlite::Error,
+    },
+}
+
+impl DatabaseError {
+    /// What to do next.
+    pub fn next_step(&self) -> &'static str {
+        match self {
+            Self::Missing { .. } => "check its name, or run `host study FOLDER` first",
+            Self::Foreign { .. } => "choose another file with --database",
+            Self::Version { .. } => "use the program that made it, or begin another one with --database",
+            Self::Refused { .. } => "name one with --database in a folder that may be written to and has space",
+        }
+    }
+}
+
+/// An open database.
+#[derive(Debug)]
+pub struct Database {
+    connection: Connection,
+    path: PathBuf,
+}
+
+/// What was said of a rig; see [`Database::put_rig`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RigRow {
+    /// Its folder within the study.
+    pub rig: String,
+    /// SHA-256 of its model file.
+    pub model_hash: String,
+    /// How many recordings it has.
+    pub n_recordings: usize,
+    /// How many of them have a fit.
+    pub n_fitted: usize,
+    /// Mean of Mc and its standard error, N·m.
+    pub coulomb: Option<(f64, f64)>,
+    /// Mean of Mw and its standard error, N·m·s/rad.
+    pub viscous: Option<(f64, f64)>,
+    /// What was found, a sentence each.
+    pub findings: Vec<String>,
+    /// The diagnosis, if there was reason for one.
+    pub diagnosis: Option<Diagnosed>,
+}
+
+/// A diagnosis of a rig.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Diagnosed {
+    /// Recordings and hashes it was made from.
+    #[serde(skip)]
+    pub from: String,
+    /// Effects that are missing from the model.
+    pub missing: Vec<String>,
+    /// The same in a sentence.
+    pub words: String,
+}
+
+type Result<T> = std::result::Result<T, DatabaseError>;
+
+impl Database {
+    /// Opens a database, or begins one.
+    ///
+    /// # Errors
+    /// It is not a study's, of another version, or the system refuses.
+    pub fn open(path: &Path) -> Result<Self> {
+        let connection = Connection::open(path).map_err(|source| refused(path, source))?;
+        let mut database = Self { connection, path: path.to_owned() };
+        database.prepare().map_err(|error| database.told(error))?;
+        database.check()?;
+        Ok(database)
+    }
+
+    /// Opens one to be looked at, also where nothing may be written.
+    ///
+    /// # Errors
+    /// As [`Database::open`], and there is none.
+    pub fn look_at(path: &Path) -> Result<Self> {
+        if !path.is_file() {
+            return Err(DatabaseError::Missing { path: path.to_owned() });
+        }
+        let connection = Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY)
+            .map_err(|source| refused(path, source))?;
+        let database = Self { connection, path: path.to_owned() };
+        database.connection.busy_timeout(BUSY).map_err(|error| database.told(error))?;
+        if database.check().is_ok() {
+            return Ok(database);
+        }
+        // Beside a file in a read-only folder SQLite can't keep its log; nobody can write there either.
+        let name = format!("file:{}?immutable=1", path.display().to_string().replace('%', "%25").replace('?', "%3f"));
+        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI;
+        let connection = Connection::open_with_flags(name, flags).map_err(|source| refused(path, source))?;
+        let database = Self { connection, path: path.to_owned() };
+        database.check()?;
+        Ok(database)
+    }
+
+    fn prepare(&mut self) -> rusqlite::Result<()> {
+        self.connection.busy_timeout(BUSY)?;
+        let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+        let n_tables: i64 = transaction.query_row("SELECT count(*) FROM sqlite_schema", [], |row| row.get(0))?;
+        let version: i32 = transaction.pragma_query_value(None, "user_version", |row| row.get(0))?;
+        if n_tables == 0 && version == 0 {
+            transaction.execute_batch(SCHEMA)?;
+            transaction.pragma_update(None, "application_id", APPLICATION)?;
+            transaction.pragma_update(None, "user_version", VERSION)?;
+        }
+        transaction.commit()?;
+        // Where another program is just doing the same, it is done; both kinds of journal are safe.
+        let _ = self.connection.pragma_update(None, "journal_mode", "wal");
+        self.connection.pragma_update(None, "synchronous", "full")
+    }
+
+    fn check(&self) -> Result<()> {
+        let pragma = |name: &str| self.connection.pragma_query_value(None, name, |row| row.get::<_, i32>(0));
+        let (application, found) = pragma("application_id")
+            .and_then(|application| Ok((application, pragma("user_version")?)))
+            .map_err(|error| self.told(error))?;
+        match (application, found) {
+            (APPLICATION, VERSION) => Ok(()),
+            (APPLICATION, found) => Err(DatabaseError::Version { path: self.path.clone(), found }),
+            _ => Err(DatabaseError::Foreign { path: self.path.clone() }),
+        }
+    }
+
+    fn told(&self, error: rusqlite::Error) -> DatabaseError {
+        refused(&self.path, error)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Was this recording studied from just this origin?
+    ///
+    /// # Errors
+    /// SQLite refuses; so with all below.
+    pub fn has(&self, key: &Key, origin: &Origin) -> Result<bool> {
+        let query = "SELECT 1 FROM recording WHERE rig = ?1 AND recording = ?2 AND file_hash = ?3 AND model_hash = ?4 \
+                     AND options = ?5";
+        let Origin { file_hash, model_hash, options } = origin;
+        let found = self
+            .connection
+            .prepare_cached(query)
+            .and_then(|mut query| query.exists(params![key.rig, key.recording, file_hash, model_hash, options]));
+        found.map_err(|error| self.told(error))
+    }
+
+    /// Writes a recording's row in place of any earlier one, in one transaction.
+    pub fn put(&mut self, row: &Row) -> Result<()> {
+        let written =
+            self.connection.transaction_with_behavior(TransactionBehavior::Immediate).and_then(|transaction| {
+                put(&transaction, row)?;
+                transaction.commit()
+            });
+        written.map_err(|error| self.told(error))
+    }
+
+    /// Takes over what another database knows better: recordings that this one lacks or that were studied later there.
+    /// The order in which several are joined makes no difference. Gives how many were taken over.
+    pub fn join(&mut self, other: &Self) -> Result<usize> {
+        let mut n_taken = 0;
+        for rig in other.rigs()? {
+            let (theirs, ours) = (other.rows(&rig)?, self.rows(&rig)?);
+            let better = |row: &&Row| {
+                let mine = ours.binary_search_by(|mine| mine.key.cmp(&row.key)).map(|idx| &ours[idx]);
+                mine.is_ok_and(|mine| rank(row) > rank(mine)) || mine.is_err()
+            };
+            let better: Vec<&Row> = theirs.iter().filter(better).collect();
+            n_taken += better.len();
+            let written =
+                self.connection.transaction_with_behavior(TransactionBehavior::Immediate).and_then(|transaction| {
+                    better.iter().try_for_each(|row| put(&transaction, row))?;
+                    transaction.commit()
+                });
+            written.map_err(|error| self.told(error))?;
+        }
+        Ok(n_taken)
+    }
+
+    /// Every rig that has a recording, by name.
+    pub fn rigs(&self) -> Result<Vec<String>> {
+        let query = "SELECT DISTINCT rig FROM recording ORDER BY rig";
+        let found =
+            self.connection.prepare(query).and_then(|mut query| query.query_map([], |row| row.get(0))?.collect());
+        found.map_err(|error| self.told(error))
+    }
+
+    /// Every recording of a rig, by name.
+    pub fn rows(&self, rig: &str) -> Result<Vec<Row>> {
+        rows(&self.connection, rig).map_err(|error| self.told(error))
+    }
+
+    /// Writes what is said of a rig.
+    pub fn put_rig(&mut self, row: &RigRow) -> Result<()> {
+        let query = "INSERT OR REPLACE INTO rig VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)";
+        let diagnosis = row.diagnosis.as_ref();
+        let written = self.connection.execute(
+            query,
+            params![
+                row.rig,
+                row.model_hash,
+                super::measure::PROGRAM,
+                row.n_recordings,
+                row.n_fitted,
+                row.coulomb.map(|(mean, _)| mean),
+                row.coulomb.map(|(_, std)| std),
+                row.viscous.map(|(mean, _)| mean),
+                row.viscous.map(|(_, std)| std),
+                row.findings.join("\n"),
+                diagnosis.map(|diagnosis| &diagnosis.from),
+                diagnosis.map(|diagnosis| diagnosis.missing.join(",")),
+                diagnosis.map(|diagnosis| &diagnosis.words),
+            ],
+        );
+        written.map(drop).map_err(|error| self.told(error))
+    }
+
+    /// The diagnosis of a rig, if there is one.
+    pub fn diagnosis(&self, rig: &str) -> Result<Option<Diagnosed>> {
+        let query = "SELECT diagnosed, missing, diagnosis FROM rig WHERE rig = ?1 AND diagnosed IS NOT NULL";
+        let read = |row: &rusqlite::Row| {
+            let missing: String = row.get(1)?;
+            let missing = missing.split(',').filter(|name| !name.is_empty()).map(str::to_owned).collect();
+            Ok(Diagnosed { from: row.get(0)?, missing, words: row.get(2)? })
+        };
+        self.connection.query_row(query, [rig], read).optional().map_err(|error| self.told(error))
+    }
+}
+
+/// The later of two rows counts; of two at once any, but always the same.
+fn rank(row: &Row) -> (&str, &str, &str, &str) {
+    (&row.studied, &row.origin.file_hash, &row.origin.model_hash, &row.origin.options)
+}
+
+fn refused(path: &Path, source: rusqlite::Error) -> DatabaseError {
+    match source.sqlite_error_code() {
+        Some(rusqlite::ErrorCode::NotADatabase) => DatabaseError::Foreign { path: path.to_owned() },
+        _ => DatabaseError::Refused { path: path.to_owned(), source },
+    }
+}
+
+const PUT: &str = "INSERT OR REPLACE INTO recording VALUES \
+                   (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)";
+const PUT_NUMBER: &str = "INSERT INTO number VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
+
+fn put(on: &Connection, row: &Row) -> rusqlite::Result<()> {
+    let Row { key, origin, program, studied, recorded, outcome } = row;
+    let found = row.found();
+    on.prepare_cached(PUT)?.execute(params![
+        key.rig,
+        key.recording,
+        origin.file_hash,
+        origin.model_hash,
+        origin.options,
+        program,
+        studied,
+        recorded,
+        outcome.as_ref().err(),
+        found.map(|found| found.n_samples),
+        found.map(|found| found.duration_s),
+        found.map(|found| found.amplitude_rad),
+        found.and_then(|found| found.period_s),
+        found.map(|found| found.noise_rad),
+        found.map(|found| found.error_rad),
+        found.map(|found| &found.left),
+        found.map(|found| found.notes.join("\n")),
+    ])?;
+    on.prepare_cached("DELETE FROM number WHERE rig = ?1 AND recording = ?2")?.execute([&key.rig, &key.recording])?;
+    let mut query = on.prepare_cached(PUT_NUMBER)?;
+    for (place, number) in found.iter().flat_map(|found| &found.numbers).enumerate() {
+        let Number { symbol, effect, unit, value, std, upper, status } = number;
+        query.execute(params![key.rig, key.recording, place, symbol, effect, unit, value, std, upper, status])?;
+    }
+    Ok(())
+}
+
+fn rows(on: &Connection, rig: &str) -> rusqlite::Result<Vec<Row>> {
+    let mut query = on.prepare_cached("SELECT * FROM recording WHERE rig = ?1 ORDER BY recording")?;
+    let mut rows: Vec<Row> = query.query_map([rig], row)?.collect::<rusqlite::Result<_>>()?;
+    let mut query = on.prepare_cached("SELECT * FROM number WHERE rig = ?1 ORDER BY recording, place")?;
+    let mut numbers = query.query([rig])?;
+    let mut at = 0;
+    while let Some(line) = numbers.next()? {
+        let recording: String = line.get("recording")?;
+        at += rows[at..].iter().take_while(|row| row.key.recording < recording).count();
+        if let Some(Row { key, outcome: Ok(outcome), .. }) = rows.get_mut(at)
+            && key.recording == recording
+        {
+            outcome.numbers.push(number(line)?);
+        }
+    }
+    Ok(rows)
+}
+
+fn row(line: &rusqlite::Row) -> rusqlite::Result<Row> {
+    let problem: Option<String> = line.get("problem")?;
+    let outcome = match problem {
+        Some(problem) => Err(problem),
+        None => Ok(outcome(line)?),
+    };
+    Ok(Row {
+        key: Key { rig: line.get("rig")?, recording: line.get("recording")? },
+        origin: Origin {
+            file_hash: line.get("file_hash")?,
+            model_hash: line.get("model_hash")?,
+            options: line.get("options")?,
+        },
+        program: line.get("program")?,
+        studied: line.get("studied")?,
+        recorded: line.get("recorded")?,
+        outcome,
+    })
+}
+
+fn outcome(line: &rusqlite::Row) -> rusqlite::Result<Outcome> {
+    let notes: String = line.get("notes")?;
+    Ok(Outcome {
+        n_samples: line.get("samples")?,
+        duration_s: line.get("duration_s")?,
+        amplitude_rad: line.get("amplitude_rad")?,
+        period_s: line.get("period_s")?,
+        noise_rad: line.get("noise")?,
+        error_rad: line.get("error")?,
+        left: line.get("left_over")?,
+        notes: notes.lines().map(str::to_owned).collect(),
+        numbers: Vec::new(),
+    })
+}
+
+fn number(line: &rusqlite::Row) -> rusqlite::Result<Number> {
+    Ok(Number {
+        symbol: line.get("symbol")?,
+        effect: line.get("effect")?,
+        unit: line.get("unit")?,
+        value: line.get("value")?,
+        std: line.get("std")?,
+        upper: line.get("upper")?,
+        status: line.get("status")?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(recording: &str, studied: &str, value: f64) -> Row {
+        let text = str::to_owned;
+        let number = Number {
+            symbol: text("Mc"),
+            effect: text("coulomb"),
+            unit: text("N·m"),
+            value,
+            std: Some(0.1 * value),
+            upper: None,
+            status: text("identified"),
+        };
+        let outcome = Outcome {
+            n_samples: 46_000,
+            duration_s: 46.0,
+            amplitude_rad: 1.5,
+            period_s: None,
+            noise_rad: 1e-3,
+            error_rad: 1.1e-3,
+            left: text("noise"),
+            notes: vec![text("cut 0.5 s"), text("one more")],
+            numbers: vec![number],
+        };
+        Row {
+            key: Key { rig: text("a"), recording: text(recording) },
+            origin: Origin { file_hash: text("f"), model_hash: text("m"), options: String::new() },
+            program: text("0"),
+            studied: text(studied),
+            recorded: None,
+            outcome: Ok(outcome),
+        }
+    }
+
+    fn opened(folder: &tempfile::TempDir, name: &str) -> Database {
+        Database::open(&folder.path().join(name)).unwrap()
+    }
+
+    #[test]
+    fn what_is_put_comes_back_to_the_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut database = opened(&folder, "a.sqlite");
+        let broken = Row { outcome: Err("it is empty".to_owned()), ..row("z.csv", "1", 0.0) };
+        let written = vec![row("a.csv", "1", 0.1 + 0.2), row("b.csv", "1", std::f64::consts::PI), broken];
+        written.iter().for_each(|row| database.put(row).unwrap());
+        drop(database);
+        let database = opened(&folder, "a.sqlite");
+        assert_eq!(database.rows("a").unwrap(), written);
+        assert!(database.has(&written[0].key, &written[0].origin).unwrap());
+        let changed = Origin { file_hash: "other".to_owned(), ..written[0].origin.clone() };
+        assert!(!database.has(&written[0].key, &changed).unwrap());
+    }
+
+    #[test]
+    fn the_later_row_counts_whatever_the_order_of_joining() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut parts = Vec::new();
+        for (name, rows) in [("1", [("a.csv", "1"), ("b.csv", "3")]), ("2", [("a.csv", "2"), ("c.csv", "1")])] {
+            let mut part = opened(&folder, name);
+            let value = name.parse().unwrap();
+            rows.iter().for_each(|(recording, studied)| part.put(&row(recording, studied, value)).unwrap());
+            parts.push(part);
+        }
+        let joined = |order: [usize; 2], name: &str| {
+            let mut all = opened(&folder, name);
+            order.iter().for_each(|idx| {
+                all.join(&parts[*idx]).unwrap();
+            });
+            all.rows("a").unwrap()
+        };
+        let both = joined([0, 1], "both");
+        assert_eq!(both, joined([1, 0], "reversed"));
+        assert_eq!(both, [row("a.csv", "2", 2.0), row("b.csv", "3", 1.0), row("c.csv", "1", 2.0)]);
+    }
+
+    #[test]
+    fn files_of_others_and_of_other_versions_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.sqlite");
+        opened(&folder, "a.sqlite").connection.pragma_update(None, "user_version", 7).unwrap();
+        assert!(matches!(Database::open(&path), Err(DatabaseError::Version { found: 7, .. })));
+        assert!(matches!(Database::look_at(&path), Err(DatabaseError::Version { found: 7, .. })));
+        opened(&folder, "b.sqlite").connection.pragma_update(None, "application_id", 1).unwrap();
+        assert!(matches!(Database::open(&folder.path().join("b.sqlite")), Err(DatabaseError::Foreign { .. })));
+        std::fs::write(&path, "a text, longer than the header of a database has to be, which is 100 bytes. ".repeat(9))
+            .unwrap();
+        assert!(matches!(Database::open(&path), Err(DatabaseError::Foreign { .. })));
+        assert!(matches!(Database::look_at(&folder.path().join("no")), Err(DatabaseError::Missing { .. })));
+    }
+}

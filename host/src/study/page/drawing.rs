@@ -1,0 +1,212 @@
+//! The drawings of the page: across in percent, so that they fit any screen while words and dots keep their size.
+
+use super::super::between::{Between, Place};
+use super::super::chart::{Alarm, Kind};
+use super::super::rig::{Friction, RigView};
+use super::MOST_SWINGS;
+use super::words::{anchor, number, raised};
+use maud::{Markup, html};
+
+/// Heights in pixels.
+const CONTROL: f64 = 190.0;
+const SUMS: f64 = 110.0;
+
+/// Bands of fewer swings don't set the scale.
+const FEW: usize = 12;
+
+/// Room above and below, as a share of the range.
+const ROOM: f64 = 0.08;
+
+/// A range of values over a height.
+struct Scale {
+    low: f64,
+    high: f64,
+    height: f64,
+}
+
+impl Scale {
+    fn of(values: impl Iterator<Item = f64>, height: f64) -> Self {
+        let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
+        let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
+        let room = (ROOM * (high - low)).max(1e-3 * high.abs()).max(f64::MIN_POSITIVE);
+        Self { low: low - room, high: high + room, height }
+    }
+
+    /// Pixels from the top; what is beyond the range stays on its edge.
+    fn y(&self, value: f64) -> f64 {
+        let share = ((self.high - value) / (self.high - self.low)).clamp(0.0, 1.0);
+        (10.0 * self.height * share).round() / 10.0
+    }
+}
+
+/// Places across, in percent.
+struct Places {
+    from: usize,
+    n: usize,
+}
+
+impl Places {
+    fn of(n_all: usize) -> Self {
+        let from = n_all.saturating_sub(MOST_SWINGS);
+        Self { from, n: (n_all - from).max(1) }
+    }
+
+    fn percent(&self, idx: usize) -> f64 {
+        100.0 * ((idx - self.from) as f64 + 0.5) / self.n as f64
+    }
+
+    fn x(&self, idx: usize) -> String {
+        format!("{:.3}%", self.percent(idx))
+    }
+}
+
+/// Each swing with its ±, and the band in which it should lie.
+pub(super) fn control(rig: &RigView, friction: &Friction) -> Markup {
+    let places = Places::of(friction.values.len());
+    let shown = places.from..friction.values.len();
+    let std = |idx: usize| friction.stds[idx].unwrap_or(0.0);
+    let ends = shown.clone().flat_map(|idx| [-std(idx), std(idx)].map(|std| friction.values[idx] + std));
+    // A band of few swings is too wide to be shown whole.
+    let last_band = friction.chart.points.last().and_then(|point| point.band).filter(|_| shown.len() > FEW);
+    let around = last_band.map_or_else(Vec::new, |(low, high)| vec![low, high]);
+    let scale = Scale::of(ends.chain(around), CONTROL);
+    let name = |idx: usize| &rig.rows[friction.of[idx]].key.recording;
+    let alarm = |idx: usize| friction.chart.alarms.iter().find(|alarm| alarm.at == idx);
+    let exponent = friction.mean.value.abs().log10().floor() as i32;
+    let tick = |value: f64| format!("{:.3}", value / 10f64.powi(exponent));
+    let ticks = [0.1, 0.5, 0.9].map(|share| scale.low + share * (scale.high - scale.low));
+    let label = format!("10{} {}", raised(exponent), friction.unit);
+    plot(
+        &label,
+        &ticks.map(|value| (scale.y(value), tick(value))),
+        CONTROL,
+        html! {
+            (band(friction, &places, &scale))
+            @for idx in shown.clone() {
+                @let (value, x) = (friction.values[idx], places.x(idx));
+                line.bar x1=(x) x2=(x) y1=(scale.y(value - std(idx))) y2=(scale.y(value + std(idx))) {}
+                circle.(class(alarm(idx))) cx=(x) cy=(scale.y(value)) r=(if alarm(idx).is_some() { 5 } else { 3 }) {
+                    title { (idx + 1) ". " (name(idx)) ": " (number(value, friction.stds[idx])) " " (friction.unit) }
+                }
+            }
+        },
+        &ends_of(&places, shown.end),
+    )
+}
+
+fn class(alarm: Option<&Alarm>) -> &'static str {
+    match alarm.map(|alarm| alarm.kind) {
+        None => "dot",
+        Some(Kind::Single) => "dot off",
+        Some(Kind::Rise | Kind::Fall) => "dot changed",
+    }
+}
+
+/// The band as an area: along its upper edge there, along its lower one back; a new one after each change.
+fn band(friction: &Friction, places: &Places, scale: &Scale) -> Markup {
+    let mut areas = Vec::new();
+    let mut begin = None;
+    for idx in places.from..=friction.values.len() {
+        let has_band = friction.chart.points.get(idx).is_some_and(|point| point.band.is_some());
+        let is_new = friction.chart.alarms.iter().any(|alarm| alarm.at + 1 == idx && alarm.kind != Kind::Single);
+        if let Some(from) = begin.take_if(|_| !has_band || is_new) {
+            areas.push(from..idx);
+        }
+        if has_band {
+            begin.get_or_insert(idx);
+        }
+    }
+    let edge = |idx: usize, is_upper: bool| {
+        let (low, high) = friction.chart.points[idx].band.unwrap_or_default();
+        format!("{:.3},{}", places.percent(idx), scale.y(if is_upper { high } else { low }))
+    };
+    let outline = |area: &std::ops::Range<usize>| {
+        let there = area.clone().map(|idx| edge(idx, true));
+        there.chain(area.clone().rev().map(|idx| edge(idx, false))).collect::<Vec<_>>().join(" ")
+    };
+    stretched(CONTROL, html! { @for area in &areas { polygon.band points=(outline(area)) {} } })
+}
+
+/// Both sums with their limits.
+pub(super) fn sums(friction: &Friction) -> Markup {
+    let chart = &friction.chart;
+    let places = Places::of(chart.points.len());
+    let shown = places.from..chart.points.len();
+    let limits = [chart.limits.rising, -chart.limits.falling];
+    let values = chart.points[shown.clone()].iter().flat_map(|point| [point.rising, -point.falling]);
+    let scale = Scale::of(values.chain(limits), SUMS);
+    let line = |of: &dyn Fn(usize) -> f64| {
+        let point = |idx: usize| format!("{:.3},{}", places.percent(idx), scale.y(of(idx)));
+        shown.clone().map(point).collect::<Vec<_>>().join(" ")
+    };
+    let ticks = [limits[0], 0.0, limits[1]].map(|value| (scale.y(value), format!("{value:+.1}")));
+    plot(
+        "cumulative sums, standard deviations",
+        &ticks,
+        SUMS,
+        html! {
+            line.zero x1="0" x2="100%" y1=(scale.y(0.0)) y2=(scale.y(0.0)) {}
+            @for limit in limits { line.limit x1="0" x2="100%" y1=(scale.y(limit)) y2=(scale.y(limit)) {} }
+            (stretched(SUMS, html! {
+                polyline.sum points=(line(&|idx| chart.points[idx].rising)) {}
+                polyline.sum points=(line(&|idx| -chart.points[idx].falling)) {}
+            }))
+            @for alarm in chart.alarms.iter().filter(|alarm| alarm.kind != Kind::Single && alarm.at >= places.from) {
+                @let point = chart.points[alarm.at];
+                @let height = if alarm.kind == Kind::Rise { point.rising } else { -point.falling };
+                circle.dot.changed cx=(places.x(alarm.at)) cy=(scale.y(height)) r="5" {}
+            }
+        },
+        &ends_of(&places, shown.end),
+    )
+}
+
+/// The rigs' means, one line a rig.
+pub(super) fn side_by_side(between: &Between) -> Markup {
+    let std = |place: &Place| place.std_error.unwrap_or(0.0);
+    let ends = between.rigs.iter().flat_map(|place| [place.mean - std(place), place.mean + std(place)]);
+    // Percent from the right end.
+    let scale = Scale::of(ends, 100.0);
+    let x = |value: f64| format!("{:.2}%", 100.0 - scale.y(value));
+    html! {
+        div.rigs {
+            @for place in &between.rigs {
+                a href={ "#" (anchor(&place.rig)) } { (place.rig) }
+                svg height="26" role="img" aria-label=(number(place.mean, place.std_error)) {
+                    line.limit x1=(x(between.mean)) x2=(x(between.mean)) y1="0" y2="26" {}
+                    line.bar x1=(x(place.mean - std(place))) x2=(x(place.mean + std(place))) y1="13" y2="13" {}
+                    circle.(if place.stands_out { "dot changed" } else { "dot" }) cx=(x(place.mean)) cy="13" r="5" {}
+                }
+                span.value {
+                    (number(place.mean, place.std_error)) " " (between.unit)
+                    @if place.stands_out { strong.bad { " differs" } }
+                }
+            }
+        }
+    }
+}
+
+/// A drawing with its unit above, its numbers beside it and the swings below.
+fn plot(label: &str, ticks: &[(f64, String)], height: f64, drawn: Markup, ends: &(usize, usize)) -> Markup {
+    html! {
+        div.plot {
+            span.unit { (label) }
+            div.ticks style={ "height:" (height) "px" } {
+                @for (y, text) in ticks { span style={ "top:" (y) "px" } { (text) } }
+            }
+            svg height=(height) { (drawn) }
+            span.from { "swing " (ends.0) }
+            span.to { (ends.1) }
+        }
+    }
+}
+
+fn ends_of(places: &Places, end: usize) -> (usize, usize) {
+    (places.from + 1, end)
+}
+
+/// What is stretched across while its lines keep their width.
+fn stretched(height: f64, drawn: Markup) -> Markup {
+    let view_box = format!("0 0 100 {height}");
+    html! { svg.stretched viewBox=(view_box) height=(height) width="100%" preserveAspectRatio="none" { (drawn) } }
+}

@@ -1,0 +1,268 @@
+//! What the recordings of one rig say together: its friction, swing after swing, and which swings don't belong.
+//!
+//! In: the rows of a rig. Out: a [`RigView`], which follows from the rows alone, in whatever order they were made.
+
+use super::between::percent;
+use super::chart::{self, Alarm, Chart, FALSE_ALARMS, Kind, Limits};
+use super::order::in_order;
+use super::outlier::{Side, outliers};
+use super::row::Row;
+use serde::Serialize;
+
+/// What is charted: dry friction and viscous friction. Wear changes one of them.
+///
+/// Each has a share of the false alarms of a rig. Dry friction shows wear first and has most; what is left is for
+/// swings pushed by hand, which leave several times the noise and need no sharp limit. With half of its share a drift of
+/// Mc is found 0.6 swings later (8,000 simulated rigs).
+pub const CHARTED: [Charted; 2] = [
+    Charted { symbol: "Mc", name: "dry friction", false_alarms: 0.6 * FALSE_ALARMS },
+    Charted { symbol: "Mw", name: "viscous friction", false_alarms: 0.3 * FALSE_ALARMS },
+];
+const PUSH_SHARE: f64 = 0.1;
+
+/// A quantity that is charted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Charted {
+    /// The literature's symbol.
+    pub symbol: &'static str,
+    /// What it is.
+    pub name: &'static str,
+    /// False alarms a swing that its chart may raise.
+    pub false_alarms: f64,
+}
+
+/// Swings whose period differs by more than this from the rig's median are of another pendulum. Of simulated rigs it is
+/// found within 0.05 %; half would accuse a rig whose screws were tightened, twice overlook a bob moved by 12 %.
+const OTHER_PERIOD: f64 = 0.03;
+
+/// A rig and what is found of it.
+#[derive(Clone, Debug)]
+pub struct RigView {
+    /// Its folder within the study.
+    pub name: String,
+    /// Its recordings, the oldest first.
+    pub rows: Vec<Row>,
+    /// What orders them, in words.
+    pub order: &'static str,
+    /// Each quantity of [`CHARTED`] that was fitted.
+    pub friction: Vec<Friction>,
+    /// What is found, the most important first.
+    pub findings: Vec<Finding>,
+    /// Recordings that count for nothing, and why: of another pendulum, or the same twice.
+    pub left_out: Vec<(usize, String)>,
+    /// Recordings in which a hand moved the pendulum, as far as the fit tells.
+    pub pushed: Vec<usize>,
+}
+
+/// One quantity of a rig over its swings.
+#[derive(Clone, Debug)]
+pub struct Friction {
+    /// The literature's symbol.
+    pub symbol: &'static str,
+    /// What it is.
+    pub name: &'static str,
+    /// SI unit.
+    pub unit: String,
+    /// Which recordings count: indices of the rows.
+    pub of: Vec<usize>,
+    /// Their values.
+    pub values: Vec<f64>,
+    /// Standard deviations as the fits have them.
+    pub stds: Vec<Option<f64>>,
+    /// All of them in charts.
+    pub chart: Chart,
+    /// Mean and what is known of it.
+    pub mean: Mean,
+}
+
+/// A mean over swings.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Mean {
+    /// Of so many swings.
+    pub n: usize,
+    /// The mean.
+    pub value: f64,
+    /// Its standard error, from how the swings scatter; of a single swing that of its fit.
+    pub std_error: Option<f64>,
+    /// Standard deviation from swing to swing.
+    pub spread: Option<f64>,
+}
+
+/// Something a person should know of a rig.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// What kind of thing.
+    pub kind: FindingKind,
+    /// A sentence.
+    pub words: String,
+    /// The recording it begins with.
+    pub recording: Option<String>,
+}
+
+/// What is found, the most important first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FindingKind {
+    /// Friction has risen.
+    Wears,
+    /// Friction has fallen.
+    Eases,
+    /// A hand moved the pendulum.
+    Pushed,
+    /// One swing's friction is off.
+    Single,
+    /// Not of this pendulum.
+    OtherRig,
+    /// The same recording again.
+    Twice,
+}
+
+impl RigView {
+    /// Judges the rows of a rig, in whatever order they come.
+    pub fn new(name: &str, rows: Vec<Row>) -> Self {
+        let (rows, order) = in_order(rows);
+        let left_out = left_out(&rows);
+        let counts = |idx: &usize| rows[*idx].found().is_some() && !left_out.iter().any(|(out, _)| out == idx);
+        let candidates: Vec<usize> = (0..rows.len()).filter(counts).collect();
+        let pushed = pushed(&rows, &candidates);
+        let steady: Vec<usize> = candidates.into_iter().filter(|idx| !pushed.contains(idx)).collect();
+        let friction: Vec<Friction> = CHARTED.iter().filter_map(|charted| friction(&rows, &steady, charted)).collect();
+        let mut view = Self { name: name.to_owned(), rows, order, friction, findings: Vec::new(), left_out, pushed };
+        view.findings = view.found();
+        view
+    }
+
+    /// A quantity by its symbol.
+    pub fn friction_of(&self, symbol: &str) -> Option<&Friction> {
+        self.friction.iter().find(|friction| friction.symbol == symbol)
+    }
+
+    /// Recordings with a fit.
+    pub fn n_fitted(&self) -> usize {
+        self.rows.iter().filter(|row| row.found().is_some()).count()
+    }
+
+    /// The newest recordings that count, the newest last.
+    pub fn newest(&self, n: usize) -> Vec<&Row> {
+        let counts = |(idx, row): &(usize, &Row)| {
+            row.found().is_some() && !self.pushed.contains(idx) && !self.left_out.iter().any(|(out, _)| out == idx)
+        };
+        let all: Vec<&Row> = self.rows.iter().enumerate().filter(counts).map(|(_, row)| row).collect();
+        all[all.len().saturating_sub(n)..].to_vec()
+    }
+
+    fn found(&self) -> Vec<Finding> {
+        let recording = |idx: usize| self.rows[idx].key.recording.clone();
+        let mut findings: Vec<Finding> =
+            self.friction.iter().flat_map(|friction| friction.findings(&self.rows)).collect();
+        findings.extend(self.pushed.iter().map(|idx| Finding {
+            kind: FindingKind::Pushed,
+            words: pushed_in_words(&self.rows[*idx]),
+            recording: Some(recording(*idx)),
+        }));
+        findings.extend(self.left_out.iter().map(|(idx, why)| Finding {
+            kind: if why.contains("period") { FindingKind::OtherRig } else { FindingKind::Twice },
+            words: format!("{} is left out: {why}", recording(*idx)),
+            recording: Some(recording(*idx)),
+        }));
+        findings.sort_by_key(|finding| finding.kind);
+        findings
+    }
+}
+
+fn pushed_in_words(row: &Row) -> String {
+    let times = row.found().map_or(f64::NAN, |found| found.error_rad / found.noise_rad);
+    format!(
+        "{} was disturbed: the model leaves {times:.1} times the noise, far more than in this rig's other swings; \
+         a push by hand looks like this",
+        row.key.recording
+    )
+}
+
+/// Recordings of another pendulum, and those that are there twice.
+fn left_out(rows: &[Row]) -> Vec<(usize, String)> {
+    let mut out = Vec::new();
+    for (idx, row) in rows.iter().enumerate().filter(|(_, row)| row.found().is_some()) {
+        let first = rows[..idx].iter().find(|other| other.origin.file_hash == row.origin.file_hash);
+        out.extend(first.map(|first| {
+            (idx, format!("it holds the same bytes as {}, which would count twice", first.key.recording))
+        }));
+    }
+    let period = |row: &Row| row.found().and_then(|found| found.period_s);
+    let mut periods: Vec<f64> = rows.iter().filter_map(period).collect();
+    let usual_s = crate::recording::median(&mut periods);
+    for (idx, row) in rows.iter().enumerate() {
+        let Some(period_s) = period(row).filter(|period_s| (period_s / usual_s - 1.0).abs() > OTHER_PERIOD) else {
+            continue;
+        };
+        let why = format!(
+            "its period of small swings is {period_s:.3} s, that of the rig's others {usual_s:.3} s; it may be of \
+             another rig: move it there"
+        );
+        out.push((idx, why));
+    }
+    out
+}
+
+/// Swings that leave far more than the others do, and clearly more than noise.
+fn pushed(rows: &[Row], candidates: &[usize]) -> Vec<usize> {
+    let found = |idx: &usize| rows[*idx].found();
+    let ratios: Vec<f64> =
+        candidates.iter().filter_map(found).map(|found| (found.error_rad / found.noise_rad).ln()).collect();
+    let stands_out = outliers(&ratios, Side::Above, PUSH_SHARE * FALSE_ALARMS);
+    let candidates = stands_out.into_iter().map(|place| candidates[place]);
+    candidates.filter(|idx| found(idx).is_some_and(|found| found.left == "missing")).collect()
+}
+
+fn friction(rows: &[Row], steady: &[usize], charted: &Charted) -> Option<Friction> {
+    let Charted { symbol, name, false_alarms } = *charted;
+    let number = |idx: &usize| rows[*idx].found().and_then(|found| found.number(symbol));
+    let is_known = |idx: &&usize| number(idx).is_some_and(|number| number.status == "identified");
+    let of: Vec<usize> = steady.iter().filter(is_known).copied().collect();
+    let unit = number(of.first()?)?.unit.clone();
+    let values: Vec<f64> = of.iter().filter_map(number).map(|number| number.value).collect();
+    let stds: Vec<Option<f64>> = of.iter().filter_map(number).map(|number| number.std).collect();
+    let chart = chart::chart(&values, Limits::of(false_alarms));
+    let mean = Mean::of(&values, &stds);
+    Some(Friction { symbol, name, unit, of, values, stds, chart, mean })
+}
+
+impl Mean {
+    fn of(values: &[f64], stds: &[Option<f64>]) -> Self {
+        let n = values.len();
+        let value = values.iter().sum::<f64>() / n as f64;
+        let squares: f64 = values.iter().map(|each| (each - value).powi(2)).sum();
+        let spread = (n > 1).then(|| (squares / (n - 1) as f64).sqrt());
+        let std_error = spread.map(|spread| spread / (n as f64).sqrt()).or(stds.first().copied().flatten());
+        Self { n, value, std_error, spread }
+    }
+}
+
+impl Friction {
+    fn findings(&self, rows: &[Row]) -> Vec<Finding> {
+        self.chart.alarms.iter().map(|alarm| self.finding(alarm, rows)).collect()
+    }
+
+    fn finding(&self, alarm: &Alarm, rows: &[Row]) -> Finding {
+        let recording = |place: usize| rows[self.of[place]].key.recording.clone();
+        let Self { symbol, name, .. } = self;
+        let since = recording(alarm.since);
+        let by = alarm.change.map_or(String::new(), |(share, std)| format!(" by {}", percent(share, Some(std))));
+        let (kind, words) = match alarm.kind {
+            Kind::Rise => {
+                let seen = recording(alarm.at);
+                (FindingKind::Wears, format!("{name} {symbol} has risen{by} since {since} (sure with {seen})"))
+            }
+            Kind::Fall => {
+                let seen = recording(alarm.at);
+                (FindingKind::Eases, format!("{name} {symbol} has fallen{by} since {since} (sure with {seen})"))
+            }
+            Kind::Single => {
+                let score = self.chart.points[alarm.at].score;
+                let words = format!("{name} {symbol} of {since} is off by {score:+.1} standard deviations");
+                (FindingKind::Single, words)
+            }
+        };
+        Finding { kind, words, recording: Some(since) }
+    }
+}
