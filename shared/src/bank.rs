@@ -8,10 +8,13 @@
 //!    one shared transition, one column a number ([`mod@column`], [`mod@swing`], [`mod@follow`]);
 //! 3. the model is put right by Gauss and Newton's steps, because a test around a stale one accuses the innocent
 //!    ([`refit`]);
-//! 4. products of columns and residuals are summed window by window, the windows' own starts projected out, and
-//!    neighbours joined until at most fourteen clusters are left ([`sums`], [`clusters`]);
-//! 5. each candidate is judged by what it gains and by whether all clusters agree ([`judge`], [`chance`]), and named
+//! 4. products of columns and residuals are summed over all windows, their own starts projected out ([`sums`]);
+//! 5. the windows are followed once more, for what each has of every candidate's step; neighbours are joined until at
+//!    most fourteen clusters are left ([`clusters`]);
+//! 6. each candidate is judged by what it gains and by whether all clusters agree ([`judge`], [`chance`]), and named
 //!    or not ([`findings`]).
+//!
+//! How a board would keep the last releases ([`tape`], [`keeper`]) and look at them ([`order`]); no firmware does yet.
 //!
 //! No allocation, generic over the number. The list of effects is the only source of candidates.
 
@@ -21,7 +24,11 @@ pub mod column;
 pub mod findings;
 pub mod follow;
 pub mod judge;
+pub mod keeper;
+pub mod order;
 pub mod refit;
+pub mod smooth;
 pub mod sums;
 pub mod swing;
+pub mod tape;
 pub mod window;

@@ -27,7 +27,7 @@ pub struct Dual<R, const N: usize> {
 
 impl<R: Real, const N: usize> Dual<R, N> {
     /// A value that depends on none of the quantities.
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub fn constant(value: R) -> Self {
         Self { value, slopes: [R::zero(); N] }
     }
@@ -39,12 +39,12 @@ impl<R: Real, const N: usize> Dual<R, N> {
     }
 
     /// f(self), given the value and the derivative of f there.
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn chain(self, value: R, slope: R) -> Self {
         Self { value, slopes: self.slopes.map(|own| slope * own) }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn zip(self, other: Self, value: R, slope: impl Fn(R, R) -> R) -> Self {
         Self { value, slopes: array::from_fn(|i| slope(self.slopes[i], other.slopes[i])) }
     }
@@ -52,7 +52,7 @@ impl<R: Real, const N: usize> Dual<R, N> {
 
 impl<R: Real, const N: usize> Add for Dual<R, N> {
     type Output = Self;
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn add(self, other: Self) -> Self {
         self.zip(other, self.value + other.value, |a, b| a + b)
     }
@@ -60,7 +60,7 @@ impl<R: Real, const N: usize> Add for Dual<R, N> {
 
 impl<R: Real, const N: usize> Sub for Dual<R, N> {
     type Output = Self;
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn sub(self, other: Self) -> Self {
         self.zip(other, self.value - other.value, |a, b| a - b)
     }
@@ -68,7 +68,7 @@ impl<R: Real, const N: usize> Sub for Dual<R, N> {
 
 impl<R: Real, const N: usize> Mul for Dual<R, N> {
     type Output = Self;
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     #[allow(clippy::suspicious_arithmetic_impl, reason = "the product rule is a sum")]
     fn mul(self, other: Self) -> Self {
         self.zip(other, self.value * other.value, |a, b| a * other.value + b * self.value)
@@ -77,7 +77,7 @@ impl<R: Real, const N: usize> Mul for Dual<R, N> {
 
 impl<R: Real, const N: usize> Div for Dual<R, N> {
     type Output = Self;
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn div(self, other: Self) -> Self {
         let ratio = self.value / other.value;
         let inverse = R::one() / other.value;
@@ -88,7 +88,7 @@ impl<R: Real, const N: usize> Div for Dual<R, N> {
 
 impl<R: Real, const N: usize> Neg for Dual<R, N> {
     type Output = Self;
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn neg(self) -> Self {
         Self { value: -self.value, slopes: self.slopes.map(|slope| -slope) }
     }
@@ -97,23 +97,23 @@ impl<R: Real, const N: usize> Neg for Dual<R, N> {
 impl<R: Real, const N: usize> Real for Dual<R, N> {
     type Mask = R::Mask;
 
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn of(value: f64) -> Self {
         Self::constant(R::of(value))
     }
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn lt(self, other: Self) -> R::Mask {
         self.value.lt(other.value)
     }
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn le(self, other: Self) -> R::Mask {
         self.value.le(other.value)
     }
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
         yes.zip(no, R::select(mask, yes.value, no.value), |a, b| R::select(mask, a, b))
     }
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn abs(self) -> Self {
         Self::select(self.value.lt(R::zero()), -self, self)
     }
@@ -121,15 +121,15 @@ impl<R: Real, const N: usize> Real for Dual<R, N> {
         let root = self.value.sqrt();
         self.chain(root, R::select(R::zero().lt(root), R::of(0.5) / root, R::zero()))
     }
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn sin(self) -> Self {
         self.chain(self.value.sin(), self.value.cos())
     }
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn cos(self) -> Self {
         self.chain(self.value.cos(), -self.value.sin())
     }
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn exp(self) -> Self {
         let value = self.value.exp();
         self.chain(value, value)

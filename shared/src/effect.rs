@@ -281,12 +281,12 @@ impl<R: Real> Effect<R> {
     }
 }
 
-/// Nobody reads or fits there; every effect's texts and starts would take 400 bytes of its flash.
+/// Nobody reads there; every effect's texts would take 300 bytes of its flash.
 const fn without_prose_on_the_board<R: Real, const N: usize>(mut all: [Effect<R>; N]) -> [Effect<R>; N] {
     let mut i = 0;
     while cfg!(target_os = "none") && i < N {
         (all[i].summary, all[i].formula, all[i].source, all[i].experiment) = ("", "", "", "");
-        (all[i].starts, all[i].generalises) = (&[], None);
+        all[i].generalises = None;
         i += 1;
     }
     all

@@ -471,6 +471,11 @@ impl<R: Real> Model<R> {
         chain.fold(measured, |reading, (term, memory)| (term.law.read)(reading, &motion, memory, &term.values))
     }
 
+    /// Does nothing act on the pendulum beyond the base effects?
+    pub fn is_plain(&self) -> bool {
+        self.plain
+    }
+
     /// Does the sensor read the angle as it is?
     pub fn has_plain_sensor(&self) -> bool {
         self.sensors.is_empty()

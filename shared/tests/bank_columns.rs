@@ -162,3 +162,11 @@ fn every_candidate_is_the_derivative_by_its_strength_until_rest() {
         assert!(worst.0 < tolerance, "{step_s} s: {worst:?}");
     }
 }
+
+/// What has no room would never be suspected.
+#[test]
+fn there_is_room_for_every_start_of_every_effect() {
+    let columns = Columns::new(&Parameters::paper().map(|value| value as f32), false);
+    println!("{} columns of {} candidates", columns.added.len(), columns.candidates.len());
+    assert!(!columns.added.is_full() && !columns.candidates.is_full());
+}

@@ -2,6 +2,7 @@
 
 use serde::de::DeserializeOwned;
 use serde_reflection::{ContainerFormat, Format, FormatHolder, Named, Registry, Tracer, TracerConfig, VariantFormat};
+use shared::bank::findings::Reason;
 use shared::parameters::ParameterError;
 use shared::wire::{
     Answer, Clock, Command, Frame, Hello, MAX_FRAME, PROTOCOL, Refusal, ResetCause, StoreState, Stream, encode,
@@ -47,6 +48,7 @@ fn registry() -> Registry {
     trace::<ResetCause>(&mut tracer);
     trace::<StoreState>(&mut tracer);
     trace::<Clock>(&mut tracer);
+    trace::<Reason>(&mut tracer);
     trace::<Answer>(&mut tracer);
     trace::<Command>(&mut tracer);
     trace::<Frame>(&mut tracer);
@@ -131,6 +133,7 @@ fn type_name(format: &Format) -> String {
         Format::Seq(item) => format!("list of {}", type_name(item)),
         Format::TupleArray { content, size } => format!("{size} × {}", type_name(content)),
         Format::Tuple(formats) => list(formats),
+        Format::Option(value) => format!("optional {}", type_name(value)),
         Format::Str => "text".to_owned(),
         other => format!("{other:?}").to_lowercase(),
     }

@@ -1,30 +1,25 @@
-//! The bank on blind rigs in the board's own number: whom does it accuse, what does it name, how large does it say it is?
+//! The board's bank on blind rigs: whom does it accuse, what does it name, how large does it say it is?
 //!
-//! Rigs of the independent plant with a 12-bit converter, released three times. The model that the bank is given is
-//! deliberately wrong: friction 30 % and inertia 5 % off.
+//! Rigs of the independent plant with a 12-bit converter, released three times; its codes go over the board's tape. The
+//! model that the bank is given is deliberately wrong: friction 30 % and inertia 5 % off.
 //!
 //! Some fifty rigs in the usual run, with bounds that rates as good as measured break once in a thousand;
 //! `cargo test -p tests --test bank_blind -- --ignored --nocapture` takes ROUNDS (8) of them, FROM a round (0).
 
-use shared::bank::findings::{Findings, look};
-use shared::bank::refit::Releases;
+use shared::bank::keeper::Keeper;
+use shared::bank::order::Order;
+use shared::bank::tape::Tape;
 use shared::effect::Effect;
 use shared::parameters::{Parameters, base};
+use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
+use shared::units::{Code, Radian};
+use shared::wire::Suspects;
 use tests::hidden::{LSB_RAD, Random, Rig};
 use tests::rates::fewest_hits;
-
-/// The error that a look may spend.
-const ERROR: f64 = 1e-3;
 
 /// So far are friction and inertia of the given model off.
 const FRICTION_OFF: f64 = 0.3;
 const INERTIA_OFF: f64 = 0.05;
-
-/// The bank looks at so many readings a second.
-const RATE_HZ: f64 = 250.0;
-
-/// A pendulum is let go when it has moved so far, rad.
-const MOVED_RAD: f64 = 0.03;
 
 /// What is no missing effect: nothing, a velocity band, a wrong clock, air's lift, a wrong mass.
 const INNOCENT: [&str; 8] = ["none", "band", "none", "clock", "none", "buoyancy", "none", "mass"];
@@ -113,19 +108,6 @@ fn two(round: u64, place: usize) -> Rig {
     both
 }
 
-/// Readings of each release from its first motion on, at the bank's rate, as the board has them: codes.
-fn readings(rig: &Rig) -> (Vec<Vec<f32>>, f64) {
-    let every = (rig.rate_hz / RATE_HZ).round().max(1.0) as usize;
-    let release = |index: usize| {
-        let recording = rig.recording(index);
-        let angles = recording.angles_rad();
-        let begin = angles.iter().position(|angle| (angle - angles[0]).abs() > MOVED_RAD).unwrap_or(0);
-        let mean = |part: &[f64]| (part.iter().sum::<f64>() / part.len() as f64) as f32;
-        angles[begin..].chunks_exact(every).map(mean).collect()
-    };
-    ((0..rig.releases_rad.len()).map(release).collect(), every as f64 / rig.rate_hz)
-}
-
 fn given(rig: &Rig) -> Parameters<f64> {
     let mut parameters = rig.known();
     parameters.pendulum.inertia_kg_m2 = rig.inertia_kg_m2 * (1.0 + INERTIA_OFF);
@@ -134,11 +116,29 @@ fn given(rig: &Rig) -> Parameters<f64> {
     parameters
 }
 
-fn found(rig: &Rig) -> Findings<f32> {
-    let (releases, interval_s) = readings(rig);
-    let parts: Vec<&[f32]> = releases.iter().map(Vec::as_slice).collect();
-    let on = Releases::new(&parts, interval_s as f32);
-    look(&given(rig).map(|value| value as f32), &on, ERROR as f32)
+/// What a board says of all releases that it keeps.
+fn found(rig: &Rig) -> Suspects {
+    let potentiometer = Potentiometer::nominal(FULL_SCALE_12_BIT);
+    let (tape, mut keeper) = (Box::new(Tape::new()), Keeper::new(rig.rate_hz as f32, potentiometer));
+    for index in 0..rig.releases_rad.len() {
+        for angle_rad in rig.recording(index).angles_rad() {
+            let code = potentiometer.code(Radian(*angle_rad as f32));
+            keeper.take(Code(code.0), &tape);
+        }
+    }
+    let releases = keeper.releases(&tape);
+    if releases.is_empty() {
+        return Suspects::none();
+    }
+    let (parameters, interval_s) = (given(rig).map(|value| value as f32), keeper.interval_s(rig.rate_hz as f32));
+    Order { parameters, potentiometer, interval_s, releases }.carry_out(&tape).unwrap()
+}
+
+/// What is named: the first suspect and those that can't be told from it.
+fn named(said: &Suspects) -> Vec<&'static str> {
+    let named = said.suspects.iter().enumerate().filter(|(place, suspect)| *place == 0 || suspect.is_tied);
+    let names = named.map(|(_, suspect)| Effect::<f32>::by_id(suspect.effect).unwrap().name);
+    if said.names() { names.collect() } else { Vec::new() }
 }
 
 /// Drag that grows with the square of the speed, or nearly: either name will do.
@@ -147,11 +147,11 @@ fn canonical(name: &str) -> &str {
 }
 
 fn judged(label: &str, rig: &Rig, left: f64) -> Outcome {
-    let findings = found(rig);
+    let said = found(rig);
     // The zero's error is taken up by the model that is put right, and is no torque: it is never named here.
     let hidden = rig.hidden.iter().filter(|hidden| hidden.name != "angle-offset");
     let truth: Vec<&str> = hidden.map(|hidden| canonical(hidden.name)).collect();
-    let named: Vec<&str> = findings.named().map(|suspect| canonical(suspect.effect.name)).collect();
+    let named: Vec<&str> = named(&said).into_iter().map(canonical).collect();
     let first = named.first().is_some_and(|name| truth.contains(name));
     let outcome = Outcome {
         n_hidden: truth.len(),
@@ -159,22 +159,22 @@ fn judged(label: &str, rig: &Rig, left: f64) -> Outcome {
         named: !named.is_empty(),
         first,
         among: named.iter().any(|name| truth.contains(name)),
-        size: if first { is_within(rig, &findings) } else { None },
+        size: if first { is_within(rig, &said) } else { None },
     };
-    println!("{label}: {truth:?}, {left:.2} noises -> {named:?} {:?} {:?}", findings.reason, outcome.size);
+    println!("{label}: {truth:?}, {left:.2} noises -> {named:?} {:?} {:?}", said.reason, outcome.size);
     outcome
 }
 
 /// Does the interval of the first one named hold the truth?
-fn is_within(rig: &Rig, findings: &Findings<f32>) -> Option<bool> {
-    let suspect = findings.named().next()?;
+fn is_within(rig: &Rig, said: &Suspects) -> Option<bool> {
+    let (suspect, name) = (said.suspects.first()?, *named(said).first()?);
     let [hidden] = rig.hidden.as_slice() else { return None };
-    if suspect.effect.name != hidden.name || !SAME_LAW.contains(&hidden.name) {
+    if name != hidden.name || !SAME_LAW.contains(&hidden.name) {
         return None;
     }
-    let student = STUDENT[findings.n_clusters.clamp(8, 14) - 8];
-    let off = f64::from(suspect.evidence.sizes[0]) - hidden.size;
-    Some(off.abs() < student * f64::from(suspect.evidence.stds[0]))
+    let student = STUDENT[usize::from(said.n_clusters).clamp(8, 14) - 8];
+    let off = f64::from(suspect.values[0]) - hidden.size;
+    Some(off.abs() < student * f64::from(suspect.stds[0]?))
 }
 
 fn effects() -> Vec<&'static str> {

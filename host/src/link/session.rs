@@ -128,8 +128,9 @@ impl Session {
         let frame = Frame::Command(number, command.clone());
         log::debug!("asking the rig to {}", words(command));
         let is_slow = matches!(command, Command::Save | Command::Load);
-        // Firmware from before this question never answers it.
-        let n_attempts = if matches!(command, Command::Chip) { 2 } else { N_ATTEMPTS };
+        // Firmware from before these questions never answers them.
+        let is_new = matches!(command, Command::Chip | Command::Suspects);
+        let n_attempts = if is_new { 2 } else { N_ATTEMPTS };
         let give_up =
             self.port.elapsed() + patient(if is_slow { FLASH_PATIENCE } else { n_attempts * ANSWER_PATIENCE });
         let mut n_times = 0;
@@ -344,5 +345,6 @@ fn words(command: &Command) -> &'static str {
         Command::Reset => "restart",
         Command::Bootloader => "start its bootloader",
         Command::Chip => "describe its chip",
+        Command::Suspects => "say what it found missing",
     }
 }

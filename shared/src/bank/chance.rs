@@ -10,7 +10,7 @@ const STEPS: usize = 30;
 
 /// The upper tail at `f` with `q` and `d` degrees of freedom; relative error below 1e-3 in `f32` down to 1e-15.
 pub fn upper_tail<R: Real<Mask = bool>>(f: R, q: usize, d: usize) -> R {
-    let (a, b) = (R::of(0.5 * d as f64), R::of(0.5 * q as f64));
+    let (a, b) = (R::of(0.5) * R::of(d as f64), R::of(0.5) * R::of(q as f64));
     if !R::zero().lt(f) {
         return R::one();
     }
@@ -42,18 +42,19 @@ fn incomplete_beta<R: Real<Mask = bool>>(x: R, a: R, b: R, twice_b: usize, twice
 /// B(a, b) of halves, from B(½, ½) = π, B(½, 1) = 2, B(1, 1) = 1 and B(a + 1, b) = B(a, b)·a/(a + b).
 fn beta<R: Real>(twice_a: usize, twice_b: usize) -> R {
     let (first_a, first_b) = (2 - twice_a % 2, 2 - twice_b % 2);
+    let number = |twice: usize| R::of(twice as f64);
     let mut value = match first_a + first_b {
-        2 => core::f64::consts::PI,
-        3 => 2.0,
-        _ => 1.0,
+        2 => R::of(core::f64::consts::PI),
+        3 => R::of(2.0),
+        _ => R::one(),
     };
     for a in (first_a..twice_a).step_by(2) {
-        value *= a as f64 / (a + first_b) as f64;
+        value = value * number(a) / number(a + first_b);
     }
     for b in (first_b..twice_b).step_by(2) {
-        value *= b as f64 / (b + twice_a) as f64;
+        value = value * number(b) / number(b + twice_a);
     }
-    R::of(value)
+    value
 }
 
 #[cfg(test)]

@@ -24,6 +24,9 @@ pub const MAX_KNOWN: usize = 12;
 /// The most columns of candidates.
 pub const MAX_COLUMNS: usize = 72;
 
+/// The most candidates.
+pub const MAX_CANDIDATES: usize = 52;
+
 /// The most numbers that a candidate is linear in.
 pub const MAX_STRENGTHS: usize = 3;
 
@@ -84,7 +87,7 @@ pub struct Columns<R: 'static> {
     /// Those of the candidates.
     pub added: Vec<Column<R>, MAX_COLUMNS>,
     /// The candidates.
-    pub candidates: Vec<Candidate<R>, MAX_COLUMNS>,
+    pub candidates: Vec<Candidate<R>, MAX_CANDIDATES>,
 }
 
 impl<R: Real<Mask = bool>> Columns<R> {
@@ -150,7 +153,7 @@ impl<R: Real<Mask = bool>> Columns<R> {
         strengths: Vec<u8, MAX_STRENGTHS>,
     ) {
         let first = self.added.len();
-        if columns.is_empty() || first + columns.len() > MAX_COLUMNS {
+        if columns.is_empty() || first + columns.len() > MAX_COLUMNS || self.candidates.is_full() {
             return;
         }
         self.added.extend(columns);

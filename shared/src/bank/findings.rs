@@ -7,8 +7,8 @@
 
 use super::chance::upper_tail;
 use super::clusters::Clusters;
-use super::column::{Candidate, Columns, MAX_COLUMNS, MAX_STRENGTHS, N_BASE, N_STARTS};
-use super::judge::{Evidence, Known};
+use super::column::{Candidate, Columns, MAX_STRENGTHS, N_BASE, N_STARTS};
+use super::judge::{Evidence, Known, KnownShare, Share, jackknife};
 use super::refit::{Refitted, Releases};
 use super::sums::Sums;
 use super::window::Readings;
@@ -16,6 +16,7 @@ use crate::effect::{Effect, MAX_VALUES};
 use crate::parameters::{Parameters, base};
 use crate::real::Real;
 use heapless::Vec;
+use serde::{Deserialize, Serialize};
 
 /// How many suspects are told.
 pub const MAX_SUSPECTS: usize = 8;
@@ -67,7 +68,7 @@ pub struct Suspect<R: 'static> {
 }
 
 /// Why nothing is named.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reason {
     /// The swings give too few windows yet.
     TooFewSwings,
@@ -120,13 +121,6 @@ impl<R: Real<Mask = bool>> Findings<R> {
     }
 }
 
-/// Sums of a look.
-struct Gathered<R> {
-    clusters: Clusters<R>,
-    all: Sums<R>,
-    n_windows: usize,
-}
-
 /// Looks at releases with a model, and spends at most this error on naming something that is not there.
 pub fn look<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
     parameters: &Parameters<R>,
@@ -150,90 +144,109 @@ pub fn look<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
     }
 }
 
-/// Judges all candidates beside a model that was put right.
+/// Judges all candidates beside a model that was put right. What is done one after the other is called one by one, so
+/// that a board's stack never holds two such steps.
 fn judge<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
     model: Refitted<R>,
     as_given: R,
     on: &Releases<R, D>,
     error: R,
 ) -> Findings<R> {
-    let columns = model.columns();
-    let gathered = gather(&model, on, &columns, true);
-    let Some(known) = Known::new(&gathered.all, columns.known.len()) else {
-        return Findings::nothing(Reason::TooFewSwings, on.noise_rad);
-    };
-    let n_numbers = N_STARTS * gathered.n_windows + N_BASE;
-    let excess = |square: R| {
-        let free = gathered.all.n - R::of(n_numbers as f64);
-        square / (free.max(R::one()) * on.noise_rad * on.noise_rad) - R::one()
-    };
-    let mut findings = Findings {
-        suspects: suspects(&known, &gathered, &columns, on.noise_rad),
-        reason: None,
-        n_windows: gathered.n_windows,
-        n_clusters: gathered.clusters.list.len(),
-        noise_rad: on.noise_rad,
-        excess: [excess(as_given), excess(known.square)],
-        left: None,
-        model: None,
-    };
-    mark_ties(&mut findings, gathered.all.n);
-    findings.reason =
-        reason(&findings, &columns, gathered.all.n, error).or_else(|| one_release_is_too_few(&findings, on));
+    let mut findings = Findings::nothing(Reason::TooFewSwings, on.noise_rad);
+    let Some(free) = suspect_all(&model, as_given, on, error, &mut findings) else { return findings };
     if findings.reason.is_none() {
         let first = findings.suspects.first_mut();
-        findings.left = first.and_then(|first| settle(first, &model, on)).map(excess);
+        let left = first.and_then(|first| settle(first, &model, on));
+        findings.left = left.map(|square| excess(square, free, on.noise_rad));
     }
     findings.model = Some(model);
     findings
 }
 
+fn excess<R: Real<Mask = bool>>(square: R, free: R, noise_rad: R) -> R {
+    square / (free * noise_rad * noise_rad) - R::one()
+}
+
+/// Finds the suspects, and whether one is to be named; gives how many readings more there are than free numbers.
+#[inline(never)]
+fn suspect_all<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
+    model: &Refitted<R>,
+    as_given: R,
+    on: &Releases<R, D>,
+    error: R,
+    findings: &mut Findings<R>,
+) -> Option<R> {
+    let columns = model.columns();
+    let (mut all, mut clusters) = (Sums::default(), Clusters::default());
+    let (known, n_windows) = gather(model, on, &columns, &mut all, &mut clusters)?;
+    let n_numbers = N_STARTS * n_windows + N_BASE;
+    let free = (all.n - R::of(n_numbers as f64)).max(R::one());
+    (findings.n_windows, findings.n_clusters) = (n_windows, clusters.list.len());
+    findings.excess = [as_given, known.square].map(|square| excess(square, free, on.noise_rad));
+    find_suspects(&known, &clusters, &all, &columns, findings);
+    mark_ties(findings, all.n);
+    findings.reason = reason(findings, &columns, all.n, error).or_else(|| one_release_is_too_few(findings, on));
+    Some(free)
+}
+
+/// Follows all windows twice: for the steps that all together ask for, then for what each has of them.
+#[inline(never)]
 fn gather<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
     model: &Refitted<R>,
     on: &Releases<R, D>,
     columns: &Columns<R>,
-    has_candidates: bool,
-) -> Gathered<R> {
-    let (mut clusters, mut n_windows) = (Clusters::default(), 0);
-    model.each_window(on, model.n_periods(on), columns, has_candidates, |_, window| {
-        clusters.add(window);
+    all: &mut Sums<R>,
+    clusters: &mut Clusters<Share<R>>,
+) -> Option<(Known<R>, usize)> {
+    let (n_periods, mut n_windows) = (model.n_periods(on), 0);
+    model.each_window(on, n_periods, columns, true, &mut |window| {
+        all.add(window);
         n_windows += 1;
     });
-    Gathered { all: clusters.all(), clusters, n_windows }
+    let known = Known::new(all, columns.known.len())?;
+    model.each_window(on, n_periods, columns, true, &mut |window| {
+        clusters.add(known.share(all, window, &columns.candidates));
+    });
+    Some((known, n_windows))
 }
 
 /// What the model leaves as it was given, each window begun where it is best and the zero free, rad².
+#[inline(never)]
 fn square_as_given<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(given: &Refitted<R>, on: &Releases<R, D>) -> R {
     let columns = given.columns();
     let mut all = Sums::default();
-    given.each_window(on, given.n_periods(on), &columns, false, |_, window| all.add(window));
+    given.each_window(on, given.n_periods(on), &columns, false, &mut |window| all.add(window));
     let (weight, score) = (all.known[N_STARTS][N_STARTS], all.known_score[N_STARTS]);
     if R::zero().lt(weight) { all.square - score * score / weight } else { all.square }
 }
 
 /// The best start of every effect whose sizes are physical, the likeliest first.
-fn suspects<R: Real<Mask = bool>>(
+#[inline(never)]
+fn find_suspects<R: Real<Mask = bool>>(
     known: &Known<R>,
-    gathered: &Gathered<R>,
+    clusters: &Clusters<Share<R>>,
+    all: &Sums<R>,
     columns: &Columns<R>,
-    noise_rad: R,
-) -> Vec<Suspect<R>, MAX_SUSPECTS> {
-    let mut best: Vec<Suspect<R>, MAX_COLUMNS> = Vec::new();
-    for candidate in &columns.candidates {
-        let evidence = known.evidence(&gathered.clusters, &gathered.all, candidate);
+    findings: &mut Findings<R>,
+) {
+    let best = &mut findings.suspects;
+    for (index, candidate) in columns.candidates.iter().enumerate() {
+        let evidence = known.evidence(clusters, all, index, candidate);
         let Some(evidence) = evidence.filter(|evidence| is_physical(candidate, evidence)) else { continue };
-        let suspect = suspect(candidate, evidence, gathered, noise_rad);
-        match best.iter_mut().find(|other| other.effect == suspect.effect) {
-            Some(other) if other.rank.lt(suspect.rank) => *other = suspect,
-            Some(_) => {}
-            None => drop(best.push(suspect)),
+        let suspect = suspect(candidate, evidence, (clusters.list.len(), all.n), findings.noise_rad);
+        if let Some(place) = best.iter().position(|other| other.effect == suspect.effect) {
+            if !best[place].rank.lt(suspect.rank) {
+                continue;
+            }
+            best.remove(place);
         }
+        let place = best.iter().position(|other| other.rank.lt(suspect.rank)).unwrap_or(best.len());
+        if best.is_full() && place < best.len() {
+            best.pop();
+        }
+        // One that is less likely than all that have a place has none.
+        let _ = best.insert(place, suspect);
     }
-    let order = |a: &Suspect<R>, b: &Suspect<R>| {
-        if b.rank.lt(a.rank) { core::cmp::Ordering::Less } else { core::cmp::Ordering::Greater }
-    };
-    best.sort_unstable_by(order);
-    best.into_iter().take(MAX_SUSPECTS).collect()
 }
 
 /// No strength is below what its parameter allows.
@@ -247,7 +260,7 @@ fn is_physical<R: Real<Mask = bool>>(candidate: &Candidate<R>, evidence: &Eviden
 fn suspect<R: Real<Mask = bool>>(
     candidate: &Candidate<R>,
     evidence: Evidence<R>,
-    gathered: &Gathered<R>,
+    (n_clusters, n): (usize, R),
     noise_rad: R,
 ) -> Suspect<R> {
     let q = R::of(evidence.n_tested as f64);
@@ -259,8 +272,8 @@ fn suspect<R: Real<Mask = bool>>(
         values,
         strengths: candidate.strengths.clone(),
         chi_square,
-        p: upper_tail(evidence.f, evidence.n_tested, gathered.clusters.list.len() - evidence.n_tested),
-        rank: chi_square * (R::one() - R::of(SHARE_A_NUMBER) * q) - q * gathered.all.n.ln(),
+        p: upper_tail(evidence.f, evidence.n_tested, n_clusters - evidence.n_tested),
+        rank: chi_square * (R::one() - R::of(SHARE_A_NUMBER) * q) - q * n.ln(),
         is_tied: false,
         evidence,
     }
@@ -331,16 +344,32 @@ fn settle<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
     let n_values = suspect.effect.parameters.len();
     let effect = (suspect.effect.id, &suspect.values[..n_values]);
     let larger = model.with(on, effect, &suspect.evidence.known_step)?;
+    measure(suspect, &larger, on)
+}
+
+/// The sizes in a model that has the effect, and what it leaves.
+#[inline(never)]
+fn measure<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
+    suspect: &mut Suspect<R>,
+    larger: &Refitted<R>,
+    on: &Releases<R, D>,
+) -> Option<R> {
     let columns = larger.columns();
-    let gathered = gather(&larger, on, &columns, false);
-    let known = Known::new(&gathered.all, columns.known.len())?;
-    let steps = columns.present.iter().enumerate().filter(|(_, (id, _))| *id == suspect.effect.id);
-    for ((place, (id, index)), c) in steps.zip(0..MAX_STRENGTHS) {
+    let is_own = |(id, _): &(u16, u8)| *id == suspect.effect.id;
+    let column = N_STARTS + N_BASE + columns.present.iter().position(is_own)?;
+    let (mut square, mut clusters) = (R::zero(), Clusters::default());
+    larger.each_window(on, larger.n_periods(on), &columns, false, &mut |window| {
+        square = square + window.square;
+        clusters.add(KnownShare::new(window, column));
+    });
+    let (step, stds, gain) = jackknife(&clusters, columns.known.len())?;
+    let own = columns.present.iter().enumerate().filter(|(_, present)| is_own(present));
+    for ((place, (id, index)), c) in own.zip(0..MAX_STRENGTHS) {
         let column = N_STARTS + N_BASE + place;
         let value = larger.parameters.values(*id).and_then(|values| values.get(usize::from(*index)));
-        let size = value.copied().unwrap_or(R::zero()) + known.step[column];
-        (suspect.evidence.sizes[c], suspect.evidence.stds[c]) = (size, known.std(&gathered.clusters, column));
+        let size = value.copied().unwrap_or(R::zero()) + step[column];
+        (suspect.evidence.sizes[c], suspect.evidence.stds[c]) = (size, stds[column]);
         suspect.values[usize::from(*index)] = size;
     }
-    Some(known.square)
+    Some(square - gain)
 }

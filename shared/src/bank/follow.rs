@@ -46,6 +46,7 @@ pub struct Follower<'a, R: 'static> {
 
 impl<'a, R: Real<Mask = bool>> Follower<'a, R> {
     /// For a model with these parameters; without candidates it is much faster.
+    #[inline(never)]
     pub fn new(parameters: &Parameters<R>, columns: &'a Columns<R>, has_candidates: bool) -> Self {
         let n_added = if has_candidates { columns.added.len() } else { 0 };
         Self { swing: Swing::new(parameters), columns, n_added, moved: Vec::new(), derivatives: Vec::new() }
@@ -92,7 +93,7 @@ impl<'a, R: Real<Mask = bool>> Follower<'a, R> {
         let all = self.columns.known.iter().chain(self.columns.added.iter().take(self.n_added));
         let moved = &mut self.moved;
         let inverse_inertia = self.swing.inverse_inertia();
-        self.swing.advance(seconds, |piece| {
+        self.swing.advance(seconds, &mut |piece| {
             for (column, moved) in all.clone().zip(moved.iter_mut()) {
                 moved.advance(column, piece, inverse_inertia);
             }

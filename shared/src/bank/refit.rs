@@ -25,8 +25,9 @@ const LONG_STEPS: usize = 6;
 /// Where an effect has been added, whose size may be far off yet.
 const STEPS_WITH_EFFECT: usize = 9;
 
-/// A step that moves the inertia about the pivot by less than this share changes nothing that could be seen.
-const STILL: f64 = 1e-4;
+/// A step that promises to lower the squares by less than this many squares of the noise changes nothing that could be
+/// seen.
+const STILL: f64 = 0.01;
 
 /// If the last step still moves the inertia about the pivot by more than this share, the model is none of this
 /// pendulum.
@@ -93,7 +94,7 @@ impl<R: Real<Mask = bool>> Refitted<R> {
     pub fn with_band<D: Readings<R> + ?Sized>(&self, on: &Releases<R, D>) -> Option<Self> {
         let mut larger = Self { has_band: true, ..self.clone() };
         larger.set_stiction(R::zero());
-        larger.stepped(on, STEPS_WITH_EFFECT, false)
+        larger.stepped(on, STEPS_WITH_EFFECT)
     }
 
     fn set_stiction(&mut self, velocity_band: R) {
@@ -110,7 +111,7 @@ impl<R: Real<Mask = bool>> Refitted<R> {
         for _ in 0..SHORT_STEPS {
             self.step(on, 1)?;
         }
-        self.stepped(on, LONG_STEPS, true)
+        self.stepped(on, LONG_STEPS)
     }
 
     /// With an effect at these values, its known numbers moved by a step, and with a velocity band; put right again.
@@ -123,16 +124,17 @@ impl<R: Real<Mask = bool>> Refitted<R> {
         let mut larger = Self { has_band: true, ..self.clone() };
         larger.apply(&self.columns(), known_step);
         larger.parameters.set(id, values).ok()?;
-        larger.stepped(on, STEPS_WITH_EFFECT, false)
+        larger.stepped(on, STEPS_WITH_EFFECT)
     }
 
-    /// Steps over windows of a look's length; may end early where only the inertia has to be found.
-    fn stepped<D: Readings<R> + ?Sized>(mut self, on: &Releases<R, D>, n_most: usize, may_end: bool) -> Option<Self> {
-        let n_periods = self.n_periods(on);
+    /// Steps over windows of a look's length.
+    fn stepped<D: Readings<R> + ?Sized>(mut self, on: &Releases<R, D>, n_most: usize) -> Option<Self> {
+        let (n_periods, still) = (self.n_periods(on), R::of(STILL) * on.noise_rad * on.noise_rad);
         let mut last = R::zero();
         for _ in 0..n_most {
-            last = self.step(on, n_periods)?.abs();
-            if may_end && last.lt(R::of(STILL)) {
+            let (moved, gain) = self.step(on, n_periods)?;
+            last = moved.abs();
+            if gain.lt(still) {
                 break;
             }
         }
@@ -151,19 +153,21 @@ impl<R: Real<Mask = bool>> Refitted<R> {
         on.readings.iter().map(windows).sum()
     }
 
-    /// Follows every window and gives its release and its sums, its own start eliminated.
+    /// Follows every window and gives its sums, its own start eliminated.
+    #[inline(never)]
     pub fn each_window<D: Readings<R> + ?Sized>(
         &self,
         on: &Releases<R, D>,
         n_periods: usize,
         columns: &Columns<R>,
         has_candidates: bool,
-        mut take: impl FnMut(usize, &Sums<R>),
+        take: &mut dyn FnMut(&Sums<R>),
     ) {
         let mut follower = Follower::new(&self.parameters, columns, has_candidates);
-        for (release, readings) in on.readings.iter().enumerate() {
+        let mut sums = Sums::default();
+        for readings in &on.readings {
             for window in Windows::new(*readings, on.interval_s, (self.offset_rad, on.noise_rad), n_periods) {
-                let mut sums = Sums::default();
+                sums.clear();
                 follower.start(window.angle_rad, window.velocity_rad_s, R::of(window.first as f64) * on.interval_s);
                 for index in window.first..window.end {
                     if index > window.first {
@@ -174,21 +178,24 @@ impl<R: Real<Mask = bool>> Refitted<R> {
                     sums.add_reading(residual, prediction.known, prediction.added);
                 }
                 sums.eliminate_starts();
-                take(release, &sums);
+                take(&sums);
             }
         }
     }
 
-    /// One step to where the windows are explained best; by which share it moves the inertia about the pivot.
-    fn step<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>, n_periods: usize) -> Option<R> {
+    /// One step to where the windows are explained best; by which share it moves the inertia about the pivot, and by how
+    /// much it promises to lower the squares (rad²).
+    #[inline(never)]
+    fn step<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>, n_periods: usize) -> Option<(R, R)> {
         let columns = self.columns();
         let mut sums = Sums::default();
-        self.each_window(on, n_periods, &columns, false, |_, window| sums.add(window));
+        self.each_window(on, n_periods, &columns, false, &mut |window| sums.add(window));
         let inverse = inverted(&sums.known, N_STARTS, columns.known.len())?;
         let step: [R; MAX_KNOWN] = core::array::from_fn(|i| {
             (0..MAX_KNOWN).fold(R::zero(), |sum, j| sum + inverse[i][j] * sums.known_score[j])
         });
-        Some(self.apply(&columns, &step))
+        let gain = step.iter().zip(&sums.known_score).fold(R::zero(), |sum, (step, score)| sum + *step * *score);
+        Some((self.apply(&columns, &step), gain))
     }
 
     /// Moves the known numbers, but the inertia not too far; by which share that was to be moved.

@@ -39,6 +39,16 @@ impl<R: Real> Default for Sums<R> {
 }
 
 impl<R: Real> Sums<R> {
+    /// No readings yet.
+    pub fn clear(&mut self) {
+        (self.n, self.square) = (R::zero(), R::zero());
+        self.known_score.fill(R::zero());
+        self.score.fill(R::zero());
+        self.known.as_flattened_mut().fill(R::zero());
+        self.cross.as_flattened_mut().fill(R::zero());
+        self.within.as_flattened_mut().fill(R::zero());
+    }
+
     /// Takes in a reading: measured minus predicted, and the derivatives of the prediction.
     pub fn add_reading(&mut self, residual: R, known: &[R], added: &[R]) {
         self.n = self.n + R::one();

@@ -1,10 +1,11 @@
 //! The nominal swing with its transition: how a small change of the state lives on, for all columns at once.
 //!
 //! δx' = A(t)·δx + B(t) has the same A for every quantity that δx is the derivative by, so the 2 × 2 transition of a
-//! step is found once, by running the model with two derivatives ([`crate::dual`]); a column adds its own torque at the
-//! two places of Gauss and Legendre's rule. Where sliding begins or ends the step is cut, and the transition of a piece
-//! holds the jump δx⁺ = δx⁻ + (f⁻ − f⁺)·δt at its end.
+//! step is found once ([`super::smooth`]); a column adds its own torque at the two places of Gauss and Legendre's rule.
+//! Where sliding begins or ends the step is cut, and the model runs with two derivatives ([`crate::dual`]): the
+//! transition of a piece holds the jump δx⁺ = δx⁻ + (f⁻ − f⁺)·δt at its end.
 
+use super::smooth::{Changes, Point, Way};
 use crate::dual::Dual;
 use crate::karnopp::Contact;
 use crate::model::{MAX_CUTS, Model, SensorState, State};
@@ -60,8 +61,9 @@ pub struct Place<R> {
 
 /// A pendulum that swings by the model.
 pub struct Swing<R: 'static> {
+    plain: Model<R>,
     model: Model<Local<R>>,
-    state: State<Local<R>>,
+    state: State<R>,
     sensor: SensorState<Local<R>>,
     pendulum: Pendulum<R>,
     inverse_inertia: R,
@@ -77,14 +79,16 @@ pub struct Swing<R: 'static> {
 
 impl<R: Real<Mask = bool>> Swing<R> {
     /// By a model with these parameters; it hangs still.
+    #[inline(never)]
     pub fn new(parameters: &Parameters<R>) -> Self {
         let value =
             |id, index: usize| parameters.values(id).and_then(|values| values.get(index)).copied().unwrap_or(R::zero());
-        let model = Model::new(&parameters.map(Local::constant));
-        let state = model.release(Local::zero(), Local::zero());
+        let (plain, model) = (Model::new(parameters), Model::new(&parameters.map(Local::constant)));
+        let state = plain.release(R::zero(), R::zero());
         Self {
-            sensor: model.sensor_at_rest(&state),
+            sensor: model.sensor_at_rest(&constant(&state)),
             state,
+            plain,
             model,
             pendulum: parameters.pendulum,
             inverse_inertia: R::one() / parameters.pendulum.pivot_inertia_kg_m2(),
@@ -99,8 +103,8 @@ impl<R: Real<Mask = bool>> Swing<R> {
 
     /// Begins anew at an angle (rad) and a velocity (rad/s), so long after the release, a sensor in its stride.
     pub fn start(&mut self, angle_rad: R, velocity_rad_s: R, time_s: R) {
-        self.state = self.model.release(Local::constant(angle_rad), Local::constant(velocity_rad_s));
-        self.state.time_s = Local::constant(time_s);
+        self.state = self.plain.release(angle_rad, velocity_rad_s);
+        self.state.time_s = time_s;
         if self.model.has_plain_sensor() {
             return;
         }
@@ -117,25 +121,25 @@ impl<R: Real<Mask = bool>> Swing<R> {
     /// How fast the reading changes where it began, given the reading there, rad/s.
     pub fn rate(&self, reading_rad: R) -> R {
         if self.model.has_plain_sensor() {
-            return self.state.velocity_rad_s.value;
+            return self.state.velocity_rad_s;
         }
         (reading_rad - self.arriving) / R::of(APPROACH_S)
     }
 
     /// How it came to where it is, for sensors that remember.
     pub fn approach(&self) -> Vec<Motion<R>, N_APPROACH> {
-        let slide = self.state.contact.slide.value;
+        let slide = self.state.contact.slide;
         self.backwards().iter().rev().map(|before| self.motion_of(before, slide)).collect()
     }
 
     /// Where it was before, the latest first: the same equations with time running back, until it turned.
-    fn backwards(&self) -> Vec<State<Local<R>>, N_APPROACH> {
+    fn backwards(&self) -> Vec<State<R>, N_APPROACH> {
         let mut states = Vec::new();
-        let mut state = stripped(&self.state);
+        let mut state = self.state;
         let slide = state.contact.slide;
         while !states.is_full() {
-            self.model.step(&mut state, Local::constant(R::of(-APPROACH_S)));
-            if !self.velocity_band.lt(slide.value * state.velocity_rad_s.value) {
+            self.plain.step(&mut state, R::of(-APPROACH_S));
+            if !self.velocity_band.lt(slide * state.velocity_rad_s) {
                 break;
             }
             state.contact.slide = slide;
@@ -149,7 +153,7 @@ impl<R: Real<Mask = bool>> Swing<R> {
 
     /// Where it is.
     pub fn motion(&self) -> Motion<R> {
-        self.motion_of(&self.state, self.state.contact.slide.value)
+        self.motion_of(&self.state, self.state.contact.slide)
     }
 
     /// 1 / (m·l² + I).
@@ -164,14 +168,27 @@ impl<R: Real<Mask = bool>> Swing<R> {
     }
 
     /// The state as of a pendulum whose whole swing is shifted.
-    fn shifted(&self, state: &State<Local<R>>) -> State<Local<R>> {
-        let mut state = stripped(state);
+    fn shifted(&self, state: &State<R>) -> State<Local<R>> {
+        let mut state = constant(state);
         state.angle_rad = Local::variable(state.angle_rad.value, 0);
         state
     }
 
     /// Swings on for so many seconds and tells each piece of it.
-    pub fn advance(&mut self, seconds: R, mut tell: impl FnMut(&Piece<R>)) {
+    pub fn advance(&mut self, seconds: R, tell: &mut dyn FnMut(&Piece<R>)) {
+        let mut end = self.state;
+        self.plain.step(&mut end, seconds);
+        let slides = self.state.contact.slide;
+        if R::zero().lt(slides * end.contact.slide) {
+            tell(&self.smooth_piece(&end, seconds));
+            self.state = end;
+        } else {
+            self.advance_in_pieces(seconds, tell);
+        }
+    }
+
+    #[inline(never)]
+    fn advance_in_pieces(&mut self, seconds: R, tell: &mut dyn FnMut(&Piece<R>)) {
         let mut left_s = seconds;
         for _ in 0..MAX_CUTS {
             let before = seeded(&self.state);
@@ -182,12 +199,74 @@ impl<R: Real<Mask = bool>> Swing<R> {
             if in_band(&end.contact) && !in_band(&before.contact) {
                 self.entered = [end.angle_rad.value, end.time_s.value];
             }
-            self.state = end;
+            self.state = values(&end);
             left_s = left.value;
             if !R::zero().lt(left_s) {
                 return;
             }
         }
+    }
+
+    /// A step that slides on to `end`.
+    fn smooth_piece(&self, end: &State<R>, seconds: R) -> Piece<R> {
+        let half = R::of(0.5);
+        let before = self.state;
+        let at = |angle_rad: R, velocity_rad_s: R, share: R| {
+            let mut state = before;
+            (state.angle_rad, state.velocity_rad_s) = (angle_rad, velocity_rad_s);
+            state.time_s = before.time_s + share * seconds;
+            state
+        };
+        let ends = [before, at(end.angle_rad, end.velocity_rad_s, R::one())];
+        let [first, last] = ends.map(|state| self.changes(&state));
+        let point = |state: &State<R>, (acceleration, _): (R, [R; 2])| Point {
+            angle_rad: state.angle_rad,
+            velocity_rad_s: state.velocity_rad_s,
+            acceleration,
+        };
+        let way = Way { from: point(&ends[0], first), to: point(&ends[1], last), seconds };
+        let (angle, velocity) = way.at(half);
+        let changes = Changes([first.1, self.changes(&at(angle, velocity, half)).1, last.1]);
+        let columns =
+            [[R::one(), R::zero()], [R::zero(), R::one()]].map(|unit| changes.carry(R::zero(), seconds, unit));
+        let slide = before.contact.slide;
+        let place = |share: R| {
+            let (angle, velocity) = way.at(share);
+            let here = at(angle, velocity, share);
+            let drive = self.motion_of(&here, slide);
+            Place {
+                from_here: changes.carry(share, seconds, [R::zero(), R::one()]),
+                drive,
+                friction: drive,
+                acceleration: self.plain_acceleration(&here),
+            }
+        };
+        Piece {
+            seconds,
+            whole: [[columns[0][0], columns[1][0]], [columns[0][1], columns[1][1]]],
+            places: PLACES.map(|share| place(R::of(share))),
+            ends: [self.motion_of(&before, slide), self.motion_of(end, slide)],
+            moves: R::one(),
+            rubs: R::one(),
+            by_band: ([R::zero(); 2], R::zero()),
+        }
+    }
+
+    /// The acceleration in a state, rad/s², and how it changes by angle and velocity.
+    fn changes(&self, state: &State<R>) -> (R, [R; 2]) {
+        if self.plain.is_plain() {
+            let by_angle = -self.gravity_nm * state.angle_rad.cos() * self.inverse_inertia;
+            return (self.plain_acceleration(state), [by_angle, -self.viscous * self.inverse_inertia]);
+        }
+        let state = seeded(state);
+        let torque_nm =
+            self.model.friction_torque_nm(&state) - Local::constant(self.gravity_nm) * state.angle_rad.sin();
+        let acceleration = torque_nm * Local::constant(self.inverse_inertia);
+        (acceleration.value, acceleration.slopes)
+    }
+
+    fn plain_acceleration(&self, state: &State<R>) -> R {
+        (self.plain.friction_torque_nm(state) - self.gravity_nm * state.angle_rad.sin()) * self.inverse_inertia
     }
 
     fn piece(&self, before: &State<Local<R>>, end: &State<Local<R>>, left: Local<R>, seconds: R) -> Piece<R> {
@@ -199,7 +278,7 @@ impl<R: Real<Mask = bool>> Swing<R> {
             seconds,
             whole,
             places: PLACES.map(|share| self.place(before, &whole, R::of(share) * seconds)),
-            ends: [self.motion_of(before, slide), self.motion_of(end, slide)],
+            ends: [self.motion_of(&values(before), slide), self.motion_of(&values(end), slide)],
             moves: slide.abs() + contact.push.value.abs(),
             rubs,
             by_band: self.by_band(before, end, rubs),
@@ -210,7 +289,7 @@ impl<R: Real<Mask = bool>> Swing<R> {
         let mut here = *before;
         self.model.step(&mut here, Local::constant(seconds));
         here.contact = before.contact;
-        let drive = self.motion_of(&here, before.contact.slide.value);
+        let drive = self.motion_of(&values(&here), before.contact.slide.value);
         Place {
             from_here: by_velocity(whole, &slopes(&here)),
             drive,
@@ -272,22 +351,12 @@ impl<R: Real<Mask = bool>> Swing<R> {
     }
 
     fn acceleration(&self, state: &State<Local<R>>) -> R {
-        if state.contact.is_resting() {
-            return R::zero();
-        }
-        let plain = stripped(state);
-        let torque_nm = self.model.friction_torque_nm(&plain).value - self.gravity_nm * plain.angle_rad.value.sin();
-        torque_nm * self.inverse_inertia
+        if state.contact.is_resting() { R::zero() } else { self.plain_acceleration(&values(state)) }
     }
 
-    fn motion_of(&self, state: &State<Local<R>>, direction: R) -> Motion<R> {
-        Motion {
-            angle_rad: state.angle_rad.value,
-            velocity_rad_s: state.velocity_rad_s.value,
-            direction,
-            time_s: state.time_s.value,
-            pendulum: self.pendulum,
-        }
+    fn motion_of(&self, state: &State<R>, direction: R) -> Motion<R> {
+        let State { angle_rad, velocity_rad_s, time_s, .. } = *state;
+        Motion { angle_rad, velocity_rad_s, direction, time_s, pendulum: self.pendulum }
     }
 }
 
@@ -297,12 +366,20 @@ fn in_band<R: Real<Mask = bool>>(contact: &Contact<Local<R>>) -> bool {
 
 /// The same state, its derivatives forgotten.
 fn stripped<R: Real>(state: &State<Local<R>>) -> State<Local<R>> {
-    State::from_numbers(&state.numbers().map(|number| Local::constant(number.value)))
+    constant(&values(state))
+}
+
+fn values<R: Real>(state: &State<Local<R>>) -> State<R> {
+    State::from_numbers(&state.numbers().map(|number| number.value))
+}
+
+fn constant<R: Real>(state: &State<R>) -> State<Local<R>> {
+    State::from_numbers(&state.numbers().map(Local::constant))
 }
 
 /// The same state as the beginning of a piece.
-fn seeded<R: Real<Mask = bool>>(state: &State<Local<R>>) -> State<Local<R>> {
-    let mut state = stripped(state);
+fn seeded<R: Real<Mask = bool>>(state: &State<R>) -> State<Local<R>> {
+    let mut state = constant(state);
     state.angle_rad = Local::variable(state.angle_rad.value, 0);
     if !state.contact.is_resting() {
         state.velocity_rad_s = Local::variable(state.velocity_rad_s.value, 1);

@@ -13,8 +13,8 @@ const BACK_NOISES: f64 = 4.0;
 const LEAST_NOISES: f64 = 8.0;
 const LEAST_RAD: f64 = 0.05;
 
-/// The cubic at the start lies through this share of a period on either side, as short as the pendulum's sine is one.
-const CUBIC_SHARE: f64 = 0.07;
+/// The cubic at the start lies through this part of a period on either side, as short as the pendulum's sine is one.
+const CUBICS_A_PERIOD: usize = 14;
 
 /// What the rest of the bank knows of the readings of one release, in rad, evenly sampled from about its release on.
 pub trait Readings<R> {
@@ -119,8 +119,7 @@ impl<R: Real<Mask = bool>, D: Readings<R> + ?Sized> Iterator for Windows<'_, R, 
             if self.amplitude_rad(last_period, end).lt(least) {
                 return None;
             }
-            let samples_a_period = (end - first) as f64 / self.n_periods as f64;
-            let n_around = ((CUBIC_SHARE * samples_a_period) as usize).max(MIN_AROUND);
+            let n_around = ((end - first) / (self.n_periods * CUBICS_A_PERIOD)).max(MIN_AROUND);
             if let Some((angle_rad, velocity_rad_s)) = self.start_at(first, n_around) {
                 return Some(Window { first, end, angle_rad, velocity_rad_s });
             }
@@ -140,7 +139,7 @@ pub fn noise_rad<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(readings: &D) ->
     };
     let n = readings.len().max(WEIGHTS.len()) - WEIGHTS.len();
     let sum = (0..n).fold(R::zero(), |sum, i| sum + difference(i) * difference(i));
-    (sum / R::of(SQUARE_OF_WEIGHTS * n.max(1) as f64)).sqrt()
+    (sum / (R::of(SQUARE_OF_WEIGHTS) * R::of(n.max(1) as f64))).sqrt()
 }
 
 const WEIGHTS: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
