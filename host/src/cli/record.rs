@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 /// The live line is written this often.
 const LIVE_EVERY: Duration = Duration::from_millis(100);
 
-/// Record a swing from the rig: wait until the pendulum is still, let it go when asked, wait until it rests.
+/// Record a swing from the rig: from the still pendulum until it rests again.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {

@@ -12,7 +12,7 @@ use shared::effect::Effect;
 use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
 use std::path::{Path, PathBuf};
 
-/// Simulate a swing of the model, held still for 0.5 s first, and write it as a recording.
+/// Simulate a swing of the model and write it as a recording.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
@@ -28,7 +28,7 @@ pub(super) struct Options {
     /// Release angle, rad
     #[arg(long, value_name = "RAD", value_parser = finite, allow_negative_numbers = true, default_value = "1.5")]
     start: f64,
-    /// Length of the swing, s
+    /// Length of the swing, s; it is held still for 0.5 s before
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value = "46")]
     seconds: f64,
     /// Standard deviation of white noise on the angle, rad

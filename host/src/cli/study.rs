@@ -17,7 +17,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Fit every recording of many rigs once, and tell which bearing wears and which rig differs.
+/// Fit every recording of many rigs once: which bearing wears, which rig differs?
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {

@@ -3,7 +3,9 @@
 //! In: values and how often a value may stand out by chance. Out: indices. The deleted residual `t = (x −
 //! x̄₋)/(s₋·√(1 + 1/n₋))`, with mean and spread of the n₋ others, has Student's distribution with n₋ − 1 degrees of
 //! freedom (R. D. Cook, S. Weisberg, Residuals and Influence in Regression, 1982, section 2.2). The worst one is
-//! taken out and the rest asked again, so that one does not hide another (NIST/SEMATECH e-Handbook 1.3.5.17.3).
+//! taken out and the rest asked again, up to a share of them; the last one that stands out from what is left then decides
+//! how many do, so that one does not hide another (B. Rosner, Technometrics 25 (1983) 165; NIST/SEMATECH e-Handbook
+//! 1.3.5.17.3).
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -24,38 +26,40 @@ pub enum Side {
 
 /// Indices of values that stand out, sorted; by chance alone each value does with this probability.
 pub fn outliers(values: &[f64], side: Side, by_chance: f64) -> Vec<usize> {
-    let mut kept: Vec<usize> = (0..values.len()).collect();
-    let mut out = Vec::new();
     let tails = if side == Side::Both { 2.0 } else { 1.0 };
-    while kept.len() > FEWEST_OTHERS && (out.len() as f64) < MOST * values.len() as f64 {
-        let (place, t) = worst(values, &kept, side);
-        let beyond = StudentsT::new(0.0, 1.0, (kept.len() - 2) as f64).map_or(1.0, |student| tails * student.sf(t));
-        if beyond >= by_chance {
-            break;
+    let mut kept: Vec<usize> = (0..values.len()).collect();
+    let (mut taken, mut n_out) = (Vec::new(), 0);
+    while kept.len() > FEWEST_OTHERS && (taken.len() as f64) < MOST * values.len() as f64 {
+        let (place, t) = worst(values, &kept);
+        let freedom = (kept.len() - 2) as f64;
+        let beyond = StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |student| tails * student.sf(t.abs()));
+        taken.push((kept.remove(place), t));
+        if beyond < by_chance {
+            n_out = taken.len();
         }
-        out.push(kept.remove(place));
     }
+    let counts = |t: f64| side == Side::Both || t > 0.0;
+    let mut out: Vec<usize> = taken[..n_out].iter().filter(|(_, t)| counts(*t)).map(|(idx, _)| *idx).collect();
     out.sort_unstable();
     out
 }
 
-/// The largest or the smallest of the kept values, whichever stands out more.
-fn worst(values: &[f64], kept: &[usize], side: Side) -> (usize, f64) {
+/// The largest or the smallest of the kept values, whichever stands out more, and how far in terms of the others.
+fn worst(values: &[f64], kept: &[usize]) -> (usize, f64) {
     let by_value = |a: &usize, b: &usize| values[kept[*a]].total_cmp(&values[kept[*b]]);
     let largest = (0..kept.len()).max_by(by_value).unwrap_or(0);
     let smallest = (0..kept.len()).min_by(by_value).unwrap_or(0);
-    let [above, below] = [largest, smallest].map(|place| (place, residual(values, kept, place, side)));
-    if above.1 >= below.1 { above } else { below }
+    let [above, below] = [largest, smallest].map(|place| (place, residual(values, kept, place)));
+    if above.1.abs() >= below.1.abs() { above } else { below }
 }
 
-/// How far one of the kept values is from the others, in their terms.
-fn residual(values: &[f64], kept: &[usize], place: usize, side: Side) -> f64 {
+/// How far one of the kept values is above the others, in their terms.
+fn residual(values: &[f64], kept: &[usize], place: usize) -> f64 {
     let others = || kept.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, idx)| values[*idx]);
     let n = (kept.len() - 1) as f64;
     let mean = others().sum::<f64>() / n;
     let variance = others().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
     let off = values[kept[place]] - mean;
-    let off = if side == Side::Both { off.abs() } else { off };
     // Others that are all alike: whatever differs stands out.
     if off == 0.0 { 0.0 } else { off / (variance * (1.0 + n.recip())).sqrt().max(f64::MIN_POSITIVE) }
 }
