@@ -13,7 +13,7 @@ use crate::potentiometer::Potentiometer;
 use crate::units::{Code, Radian};
 use crate::wire::{
     Answer, Chip, Command, Frame, Health, Hello, Live, PROTOCOL, Point, Refusal, Samples, Settings, Statistics,
-    StoreState, Stream, Suspects, status,
+    StoreState, Stream, status,
 };
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -149,7 +149,6 @@ pub struct Rig {
     refused_protocol: Option<u16>,
     statistics: Statistics,
     chip: Chip,
-    suspects: Option<Suspects>,
 }
 
 impl Rig {
@@ -180,7 +179,6 @@ impl Rig {
             refused_protocol: None,
             statistics,
             chip: Chip::default(),
-            suspects: None,
         };
         rig.use_settings(in_use.settings);
         rig
@@ -204,11 +202,6 @@ impl Rig {
     /// What only the board can say of its chip.
     pub fn chip(&mut self) -> &mut Chip {
         &mut self.chip
-    }
-
-    /// What the board found missing in the model; `None` on one that does not look.
-    pub fn suspects(&mut self) -> &mut Option<Suspects> {
-        &mut self.suspects
     }
 
     /// Makes the sample counter start elsewhere, to test its limits.
@@ -419,10 +412,8 @@ impl Rig {
             Command::CalibrateGain(angle) => self.calibrate(number, |rig| rig.gain_at(angle)),
             Command::Statistics => answer(number, Answer::Statistics(self.statistics_now())),
             Command::Chip => answer(number, Answer::Chip(self.chip.clone())),
-            Command::Suspects => match &self.suspects {
-                Some(suspects) => answer(number, Answer::Suspects(suspects.clone())),
-                None => refuse(number, Refusal::NotHere),
-            },
+            // No board looks for itself yet.
+            Command::Suspects => refuse(number, Refusal::NotHere),
             Command::Reset => Outcome::SendThenDo(Frame::Answer(number, Answer::Done), Request::Reset),
             Command::Bootloader => Outcome::SendThenDo(Frame::Answer(number, Answer::Done), Request::Bootloader),
         }
