@@ -127,8 +127,16 @@ pub fn pictures() -> PathBuf {
     folder
 }
 
-/// Starts chromedriver on a free port.
+/// Starts chromedriver on a free port. Somebody else may take the port before it listens: then it ends, and another is
+/// started.
 fn driver() -> (Child, u16) {
+    (0..MOST_DRIVERS).find_map(|_| listening_driver()).expect("chromedriver tells its port")
+}
+
+/// So many in turn find no port only where something else is wrong.
+const MOST_DRIVERS: usize = 5;
+
+fn listening_driver() -> Option<(Child, u16)> {
     let mut child = Command::new("chromedriver")
         .arg("--port=0")
         .stdout(Stdio::piped())
@@ -140,7 +148,11 @@ fn driver() -> (Child, u16) {
         let (_, port) = line.split_once("started successfully on port ")?;
         port.trim_end_matches('.').parse().ok()
     });
+    let Some(port) = port else {
+        child.wait().expect("a driver without a port ends");
+        return None;
+    };
     // What it says later would fill the pipe.
     std::thread::spawn(move || lines.for_each(drop));
-    (child, port.expect("chromedriver tells its port"))
+    Some((child, port))
 }
