@@ -76,7 +76,7 @@ impl Curves {
         let (swing, start) = (&self.swings[index], &self.starts[index]);
         let model = py.detach(|| modelled(swing, start, &self.parameters));
         let array = |values: Vec<f64>| values.into_pyarray(py);
-        (swing.name.clone(), array(swing.times_s.clone()), array(swing.angles_rad.clone()), array(model))
+        (swing.name.clone(), array(swing.times_s.to_vec()), array(swing.angles_rad.clone()), array(model))
     }
 }
 

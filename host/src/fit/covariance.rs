@@ -77,6 +77,8 @@ pub fn covariance(linear: &Linear) -> Option<Covariance> {
         (true, false) => f64::INFINITY,
         (false, false) => 0.0,
     });
+    // Rounding alone makes the two halves differ.
+    let matrix = 0.5 * (&matrix + matrix.transpose());
     Some(Covariance { matrix, coloured: memory > 0 })
 }
 
