@@ -19,6 +19,7 @@ pub mod measure;
 mod order;
 pub mod outlier;
 pub mod page;
+mod percent;
 pub mod rig;
 pub mod row;
 pub mod table;

@@ -4,6 +4,7 @@
 //! how the others scatter: each rig's mean is compared with the means of all others (`outlier.rs`).
 
 use super::outlier::{FEWEST_OTHERS, Side, outliers};
+use super::percent::percent;
 use super::rig::{CHARTED, RigView};
 use serde::Serialize;
 
@@ -52,13 +53,6 @@ impl Between {
         let side = if share < 0.0 { "lower" } else { "higher" };
         format!("its {name} {symbol} is {} {side} than that of the other rigs", percent(share, place.difference_std))
     }
-}
-
-/// `1.9 ± 0.3 %` of a share, without its sign; so many digits that the spread is seen.
-pub(super) fn percent(share: f64, std: Option<f64>) -> String {
-    let [share, std] = [share.abs(), std.unwrap_or(0.0)].map(|share| 100.0 * share);
-    let digits = if std > 0.0 { (1.0 - std.log10().floor()).clamp(0.0, 6.0) as usize } else { 1 };
-    if std > 0.0 { format!("{share:.digits$} ± {std:.digits$} %") } else { format!("{share:.digits$} %") }
 }
 
 /// Compares rigs in all quantities that are charted.

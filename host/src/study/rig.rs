@@ -2,10 +2,10 @@
 //!
 //! In: the rows of a rig. Out: a [`RigView`], which follows from the rows alone, in whatever order they were made.
 
-use super::between::percent;
 use super::chart::{self, Alarm, Chart, FALSE_ALARMS, Kind, Limits};
 use super::order::in_order;
 use super::outlier::{Side, outliers};
+use super::percent::percent;
 use super::row::Row;
 use serde::Serialize;
 
