@@ -15,6 +15,7 @@ pub mod database;
 mod diagnosis;
 pub mod folder;
 pub mod hash;
+pub mod look;
 pub mod measure;
 mod order;
 pub mod outlier;
@@ -27,6 +28,7 @@ mod workers;
 
 use database::{Database, DatabaseError, RigRow};
 use folder::{Found, Problem, Rig};
+use look::Look;
 use measure::Reading;
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -148,20 +150,47 @@ fn recordings<'a>(plan: &Plan, found: &'a Found) -> Vec<(&'a Rig, Key)> {
 
 /// Studies a recording unless that is done; gives whether it was.
 fn study(plan: &Plan, rig: &Rig, key: &Key, database: &Mutex<Database>) -> Result<bool, DatabaseError> {
+    let path = folder::path_of(plan.folder, key);
+    // Looked at before it is read: what changes meanwhile looks otherwise next time.
+    let look = Look::at(&path);
+    let known = known_hash(plan, key, look.as_ref(), database)?;
+    let is_known = known.is_some();
     let origin = Origin {
         // A file that can't be read has no hash; reading it says why.
-        file_hash: hash::of_file(&folder::path_of(plan.folder, key)).unwrap_or_default(),
+        file_hash: known.or_else(|| read_hash(key, &path)).unwrap_or_default(),
         model_hash: rig.model_hash.clone(),
         options: plan.reading.in_words(),
     };
+    let look = look.filter(|_| !origin.file_hash.is_empty());
     if !plan.again && !origin.file_hash.is_empty() && lock(database).has(key, &origin)? {
+        if let Some(look) = look.filter(|_| !is_known) {
+            lock(database).remember(key, &look, &origin.file_hash)?;
+        }
         return Ok(false);
     }
     log::debug!("studying {key}");
     let row = measure::measure(plan.folder, rig, key, origin, &plan.reading);
-    lock(database).put(&row)?;
+    lock(database).put(&row, look.as_ref())?;
     log::debug!("kept {key}");
     Ok(true)
+}
+
+/// The hash of a file that looks as it did last time.
+fn known_hash(
+    plan: &Plan,
+    key: &Key,
+    look: Option<&Look>,
+    database: &Mutex<Database>,
+) -> Result<Option<String>, DatabaseError> {
+    match look {
+        Some(look) if !plan.again => lock(database).hash_of(key, look),
+        _ => Ok(None),
+    }
+}
+
+fn read_hash(key: &Key, path: &Path) -> Option<String> {
+    log::debug!("hashing {key}");
+    hash::of_file(path).ok()
 }
 
 fn diagnose(

@@ -5,6 +5,9 @@
 //! the transaction ends (write-ahead log, synchronous). Who finds the file locked waits. `application_id` and
 //! `user_version` say whose file it is and which tables it has.
 
+mod files;
+
+use super::look::Look;
 use super::row::{Key, Number, Origin, Outcome, Row};
 use rusqlite::{Connection, OpenFlags, OptionalExtension, TransactionBehavior, params};
 use std::path::{Path, PathBuf};
@@ -156,6 +159,10 @@ impl Database {
             transaction.pragma_update(None, "application_id", APPLICATION)?;
             transaction.pragma_update(None, "user_version", VERSION)?;
         }
+        let application: i32 = transaction.pragma_query_value(None, "application_id", |row| row.get(0))?;
+        if application == APPLICATION {
+            transaction.execute_batch(files::SCHEMA)?;
+        }
         transaction.commit()?;
         // Where another program is just doing the same, it is done; both kinds of journal are safe.
         let _ = self.connection.pragma_update(None, "journal_mode", "wal");
@@ -198,11 +205,14 @@ impl Database {
         found.map_err(|error| self.told(error))
     }
 
-    /// Writes a recording's row in place of any earlier one, in one transaction.
-    pub fn put(&mut self, row: &Row) -> Result<()> {
+    /// Writes a recording's row in place of any earlier one, and how its file looked, in one transaction.
+    pub fn put(&mut self, row: &Row, look: Option<&Look>) -> Result<()> {
         let written =
             self.connection.transaction_with_behavior(TransactionBehavior::Immediate).and_then(|transaction| {
                 put(&transaction, row)?;
+                if let Some(look) = look {
+                    files::remember(&transaction, &row.key, look, &row.origin.file_hash)?;
+                }
                 transaction.commit()
             });
         written.map_err(|error| self.told(error))
@@ -438,7 +448,7 @@ mod tests {
         let mut database = opened(&folder, "a.sqlite");
         let broken = Row { outcome: Err("it is empty".to_owned()), ..row("z.csv", "1", 0.0) };
         let written = vec![row("a.csv", "1", 0.1 + 0.2), row("b.csv", "1", std::f64::consts::PI), broken];
-        written.iter().for_each(|row| database.put(row).unwrap());
+        written.iter().for_each(|row| database.put(row, None).unwrap());
         drop(database);
         let database = opened(&folder, "a.sqlite");
         assert_eq!(database.rows("a").unwrap(), written);
@@ -454,7 +464,7 @@ mod tests {
         for (name, rows) in [("1", [("a.csv", "1"), ("b.csv", "3")]), ("2", [("a.csv", "2"), ("c.csv", "1")])] {
             let mut part = opened(&folder, name);
             let value = name.parse().unwrap();
-            rows.iter().for_each(|(recording, studied)| part.put(&row(recording, studied, value)).unwrap());
+            rows.iter().for_each(|(recording, studied)| part.put(&row(recording, studied, value), None).unwrap());
             parts.push(part);
         }
         let joined = |order: [usize; 2], name: &str| {
