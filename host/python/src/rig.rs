@@ -140,7 +140,6 @@ impl PyModel {
     }
 
     /// Many steps: angles and velocities after each.
-    #[expect(clippy::type_complexity, reason = "two arrays")]
     fn run<'py>(
         &self,
         py: Python<'py>,
