@@ -8,6 +8,7 @@ mod columns;
 mod compare;
 mod comparison;
 mod completions;
+mod curve_words;
 mod diagnose;
 mod doctor;
 mod effects;

@@ -7,6 +7,7 @@
 //! ([`zero`]), and what stays unexplained; nothing is claimed that does not hold on every part of the swings ([`holds`]).
 //! For what is left, [`formulas`] searches small laws if somebody wishes.
 
+pub mod curve;
 mod doubt;
 pub mod evidence;
 mod extension;
@@ -15,6 +16,7 @@ pub mod holds;
 mod models;
 pub mod physical;
 pub mod replacement;
+pub mod resemblance;
 pub mod score;
 pub mod search;
 mod summary;
@@ -23,6 +25,7 @@ pub mod value;
 mod verdict;
 pub mod zero;
 
+pub use curve::FrictionCurve;
 pub use evidence::Evidence;
 pub use holds::{Holding, Standing};
 pub use summary::{Diagnosis, NotTried, SpecialCase, Step, Suggestion};
@@ -101,10 +104,12 @@ pub fn diagnose_counted(
     let special_cases = judge.special_cases(&claimed, &others, &mut undecided);
     let (claimed, vetoed) = judge.not_contradicted(claimed, held_out, count);
     holds_on.retain(|holding| claimed.has(holding.effect));
+    let curve = judge.friction_curve(&claimed);
     let carries = judge.carries(&claimed, held_out, count);
     let parts = Summary {
         judge,
         claimed,
+        curve,
         undecided,
         not_tried,
         vetoed,
@@ -143,6 +148,6 @@ fn candidates(swings: &[Swing]) -> (Vec<&'static Effect<f64>>, Vec<NotTried>) {
 fn base_problem<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a AtomicUsize) -> Problem<'a> {
     let mut bare = rig.clone();
     bare.effects.retain(|effect| effect.id <= base::STICTION);
-    bare.formula = None;
+    (bare.formula, bare.curve) = (None, None);
     problem_of(swings, &bare, count)
 }

@@ -71,7 +71,7 @@ fn culprit(parameters: &Parameters<f64>) -> ExportError {
     let alone = |id: u16| {
         let mut single = Parameters::frictionless(parameters.pendulum);
         let values = parameters.values(id).unwrap_or_default();
-        single.formula = parameters.formula.clone();
+        (single.formula, single.curve) = (parameters.formula.clone(), parameters.curve.clone());
         single.set(id, values).ok().and_then(|()| Trace::of(&single)).is_none()
     };
     let effect = parameters.effects.iter().find(|effect| alone(effect.id));

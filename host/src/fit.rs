@@ -5,10 +5,13 @@
 //! [`covariance`] tells how well each is known.
 
 pub mod arrow;
+pub mod blocks;
 pub mod by_least_squares;
 mod by_surfaces;
 pub mod clusters;
 pub mod covariance;
+pub mod curve;
+pub mod curve_parts;
 pub mod descent;
 pub mod fitted;
 pub mod found;
@@ -22,6 +25,7 @@ pub mod ranges;
 pub mod refine;
 pub mod region;
 mod report;
+pub mod ridge;
 pub mod runs;
 mod scouts;
 pub mod sequential;

@@ -27,7 +27,7 @@ mod parse;
 mod ranges;
 mod tokens;
 
-pub use effect::{add, check, effect_of, read};
+pub use effect::{FRICTION_CURVE, add, check, effect_of, read};
 pub use error::FormulaError;
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Adding and removing effects by hand, one step at a time, with the error before and after each.
 
+use crate::diagnose::curve::added_curve;
 use crate::diagnose::score::predictions;
 use crate::diagnose::value::{Value, values};
 use crate::fit::by_least_squares::fitted_as_it_is;
@@ -10,7 +11,7 @@ use crate::fit::problem::Problem;
 use crate::fit::refine::Band;
 use crate::swing::Swing;
 use serde::Serialize;
-use shared::effect::Effect;
+use shared::effect::{CURVE_ID, CURVE_NAME, Effect};
 use shared::parameters::Parameters;
 use std::sync::atomic::AtomicUsize;
 
@@ -60,6 +61,9 @@ pub enum ChangeError {
         /// The effect.
         name: &'static str,
     },
+    /// No curve could be chosen.
+    #[error("no friction curve was found that is better: the swings are too short, or the model follows them already")]
+    TooShort,
     /// No fit with it came to anything.
     #[error("no fit with {name} succeeded; a model has at most {} effects", shared::parameters::MAX_EFFECTS)]
     Failed {
@@ -111,6 +115,11 @@ impl Bench<'_> {
     /// # Errors
     /// The effect is in already, is not in, or nothing with it could be fitted.
     pub fn changed(&self, model: &Fitted, change: Change) -> Result<(Fitted, Step), ChangeError> {
+        if let Change::Add(effect) | Change::Remove(effect) = change
+            && effect.id == CURVE_ID
+        {
+            return self.with_or_without_curve(model, change);
+        }
         let problem = problem_of(self.swings, &model.parameters, self.count);
         let (words, next) = match change {
             Change::Add(effect) => (format!("+ {}", effect.name), added(&problem, model, effect)?),
@@ -118,6 +127,30 @@ impl Bench<'_> {
         };
         let step = self.step(words, &problem, &next, Some(model));
         Ok((next, step))
+    }
+
+    /// A friction curve stands in place of base effects, which come and go with it.
+    fn with_or_without_curve(&self, model: &Fitted, change: Change) -> Result<(Fitted, Step), ChangeError> {
+        let name = CURVE_NAME;
+        let is_present = model.parameters.curve.is_some();
+        match change {
+            Change::Add(_) if is_present => Err(ChangeError::Present { name }),
+            Change::Remove(_) if !is_present => Err(ChangeError::Absent { name }),
+            Change::Add(_) => {
+                let problem = problem_of(self.swings, &model.parameters, self.count);
+                let curve = added_curve(&problem, model).ok_or(ChangeError::TooShort)?;
+                let mut step = self.step(format!("+ {name}"), &problem, &curve.model, Some(model));
+                let knots = step.values.iter_mut().filter(|value| value.effect == name);
+                knots.zip(&curve.stds).for_each(|(value, std)| value.std = *std);
+                Ok((curve.model, step))
+            }
+            Change::Remove(_) => {
+                let problem = problem_of(self.swings, &model.without(CURVE_ID).parameters, self.count);
+                let next = fitted_as_it_is(&problem);
+                let step = self.step(format!("- {name}"), &problem, &next, Some(model));
+                Ok((next, step))
+            }
+        }
     }
 
     fn step(&self, words: String, problem: &Problem, model: &Fitted, before: Option<&Fitted>) -> Step {

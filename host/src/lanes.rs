@@ -5,6 +5,7 @@
 //! instruction. Lanes that meet a change of regime hold up all others for that step, so put alike swings together.
 
 use heapless::Vec;
+use shared::curve::{Curve, MAX_KNOTS};
 use shared::effect::MAX_VALUES;
 use shared::motion::Pendulum;
 use shared::parameters::{EffectValues, MAX_EFFECTS, Parameters};
@@ -45,7 +46,22 @@ pub fn pack<const N: usize>(sets: &[Parameters<f64>; N]) -> Option<Parameters<La
         EffectValues { id: effect.id, values }
     };
     let effects = first.effects.iter().enumerate().map(packed).collect();
-    Some(Parameters { pendulum, effects, formula: first.formula.clone() })
+    let curve = match &first.curve {
+        Some(curve) => Some(packed_curve(sets, curve.speeds_rad_s())?),
+        None => None,
+    };
+    Some(Parameters { pendulum, effects, formula: first.formula.clone(), curve })
+}
+
+/// The curves of all lanes; `None` unless they have the same knots.
+fn packed_curve<const N: usize>(sets: &[Parameters<f64>; N], speeds_rad_s: &[f32]) -> Option<Curve<Lanes<N>>> {
+    let curves: [Option<&Curve<f64>>; N] = array::from_fn(|lane| sets[lane].curve.as_ref());
+    if curves.iter().any(|curve| curve.is_none_or(|curve| curve.speeds_rad_s() != speeds_rad_s)) {
+        return None;
+    }
+    let torque = |knot: usize| Lanes(array::from_fn(|lane| curves[lane].map_or(0.0, |curve| curve.torques_nm()[knot])));
+    let torques: Vec<Lanes<N>, MAX_KNOTS> = (0..speeds_rad_s.len()).map(torque).collect();
+    Curve::new(speeds_rad_s, &torques)
 }
 
 impl<const N: usize> Lanes<N> {
@@ -161,6 +177,11 @@ impl<const N: usize> Real for Lanes<N> {
     fn powf(self, exponent: Self) -> Self {
         self.zip(exponent, Real::powf)
     }
+    fn row<const M: usize>(self, rows: &[[Self; M]]) -> [Self; M] {
+        let of_lane: [usize; N] =
+            array::from_fn(|lane| rows.partition_point(|row| row[0].0[lane] <= self.0[lane]).saturating_sub(1));
+        array::from_fn(|i| Lanes(array::from_fn(|lane| rows[of_lane[lane]][i].0[lane])))
+    }
 }
 
 #[cfg(test)]
@@ -186,8 +207,12 @@ mod tests {
     }
 
     fn lanes_equal_single_runs(effect: Option<&Effect<f64>>) {
-        let (sets, starts) = (rigs(effect), [1.5, -1.2, 0.4, 2.9]);
-        let together = Model::new(&pack(&sets).unwrap());
+        sets_equal_single_runs(&rigs(effect), effect.map_or("base", |e| e.name));
+    }
+
+    fn sets_equal_single_runs(sets: &[Parameters<f64>; 4], name: &str) {
+        let starts = [1.5, -1.2, 0.4, 2.9];
+        let together = Model::new(&pack(sets).unwrap());
         let mut lanes = together.release(Lanes(starts), Lanes([0.0; 4]));
         let alone = sets.each_ref().map(Model::new);
         let mut states: [_; 4] = array::from_fn(|lane| alone[lane].release(starts[lane], 0.0));
@@ -200,7 +225,7 @@ mod tests {
                 alone[lane].step(&mut states[lane], 1e-3);
                 let reading = alone[lane].read(&states[lane], &mut sensors[lane]);
                 let apart = (readings.0[lane] - reading).abs();
-                assert!(apart < 1e-12, "{} lane {lane} step {step}: {apart:e}", effect.map_or("base", |e| e.name));
+                assert!(apart < 1e-12, "{name} lane {lane} step {step}: {apart:e}");
             }
         }
     }
@@ -215,6 +240,21 @@ mod tests {
         for effect in Effect::<f64>::ALL.iter().filter(|effect| !effect.is_base()) {
             lanes_equal_single_runs(Some(effect));
         }
+    }
+
+    #[test]
+    fn each_lane_equals_its_run_alone_with_a_friction_curve() {
+        let mut sets = rigs(None);
+        for (lane, set) in sets.iter_mut().enumerate() {
+            let torques = [2e-3, 1e-3, 1.5e-3, 4e-3].map(|torque| torque * (1.0 + 0.3 * lane as f64));
+            let curve = Curve::new(&[0.0, 0.3, 2.0, 6.0], &torques).unwrap();
+            set.set_curve(&curve).unwrap();
+            set.set(1, &[0.0]).unwrap();
+            set.set(2, &[0.0]).unwrap();
+        }
+        sets_equal_single_runs(&sets, "curve");
+        sets[3].set_curve(&Curve::new(&[0.0, 6.0], &[1e-3; 2]).unwrap()).unwrap();
+        assert!(pack(&sets).is_none(), "other knots");
     }
 
     #[test]

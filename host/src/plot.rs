@@ -2,6 +2,7 @@
 //! [`overlay`] is the drawing of a fit, with its own layout.
 
 pub mod decimate;
+pub mod friction;
 pub mod overlay;
 pub mod staircase;
 pub mod svg;

@@ -6,6 +6,7 @@
 //! `{ value = 5.4e-4, std = 2e-6, method = "least squares", recordings = ["swing.csv"] }`.
 
 mod adopt;
+mod curve;
 mod error;
 mod guess;
 mod gyroscope;
@@ -13,6 +14,7 @@ mod quantity;
 mod read;
 mod write;
 
+pub use curve::KnownCurve;
 pub use error::RigFileError;
 pub use quantity::Quantity;
 
@@ -208,6 +210,10 @@ impl RigFile {
     /// Takes an effect out.
     pub fn remove_effect(&mut self, id: u16) {
         self.parameters.remove(id);
+        self.remove_effect_text(id);
+    }
+
+    fn remove_effect_text(&mut self, id: u16) {
         self.knowledge.retain(|(known, _)| !known.is_of(id));
         write::remove_effect(&mut self.document, id);
     }
@@ -230,6 +236,10 @@ impl RigFile {
             if !same {
                 self.set(quantity, value, Knowledge { std: None, source: Some(source.clone()) })?;
             }
+        }
+        let same = self.parameters.map(|value| value as f32).curve == parameters.curve;
+        if let Some(curve) = new.curve.filter(|_| !same) {
+            self.set_curve(&KnownCurve { curve, stds: Vec::new() }, source)?;
         }
         Ok(())
     }

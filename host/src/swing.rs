@@ -6,7 +6,7 @@ use crate::recording::plausible::Swings;
 use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
 use crate::recording::{Fault, Measured, Recording};
 use crate::trajectory::Schedule;
-use shared::effect::Effect;
+use shared::effect::{CURVE_ID, Effect};
 use shared::parameters::Parameters;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -179,7 +179,7 @@ impl Swing {
 
     /// How to step through the times with this model.
     pub fn schedule<R>(&self, parameters: &Parameters<R>) -> &Schedule {
-        let is_fine = |id: u16| Effect::<f64>::by_id(id).is_none_or(|effect| effect.is_fine);
+        let is_fine = |id: u16| id != CURVE_ID && Effect::<f64>::by_id(id).is_none_or(|effect| effect.is_fine);
         &self.schedules[usize::from(parameters.effects.iter().any(|effect| is_fine(effect.id)))]
     }
 

@@ -75,6 +75,12 @@ pub const CUSTOM_FORMULA_ID: u16 = 1000;
 /// Its name.
 pub const CUSTOM_FORMULA_NAME: &str = "custom";
 
+/// Friction as a free curve of the speed ([`crate::curve`]), whose knots stand beside the parameters.
+pub const CURVE_ID: u16 = 1001;
+
+/// Its name.
+pub const CURVE_NAME: &str = "friction-curve";
+
 /// One adjustable number of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
@@ -113,6 +119,8 @@ pub enum Action<R> {
     Sensor(Sensor<R>),
     /// A torque that somebody typed; not in the list of all.
     Formula(&'static Formula),
+    /// A free curve of the speed; not in the list of all.
+    Curve,
 }
 
 /// An effect with an added state. It brings its own exact or implicit update, because a stiff one would diverge under
@@ -297,7 +305,7 @@ const _: () = {
     let all = Effect::<f64>::ALL;
     let mut i = 0;
     while i < all.len() {
-        assert!(all[i].id != CUSTOM_FORMULA_ID, "this id is reserved for custom formulas");
+        assert!(all[i].id != CUSTOM_FORMULA_ID && all[i].id != CURVE_ID, "this id is reserved");
         assert!(all[i].parameters.len() <= MAX_VALUES, "an effect has too many parameters");
         let mut j = i + 1;
         while j < all.len() {

@@ -12,6 +12,7 @@
 extern crate std;
 
 pub mod bank;
+pub mod curve;
 pub mod dual;
 pub mod effect;
 pub mod filter;

@@ -10,8 +10,10 @@ mod state;
 
 pub use state::{SensorState, State};
 
+use crate::curve::Spline;
 use crate::effect::{
-    Action, CUSTOM_FORMULA_ID, Effect, MAX_VALUES, MEMORY, Memory, SENSOR_MEMORY, Sensor, Torque, coulomb, viscous,
+    Action, CURVE_ID, CUSTOM_FORMULA_ID, Effect, MAX_VALUES, MEMORY, Memory, SENSOR_MEMORY, Sensor, Torque, coulomb,
+    viscous,
 };
 use crate::formula::Program;
 use crate::karnopp::{Balance, Contact};
@@ -49,6 +51,7 @@ pub struct Model<R: 'static> {
     memories: Vec<Term<Memory<R>, R>, MAX_MEMORIES>,
     sensors: Vec<Term<Sensor<R>, R>, MAX_SENSORS>,
     custom: Option<Term<Program<R>, R>>,
+    curve: Option<Spline<R>>,
     /// Nothing beyond the base effects: the inner loop skips the lists.
     plain: bool,
 }
@@ -85,6 +88,7 @@ impl<R: Real> Model<R> {
             memories: Vec::new(),
             sensors: Vec::new(),
             custom: None,
+            curve: None,
             plain: true,
         };
         // In the order of the list of all effects, which for the sensor is that from the shaft to the wire.
@@ -96,10 +100,12 @@ impl<R: Real> Model<R> {
         if let Some((formula, numbers)) = parameters.formula.as_ref().zip(parameters.values(CUSTOM_FORMULA_ID)) {
             model.custom = Some(Term { law: Program::new(formula), values: padded(numbers) });
         }
+        model.curve = parameters.curve.as_ref().filter(|_| parameters.values(CURVE_ID).is_some()).map(Spline::new);
         model.plain = model.drives.is_empty()
             && model.frictions.is_empty()
             && model.memories.is_empty()
-            && model.custom.is_none();
+            && model.custom.is_none()
+            && model.curve.is_none();
         model
     }
 
@@ -107,7 +113,7 @@ impl<R: Real> Model<R> {
         let values = padded(values);
         // The lists are as long as the parameter list may be, those of memories and sensors as its check allows.
         let _ = match effect.action {
-            Action::Base | Action::Formula(_) => true,
+            Action::Base | Action::Formula(_) | Action::Curve => true,
             Action::Drive(law) => self.drives.push(Term { law, values }).is_ok(),
             Action::Friction(law) => self.frictions.push(Term { law, values }).is_ok(),
             Action::State(law) => self.memories.push(Term { law, values }).is_ok(),
@@ -375,6 +381,9 @@ impl<R: Real> Model<R> {
         if let Some(term) = &self.custom {
             sum = sum + term.law.friction_nm(motion, &term.values);
         }
+        if let Some(curve) = &self.curve {
+            sum = sum + curve.friction_nm(motion);
+        }
         sum
     }
 
@@ -390,10 +399,15 @@ impl<R: Real> Model<R> {
     /// Torque of everything that opposes sliding in a direction (−1 or +1).
     fn friction_nm(&self, angle: R, velocity: R, direction: R, time: R) -> R {
         let base = viscous::torque_nm(velocity, self.viscous) + coulomb::torque_nm(direction, self.coulomb_nm);
-        if self.frictions.is_empty() && self.custom.is_none() {
+        if self.plain {
             return base;
         }
         base + self.added_friction_nm(&self.motion(angle, velocity, direction, time))
+    }
+
+    /// Torque in N·m of all friction of sliding at an instant, in a direction (−1 or +1).
+    pub fn friction_of_sliding_nm(&self, angle_rad: R, velocity_rad_s: R, direction: R, time_s: R) -> R {
+        self.friction_nm(angle_rad, velocity_rad_s, direction, time_s)
     }
 
     fn balance(&self, angle: R, velocity: R, time: R, memories: &[[R; MEMORY]; MAX_MEMORIES]) -> Balance<R> {

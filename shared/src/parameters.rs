@@ -1,7 +1,8 @@
 //! The numbers of a model: the pendulum and a bounded list of (effect id, values), as they stand in flash, in
 //! messages and in `rig.toml`.
 
-use crate::effect::{Action, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, MAX_VALUES};
+use crate::curve::Curve;
+use crate::effect::{Action, CURVE_ID, CURVE_NAME, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, MAX_VALUES};
 use crate::formula::Formula;
 use crate::motion::Pendulum;
 use heapless::Vec;
@@ -42,6 +43,9 @@ pub struct Parameters<R> {
     /// The law of the effect [`CUSTOM_FORMULA_ID`]; stored and sent on its own.
     #[serde(skip)]
     pub formula: Option<Formula>,
+    /// The knots of the effect [`CURVE_ID`]; stored and sent on their own.
+    #[serde(skip)]
+    pub curve: Option<Curve<R>>,
 }
 
 /// What is wrong with a set of parameters.
@@ -88,12 +92,18 @@ pub enum ParameterError {
         /// How many of its kind have one.
         limit: u8,
     },
+    /// Coulomb or viscous friction beside a friction curve, which stands in their place.
+    BesideCurve {
+        /// The effect that must be zero or absent.
+        id: u16,
+    },
 }
 
 impl core::fmt::Display for ParameterError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let name = |id| match id {
             CUSTOM_FORMULA_ID => CUSTOM_FORMULA_NAME,
+            CURVE_ID => CURVE_NAME,
             _ => Effect::<f64>::by_id(id).map_or("?", |effect| effect.name),
         };
         match *self {
@@ -105,9 +115,13 @@ impl core::fmt::Display for ParameterError {
             Self::UnknownEffect { id: CUSTOM_FORMULA_ID } => {
                 write!(f, "there are values of a custom formula, but no formula")
             }
+            Self::UnknownEffect { id: CURVE_ID } => write!(f, "there is an effect {CURVE_NAME}, but no curve"),
             Self::UnknownEffect { id } => write!(f, "there is no effect with the id {id} here; is the firmware older?"),
             Self::WrongCount { id, expected, got } => {
                 write!(f, "effect {} takes {expected} values, not {got}", name(id))
+            }
+            Self::OutOfRange { id: CURVE_ID, index } => {
+                write!(f, "torque {} of {CURVE_NAME} is not a number from 0 to 1e6 N·m", index + 1)
             }
             Self::OutOfRange { id, index } => {
                 let parameter = Effect::<f64>::by_id(id).and_then(|effect| effect.parameters.get(usize::from(index)));
@@ -117,6 +131,9 @@ impl core::fmt::Display for ParameterError {
                     }
                     None => write!(f, "a value of effect {} is outside its range", name(id)),
                 }
+            }
+            Self::BesideCurve { id } => {
+                write!(f, "{CURVE_NAME} stands in place of {}: set that to 0, or take the curve out", name(id))
             }
             Self::Twice { id } => write!(f, "effect {} is listed twice", name(id)),
             Self::TooMany => write!(f, "a model has at most {MAX_EFFECTS} effects"),
@@ -136,7 +153,7 @@ impl core::error::Error for ParameterError {}
 impl<R: Copy> Parameters<R> {
     /// A pendulum on which nothing acts but gravity.
     pub fn frictionless(pendulum: Pendulum<R>) -> Self {
-        Self { pendulum, effects: Vec::new(), formula: None }
+        Self { pendulum, effects: Vec::new(), formula: None, curve: None }
     }
 
     /// The values of an effect, if it is present.
@@ -166,11 +183,21 @@ impl<R: Copy> Parameters<R> {
         Ok(())
     }
 
+    /// Sets the friction curve; Coulomb and viscous friction must be zero beside it.
+    pub fn set_curve(&mut self, curve: &Curve<R>) -> Result<(), ParameterError> {
+        self.set(CURVE_ID, &[])?;
+        self.curve = Some(curve.clone());
+        Ok(())
+    }
+
     /// Takes an effect out.
     pub fn remove(&mut self, id: u16) {
         self.effects.retain(|effect| effect.id != id);
         if id == CUSTOM_FORMULA_ID {
             self.formula = None;
+        }
+        if id == CURVE_ID {
+            self.curve = None;
         }
     }
 
@@ -188,7 +215,8 @@ impl<R: Copy> Parameters<R> {
             values: effect.values.iter().map(|value| convert(*value)).collect(),
         };
         let effects = self.effects.iter().map(convert_effect).collect();
-        Parameters { pendulum, effects, formula: self.formula.clone() }
+        let curve = self.curve.as_ref().map(|curve| curve.map(&convert));
+        Parameters { pendulum, effects, formula: self.formula.clone(), curve }
     }
 }
 
@@ -202,6 +230,7 @@ impl<R: Copy + Into<f64>> Parameters<R> {
             }
             match effect.id {
                 CUSTOM_FORMULA_ID => self.check_formula(effect)?,
+                CURVE_ID => self.check_curve(effect)?,
                 _ => check_effect(effect)?,
             }
         }
@@ -215,6 +244,21 @@ impl<R: Copy + Into<f64>> Parameters<R> {
         check_count(id, formula.n_parameters(), effect.values.len())?;
         let not_finite = |value: &R| !(*value).into().is_finite();
         match effect.values.iter().position(not_finite) {
+            Some(index) => Err(ParameterError::OutOfRange { id, index: index as u8 }),
+            None => Ok(()),
+        }
+    }
+
+    /// Torques that are none, and no friction that the curve replaces.
+    fn check_curve(&self, effect: &EffectValues<R>) -> Result<(), ParameterError> {
+        let id = effect.id;
+        let curve = self.curve.as_ref().ok_or(ParameterError::UnknownEffect { id })?;
+        check_count(id, 0, effect.values.len())?;
+        let acts = |id: u16| self.values(id).is_some_and(|values| values.iter().any(|value| (*value).into() != 0.0));
+        if let Some(id) = [base::VISCOUS, base::COULOMB].into_iter().find(|id| acts(*id)) {
+            return Err(ParameterError::BesideCurve { id });
+        }
+        match curve.torques_nm().iter().position(|torque| !(0.0..=ENORMOUS).contains(&(*torque).into())) {
             Some(index) => Err(ParameterError::OutOfRange { id, index: index as u8 }),
             None => Ok(()),
         }
@@ -385,6 +429,21 @@ mod tests {
             let name = Effect::<f32>::by_id(id).unwrap().name;
             assert!(said.contains(words) && said.contains(name), "{said}");
         }
+    }
+
+    #[test]
+    fn a_friction_curve_stands_in_place_of_viscous_and_coulomb_friction() {
+        let curve = |torque: f64| Curve::new(&[0.0, 2.0], &[1e-3, torque]).unwrap();
+        let mut p = Parameters::paper();
+        p.set_curve(&curve(2e-3)).unwrap();
+        assert_eq!(p.check(), Err(ParameterError::BesideCurve { id: base::VISCOUS }));
+        p.set(base::VISCOUS, &[0.0]).unwrap();
+        p.remove(base::COULOMB);
+        assert_eq!(p.check(), Ok(()));
+        p.set_curve(&curve(-1e-6)).unwrap();
+        assert_eq!(p.check(), Err(ParameterError::OutOfRange { id: CURVE_ID, index: 1 }));
+        p.curve = None;
+        assert_eq!(p.check(), Err(ParameterError::UnknownEffect { id: CURVE_ID }));
     }
 
     #[test]

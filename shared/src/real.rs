@@ -117,6 +117,16 @@ pub trait Real:
     fn max(self, other: Self) -> Self {
         Self::select(self.lt(other), other, self)
     }
+    /// Of rows in the rising order of their first numbers, the last one whose first number is not above this; the first
+    /// one if there is none. There must be one.
+    fn row<const N: usize>(self, rows: &[[Self; N]]) -> [Self; N] {
+        let mut found = rows[0];
+        for row in &rows[1..] {
+            let reached = row[0].le(self);
+            found = core::array::from_fn(|i| Self::select(reached, row[i], found[i]));
+        }
+        found
+    }
     /// −1, 0 or +1.
     fn sign(self) -> Self {
         let negative = Self::select(self.lt(Self::zero()), Self::of(-1.0), Self::zero());
@@ -167,6 +177,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn powf(self, exponent: Self) -> Self {
                 $pow(self, exponent)
+            }
+            #[inline]
+            fn row<const N: usize>(self, rows: &[[Self; N]]) -> [Self; N] {
+                rows[rows.partition_point(|row| row[0] <= self).saturating_sub(1)]
             }
         }
     };

@@ -82,7 +82,8 @@ impl Random {
 /// An effect that a rig has and its model does not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hidden {
-    /// As in the product's list, or `outside` for a law that is not in it: a brake on either side of the path.
+    /// As in the product's list; or a law that is not in it: `outside`, a brake on either side of the path, or `bump`,
+    /// friction that is higher about a certain speed.
     pub name: &'static str,
     /// How strong, in the unit of its first parameter.
     pub size: f64,

@@ -128,6 +128,20 @@ fn a_typed_formula_goes_the_same_way() {
 }
 
 #[test]
+fn a_friction_curve_goes_the_same_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut file = dry();
+    for name in ["Mw", "Mc"] {
+        set(&mut file, Quantity::by_name(name).unwrap(), 0.0);
+    }
+    let curve = "speed = [0, 0.4, 1.5, 3, 6]\ntorque = [9e-3, 6e-3, 8e-3, 7e-3, 1.2e-2]\n";
+    let file = RigFile::parse("rig.toml", &format!("{file}\n[effect.friction-curve]\n{curve}")).unwrap();
+    check("curve", &file, &c(folder.path(), &file));
+    check("curve", &file, &python(folder.path(), &file));
+    assert!(export(&file, Language::Matlab).unwrap().contains("friction-curve"));
+}
+
+#[test]
 fn several_effects_at_once_and_without_friction() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = dry();

@@ -138,11 +138,20 @@ fn dropped(holding: &Holding) -> String {
     format!("{}: {why}, would leave {:.2}", holding.effect, 1e3 * holding.rmse)
 }
 
+/// What a free friction curve leaves, and whether it holds.
+fn curve(diagnosis: &Diagnosis) -> String {
+    let Some(curve) = &diagnosis.curve else { return "–".to_owned() };
+    let beside: String = curve.beside.iter().map(|name| format!(" + {name}")).collect();
+    let holds = if curve.holds() { "" } else { ", contradicted" };
+    let like = curve.closest().map_or(String::new(), |law| format!(", like {}", law.effect));
+    format!("{:.2}{beside}{holds}{like}", 1e3 * curve.rmse)
+}
+
 fn row(recording: &Real) -> String {
     let name = recording.name.trim_start_matches("more/");
     let measurement = match measured(recording.name, recording.from_s) {
         Ok(measurement) => measurement,
-        Err(error) => return format!("| {name} | – | – | – | – | – | {error} | |\n"),
+        Err(error) => return format!("| {name} | – | – | – | – | – | – | {error} | |\n"),
     };
     let rig = normalised(&measurement);
     let diagnosis: Diagnosis = diagnose(std::slice::from_ref(&measurement.swing), &[], &rig);
@@ -164,10 +173,11 @@ fn row(recording: &Real) -> String {
     }
     let mrad = |rad: f64| format!("{:.2}", 1e3 * rad);
     format!(
-        "| {name} | {} | {} | {} | {} | {} | {named} | {} |\n",
+        "| {name} | {} | {} | {} | {} | {} | {} | {named} | {} |\n",
         mrad(diagnosis.noise),
         mrad(diagnosis.rmse_before),
         mrad(diagnosis.rmse_after),
+        curve(&diagnosis),
         other.map_or("–".to_owned(), |(before, after)| format!("{} → {}", mrad(before), mrad(after))),
         if diagnosis.unexplained { "more than noise" } else { "noise" },
         words(diagnosis.unproven.iter().map(dropped).collect(), ""),

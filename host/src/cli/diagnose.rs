@@ -3,10 +3,12 @@
 use super::given::Given;
 use super::values::custom_effect;
 use super::{evidence, output};
-use crate::diagnose::{Wishes, diagnose_with};
+use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
 use crate::error::Failure;
 use crate::operations::diagnose::Fields;
 use crate::operations::json::all_named;
+use crate::plot::friction::friction;
+use crate::plot::svg::svg;
 use clap::Args;
 use shared::effect::Effect;
 use std::path::PathBuf;
@@ -26,6 +28,12 @@ pub(super) struct Options {
     /// Search small formulas for what no effect explains; takes up to a minute
     #[arg(long)]
     formulas: bool,
+    /// Draw the friction curve here, where no law explains the swings (SVG)
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Replace the drawing if it exists
+    #[arg(long)]
+    force: bool,
 }
 
 const EXAMPLE: &str = "\
@@ -47,5 +55,17 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     } else {
         output::result(&evidence::in_words(&diagnosis));
     }
-    Ok(())
+    draw(options, &diagnosis)
+}
+
+fn draw(options: &Options, diagnosis: &Diagnosis) -> Result<(), Failure> {
+    let Some(path) = &options.plot else { return Ok(()) };
+    let picture = diagnosis.curve.as_ref().and_then(|curve| friction(&curve.parameters, &curve.stds));
+    match picture {
+        Some(picture) => output::write(path, &svg(&picture), options.force),
+        None => {
+            output::say("nothing is drawn: no friction curve is better than the named laws");
+            Ok(())
+        }
+    }
 }

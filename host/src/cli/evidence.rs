@@ -1,5 +1,6 @@
 //! A diagnosis in words and tables: what is missing, how sure that is, and what it gains.
 
+use super::curve_words;
 use super::number::with_spread;
 use super::table::wrapped;
 use crate::diagnose::{Candidate, Diagnosis, Holding, NotTried, Standing, Step, Suggestion, Value};
@@ -43,6 +44,7 @@ pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
     if diagnosis.verdict.is_empty() && !diagnosis.unexplained {
         return parts.join("\n\n");
     }
+    parts.extend(diagnosis.curve.as_ref().map(|curve| curve_words::in_words(diagnosis, curve)));
     parts.extend(formulas(diagnosis));
     parts.push(staircase(diagnosis));
     parts.push(ranking(diagnosis));

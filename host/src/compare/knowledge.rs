@@ -11,7 +11,7 @@ use crate::fit::identify::problem_of;
 use crate::fit::linear::{Linear, Steps, SwingLinear, dot, linearise};
 use crate::fit::problem::{PER_SWING, Point, Problem, Quantity, Unknown};
 use crate::fit::solve::solve_damped;
-use crate::formula::effect_of;
+use crate::formula::{FRICTION_CURVE, effect_of};
 use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -226,7 +226,7 @@ fn verdict(unknown: &Unknown, problem: &Problem, chosen: &Estimate, at_bound: bo
     // The inertia about the centre is a small part of the one about the pivot, which the period tells.
     let size = match unknown.quantity {
         Quantity::Inertia => problem.template.pendulum.pivot_inertia_kg_m2(),
-        Quantity::Effect { .. } => chosen.value,
+        Quantity::Effect { .. } | Quantity::Knot(_) => chosen.value,
     };
     match chosen.std.map(|std| std / size.abs()) {
         Some(relative) if relative < 0.1 => Identifiability::Identified,
@@ -241,6 +241,7 @@ fn advice(unknown: &Unknown, problem: &Problem, verdict: Identifiability) -> Opt
     let experiment = match unknown.quantity {
         Quantity::Inertia => "A release from a small angle: the period tells the inertia.",
         Quantity::Effect { id, .. } => effect_of(&problem.template, id)?.experiment,
+        Quantity::Knot(_) => FRICTION_CURVE.experiment,
     };
     needed.then(|| experiment.to_owned())
 }

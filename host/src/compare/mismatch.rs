@@ -166,6 +166,7 @@ fn other_inertia(swing: &Swing, parameters: &Parameters<f64>) -> Option<f64> {
         template: parameters.clone(),
         unknowns: vec![Unknown::inertia(parameters)],
         offsets_are_free: true,
+        ridge: None,
         n_simulations: &count,
     };
     let guess = start::guess(&problem);

@@ -8,6 +8,7 @@ mod time;
 
 use super::Comparison;
 use crate::plot::Picture;
+use crate::plot::friction::friction;
 use crate::recording::Measured;
 
 /// All pictures, in the order in which they are best read.
@@ -18,6 +19,7 @@ pub fn pictures(comparison: &Comparison) -> Vec<Picture> {
         pictures.extend(map::pictures(comparison));
     }
     pictures.extend(against::pictures(comparison));
+    pictures.extend(friction(&comparison.parameters, &[]));
     pictures.extend(known::pictures(comparison));
     pictures
 }

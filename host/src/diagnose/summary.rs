@@ -1,5 +1,6 @@
 //! A diagnosis as others read it, put together from what may be claimed.
 
+use super::curve::FrictionCurve;
 use super::evidence::{Evidence, evidence};
 use super::formulas::{Found as FoundFormula, formulas};
 use super::holds::Holding;
@@ -116,6 +117,8 @@ pub struct Diagnosis {
     pub simulations: usize,
     /// Everything that was fitted, best first.
     pub candidates: Vec<Candidate>,
+    /// Where no named law reaches the noise: friction as a free curve of the speed, if that explains more.
+    pub curve: Option<FrictionCurve>,
     /// Where more than the noise remains: small formulas that explain some of it, the best first.
     pub formulas: Vec<Suggestion>,
     /// What each claimed effect does to a swing.
@@ -150,6 +153,7 @@ pub struct Step {
 pub(super) struct Summary<'a, 'b, 'c> {
     pub(super) judge: Judge<'a, 'b>,
     pub(super) claimed: Fitted,
+    pub(super) curve: Option<FrictionCurve>,
     pub(super) undecided: Vec<&'static str>,
     pub(super) not_tried: Vec<NotTried>,
     pub(super) vetoed: Vec<&'static str>,
@@ -214,6 +218,7 @@ impl Summary<'_, '_, '_> {
             noise,
             left,
             unexplained,
+            curve: self.curve,
             formulas,
             evidence: evidence(problem, &self.claimed.parameters),
             values: values(problem, &self.claimed),

@@ -95,7 +95,8 @@ fn model(parameters: &Parameters<f64>) -> Model<Symbol> {
         EffectValues { id: present.id, values: quantities.map(named).collect() }
     };
     let effects = parameters.effects.iter().map(with_names).collect();
-    Model::new(&Parameters { pendulum, effects, formula: parameters.formula.clone() })
+    let curve = parameters.curve.as_ref().map(|curve| curve.map(<Symbol as shared::real::Real>::of));
+    Model::new(&Parameters { pendulum, effects, formula: parameters.formula.clone(), curve })
 }
 
 /// `MASS`, or `VISCOUS_Mw`.

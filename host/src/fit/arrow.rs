@@ -61,6 +61,11 @@ impl Arrow {
         DVector::from_vec(all)
     }
 
+    /// Adds what is known of the shared numbers from elsewhere.
+    pub fn add_shared(&mut self, matrix: &DMatrix<f64>) {
+        self.shared += matrix;
+    }
+
     /// xᵀ·JᵀJ·x.
     pub fn quadratic(&self, x: &DVector<f64>) -> f64 {
         let shared = x.rows(0, self.n_shared);

@@ -158,7 +158,7 @@ pub(super) fn upward_crossings(on: &Problem, swing: &SwingLinear, swing_idx: usi
 }
 
 /// Ranges of so many periods; what is before the first and behind the last belongs to these.
-fn cut(crossings: &[usize], periods: usize, n_samples: usize) -> Vec<Range<usize>> {
+pub(super) fn cut(crossings: &[usize], periods: usize, n_samples: usize) -> Vec<Range<usize>> {
     let mut bounds: Vec<usize> = crossings.iter().copied().step_by(periods).skip(1).collect();
     // The last one may be short, and holds the rest.
     bounds.pop();
@@ -201,7 +201,7 @@ fn cluster(
 }
 
 /// Columns of length one at right angles that span the given ones.
-fn orthonormal<'a>(columns: impl Iterator<Item = &'a [f64]>) -> Vec<Vec<f64>> {
+pub(super) fn orthonormal<'a>(columns: impl Iterator<Item = &'a [f64]>) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for column in columns {
         // Twice, because one pass loses digits where columns are nearly alike.
@@ -216,7 +216,7 @@ fn orthonormal<'a>(columns: impl Iterator<Item = &'a [f64]>) -> Vec<Vec<f64>> {
 }
 
 /// What is left of a column that the basis does not explain.
-fn beyond(column: &[f64], basis: &[Vec<f64>]) -> Vec<f64> {
+pub(super) fn beyond(column: &[f64], basis: &[Vec<f64>]) -> Vec<f64> {
     let mut left = column.to_vec();
     for direction in basis {
         let share = dot(&left, direction);

@@ -4,9 +4,10 @@
 use super::descent::{Descent, Termination};
 use super::linear::{Linear, Steps, linearise};
 use super::problem::{Point, Problem, Quantity, Start, Unknown};
-use crate::formula::{add, effect_of};
+use crate::formula::{FRICTION_CURVE, add, effect_of};
 use crate::swing::Window;
-use shared::effect::Effect;
+use shared::curve::Curve;
+use shared::effect::{CURVE_ID, Effect};
 use shared::parameters::{Parameters, base};
 
 /// Ms and DV: the two parameters in which the error is not smooth.
@@ -141,11 +142,26 @@ impl Fitted {
         Some(larger)
     }
 
+    /// The same with a friction curve in place of viscous and Coulomb friction, not fitted yet; `None` if there is no room
+    /// for it.
+    pub fn with_curve(&self, curve: &Curve<f64>) -> Option<Self> {
+        let mut other = Self { cost: f64::INFINITY, termination: None, steps: None, ..self.without(CURVE_ID) };
+        let replaced = |id: u16| id == base::VISCOUS || id == base::COULOMB;
+        other.unknowns.retain(|unknown| !matches!(unknown.quantity, Quantity::Effect { id, .. } if replaced(id)));
+        other.parameters.set(base::VISCOUS, &[0.0]).ok()?;
+        other.parameters.set(base::COULOMB, &[0.0]).ok()?;
+        other.parameters.set_curve(curve).ok()?;
+        other.unknowns.extend(Unknown::knots(&other.parameters));
+        other.effects.push(&FRICTION_CURVE);
+        Some(other)
+    }
+
     /// The same without an effect, not fitted yet.
     pub fn without(&self, id: u16) -> Self {
         let mut smaller = Self { cost: f64::INFINITY, termination: None, steps: None, ..self.clone() };
         smaller.parameters.remove(id);
         smaller.unknowns.retain(|unknown| !matches!(unknown.quantity, Quantity::Effect { id: of, .. } if of == id));
+        smaller.unknowns.retain(|unknown| id != CURVE_ID || !matches!(unknown.quantity, Quantity::Knot(_)));
         smaller.effects.retain(|effect| effect.id != id);
         if id == base::STICTION { smaller.with_stiction(Stiction::NONE) } else { smaller }
     }

@@ -200,6 +200,7 @@ pub fn problem_of<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a Ato
         |id: u16| effect_of(&template, id).map_or(Vec::new(), |effect| Unknown::all_of_effect(effect, &template));
     let added = template.effects.iter().map(|effect| effect.id).filter(|id| *id > base::STICTION);
     let ids = [base::VISCOUS, base::COULOMB, base::STICTION].into_iter().chain(added);
+    let ids = ids.filter(|id| template.curve.is_none() || *id == base::STICTION || !base::has(*id));
     let mut unknowns: Vec<Unknown> = ids.flat_map(of_effect).collect();
     let inertia_at = unknowns.iter().rposition(Unknown::is_stiction).map_or(0, |last| last + 1);
     unknowns.insert(inertia_at, Unknown::inertia(&template));

@@ -178,17 +178,25 @@ impl Steps {
 pub fn linearise<'a>(problem: &Problem<'a>, point: &Point, window: Window, steps: &mut Steps) -> Linear<'a> {
     let place = Place::new(problem, point, window, steps);
     let moved = place.moved.clone();
-    let linear = Linear::at(place);
+    let mut linear = Linear::at(place);
     steps.adapt(problem, &moved, &linear.equations);
+    add_ridge(problem, point, window, &mut linear.equations);
     linear
 }
 
 /// The normal equations alone.
 pub fn equations(problem: &Problem, point: &Point, window: Window, steps: &mut Steps) -> Equations {
     let place = Place::new(problem, point, window, steps);
-    let equations = place.equations();
+    let mut equations = place.equations();
     steps.adapt(problem, &place.moved, &equations);
+    add_ridge(problem, point, window, &mut equations);
     equations
+}
+
+fn add_ridge(problem: &Problem, point: &Point, window: Window, equations: &mut Equations) {
+    if let Some(ridge) = &problem.ridge {
+        ridge.add_to(equations, problem, window, &point.values);
+    }
 }
 
 /// The normal equations at a guess with more unknowns than `known`, whose columns are taken over: exact where the new

@@ -1,11 +1,13 @@
 //! What is unknown, and what a guess at it predicts.
 
+use super::ridge::Ridge;
 use crate::lanes::Lanes;
 use crate::recording::Measured;
 use crate::swing::{Swing, Window};
 use crate::trajectory::{Schedule, simulate};
 use crate::verdict::ChiSquare;
 use rayon::prelude::*;
+use shared::curve::Curve;
 use shared::effect::{Effect, Parameter};
 use shared::model::Model;
 use shared::parameters::{Parameters, base};
@@ -26,6 +28,8 @@ pub enum Quantity {
         /// Position in its parameter list.
         index: usize,
     },
+    /// The torque at a knot of the friction curve, by its position.
+    Knot(usize),
 }
 
 /// A number to be identified.
@@ -83,6 +87,9 @@ impl Unknown {
             Quantity::Effect { id, index } => {
                 parameters.values(id).and_then(|values| values.get(index)).copied().unwrap_or(0.0)
             }
+            Quantity::Knot(index) => {
+                parameters.curve.as_ref().and_then(|curve| curve.torques_nm().get(index)).copied().unwrap_or(0.0)
+            }
         }
     }
 
@@ -93,6 +100,12 @@ impl Unknown {
             Quantity::Effect { id, index } => {
                 let effect = parameters.effects.iter_mut().find(|effect| effect.id == id);
                 if let Some(slot) = effect.and_then(|effect| effect.values.get_mut(index)) {
+                    *slot = value;
+                }
+            }
+            Quantity::Knot(index) => {
+                let torques = parameters.curve.as_mut().map(Curve::torques_nm_mut);
+                if let Some(slot) = torques.and_then(|torques| torques.get_mut(index)) {
                     *slot = value;
                 }
             }
@@ -145,6 +158,8 @@ pub struct Problem<'a> {
     pub unknowns: Vec<Unknown>,
     /// Is the sensor's zero of each swing fitted too?
     pub offsets_are_free: bool,
+    /// What a crooked friction curve costs, while one is sought.
+    pub ridge: Option<Ridge>,
     /// Simulations run so far.
     pub n_simulations: &'a AtomicUsize,
 }
@@ -157,7 +172,7 @@ impl<'a> Problem<'a> {
         unknowns: Vec<Unknown>,
         n_simulations: &'a AtomicUsize,
     ) -> Self {
-        Self { swings, template: template.clone(), unknowns, offsets_are_free: true, n_simulations }
+        Self { swings, template: template.clone(), unknowns, offsets_are_free: true, ridge: None, n_simulations }
     }
 
     /// Is an effect the scale of a sensor of rates? Then it is free in every fit, and no finding.
@@ -255,7 +270,10 @@ impl<'a> Problem<'a> {
             predicted.iter().zip(&columns).map(cost).collect()
         };
         let per_swing: Vec<Vec<f64>> = (0..self.swings.len()).into_par_iter().map(of_swing).collect();
-        (0..guesses.len()).map(|guess| per_swing.iter().map(|costs| costs[guess]).sum()).collect()
+        let penalty =
+            |point: &Point| self.ridge.as_ref().map_or(0.0, |ridge| ridge.penalty(self, window, &point.values));
+        let cost = |guess: usize| per_swing.iter().map(|costs| costs[guess]).sum::<f64>() + penalty(&guesses[guess]);
+        (0..guesses.len()).map(cost).collect()
     }
 
     /// The same with other swings.

@@ -49,7 +49,7 @@ pub fn from_recording(problem: &Problem, inertia_kg_m2: f64) -> Ranges {
         Quantity::Effect { id: base::COULOMB, .. } => (0.0, FRICTION_FACTOR * coulomb.max(1e-3 * unknown.scale)),
         Quantity::Effect { id: base::STICTION, index: 0 } => (0.0, STICTION_SHARE * gravity),
         Quantity::Effect { id: base::STICTION, .. } => (0.0, WIDEST_BAND),
-        Quantity::Effect { .. } => (unknown.low, unknown.high),
+        Quantity::Effect { .. } | Quantity::Knot(_) => (unknown.low, unknown.high),
     };
     Ranges(problem.unknowns.iter().map(range).collect())
 }

@@ -117,7 +117,7 @@ impl Report<'_, '_> {
             self.problem.unknowns.iter().find(|unknown| unknown.symbol == *symbol && unknown.name == number.name);
         let id = unknown.and_then(|unknown| match unknown.quantity {
             Quantity::Effect { id, .. } => Some(id),
-            Quantity::Inertia => None,
+            Quantity::Inertia | Quantity::Knot(_) => None,
         });
         match (number.verdict, id) {
             (Verdict::Not, Some(base::STICTION)) if *value == 0.0 => Some(format!(
@@ -141,7 +141,7 @@ fn identified(number: &Number, model: &Fitted) -> Identified {
     let Number { unknown, value, std, status, upper } = number;
     let size = match unknown.quantity {
         Quantity::Inertia => model.parameters.pendulum.pivot_inertia_kg_m2(),
-        Quantity::Effect { .. } => *value,
+        Quantity::Effect { .. } | Quantity::Knot(_) => *value,
     };
     let verdict = match status {
         Status::Identified => verdict(size, *std),

@@ -160,7 +160,7 @@ impl Uncertainty {
 fn size(unknown: &Unknown, model: &Fitted) -> f64 {
     match unknown.quantity {
         Quantity::Inertia => model.parameters.pendulum.pivot_inertia_kg_m2(),
-        Quantity::Effect { .. } => unknown.get(&model.parameters).abs(),
+        Quantity::Effect { .. } | Quantity::Knot(_) => unknown.get(&model.parameters).abs(),
     }
 }
 

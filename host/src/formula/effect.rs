@@ -5,7 +5,9 @@ use super::compile::compile;
 use super::domain::{has_values, instants};
 use super::parse::{Parsed, parse};
 use super::ranges::Declared;
-use shared::effect::{Action, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, Family, MAX_VALUES, Parameter, Rules};
+use shared::effect::{
+    Action, CURVE_ID, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect, Family, MAX_VALUES, Parameter, Rules,
+};
 use shared::formula::{Formula, Program};
 use shared::parameters::{ParameterError, Parameters};
 use std::collections::HashMap;
@@ -67,9 +69,16 @@ fn understood(parsed: &Parsed) -> Result<Understood, FormulaError> {
     Ok(Understood { formula, starts })
 }
 
+/// Friction as a free curve of the speed.
+pub static FRICTION_CURVE: Effect<f64> = shared::curve::effect();
+
 /// The effect with an id, as it is meant in a set of parameters.
 pub fn effect_of<R>(parameters: &Parameters<R>, id: u16) -> Option<&'static Effect<f64>> {
-    if id == CUSTOM_FORMULA_ID { read(parameters.formula.as_ref()?.text()).ok() } else { Effect::by_id(id) }
+    match id {
+        CUSTOM_FORMULA_ID => read(parameters.formula.as_ref()?.text()).ok(),
+        CURVE_ID => Some(&FRICTION_CURVE),
+        _ => Effect::by_id(id),
+    }
 }
 
 /// Adds an effect with its values, a formula with its law.

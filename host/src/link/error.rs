@@ -141,6 +141,9 @@ pub enum LinkError {
     /// Firmware from before custom formulas.
     #[error("the rig's firmware does not know custom formulas")]
     NoFormulas,
+    /// Firmware that knows no friction curves.
+    #[error("the rig's firmware can't run a friction curve")]
+    NoCurves,
     /// A formula whose program is not what this program makes of its text.
     #[error("the rig holds a custom formula that this program does not understand")]
     UnknownFormula,
@@ -172,6 +175,8 @@ impl LinkError {
             }
             Self::Refused { refusal, .. } => return after_refusal(refusal).to_owned(),
             Self::NoFormulas => "update the firmware, or take the formula out: host improve … --remove custom",
+            Self::NoCurves => "push a model without it: host improve … --remove friction-curve; simulations, comparisons and exports \
+                               take it as it is",
             Self::UnknownFormula => "update the older of rig and program, or push another model",
             Self::NotKept { .. } => "push again; if it stays so, the rig's flash is worn out or its firmware is another",
         }

@@ -101,6 +101,9 @@ impl Session {
     /// A refusal, no answer, or a value that came back different.
     pub fn push(&mut self, parameters: &Parameters<f64>) -> Result<(), LinkError> {
         let sent = parameters.map(|value| value as f32);
+        if sent.curve.is_some() {
+            return Err(LinkError::NoCurves);
+        }
         self.keep_before(&sent)?;
         if let Some(formula) = &sent.formula {
             // First a question: firmware that knows no formulas can say so.

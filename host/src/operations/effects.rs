@@ -58,7 +58,7 @@ fn unknown(name: &str) -> Failure {
 pub fn acts_on(effect: &Effect<f64>) -> &'static str {
     match effect.action {
         Action::Base => "base model",
-        Action::Drive(_) | Action::Friction(_) => "torque",
+        Action::Drive(_) | Action::Friction(_) | Action::Curve => "torque",
         Action::State(_) => "torque with memory",
         Action::Sensor(_) => "sensor",
         Action::Formula(_) => "formula",

@@ -2,12 +2,12 @@
 
 use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
 use crate::error::Failure;
-use crate::formula::effect_of;
+use crate::formula::{FRICTION_CURVE, effect_of};
 use crate::improve::{Change, Step, change};
 use crate::rigfile::{RigFile, RigFileError, Source};
 use crate::swing::Swing;
 use serde::Serialize;
-use shared::effect::{CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
+use shared::effect::{CURVE_NAME, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
 use shared::parameters::Parameters;
 
 /// How the values were found, as model files say it.
@@ -74,6 +74,9 @@ pub fn effect_named(
         return typed.or(effect_of(rig, CUSTOM_FORMULA_ID)).ok_or_else(|| {
             Failure::wrong_use("there is no custom effect to speak of").next("give its formula with --effect")
         });
+    }
+    if name == CURVE_NAME {
+        return Ok(&FRICTION_CURVE);
     }
     Effect::<f64>::by_name(name).ok_or_else(|| {
         Failure::wrong_use(format!("there is no effect called {name}")).next("see the names with `host effects`")

@@ -1,9 +1,9 @@
 //! A model file takes over what was found from recordings, with where it came from.
 
-use super::{Knowledge, Quantity, RigFile, RigFileError, Source};
+use super::{Knowledge, KnownCurve, Quantity, RigFile, RigFileError, Source};
 use crate::diagnose::Value;
 use crate::fit::identify::Fit;
-use shared::effect::CUSTOM_FORMULA_ID;
+use shared::effect::{CURVE_NAME, CUSTOM_FORMULA_ID};
 use shared::parameters::Parameters;
 
 impl RigFile {
@@ -30,6 +30,10 @@ impl RigFile {
                 let value = if std.is_none() { four_digits(value) } else { value };
                 self.set(quantity, value, Knowledge { std, source: Some(source.clone()) })?;
             }
+        }
+        if let Some(curve) = parameters.curve.clone().filter(|curve| self.parameters().curve.as_ref() != Some(curve)) {
+            let knots = values.iter().filter(|value| value.effect == CURVE_NAME);
+            self.set_curve(&KnownCurve { curve, stds: knots.map(|knot| knot.std).collect() }, source)?;
         }
         Ok(())
     }

@@ -1,9 +1,10 @@
 //! Text → model file, with line and key in every message.
 
-use super::{FORMAT_VERSION, Knowledge, Quantity, RigFile, RigFileError, Source};
+use super::{FORMAT_VERSION, Knowledge, Quantity, RigFile, RigFileError, Source, curve};
 use crate::formula::{self, FormulaError, effect_of};
 use crate::recording::Measured;
-use shared::effect::{CUSTOM_FORMULA_NAME, Effect};
+use shared::curve::Curve;
+use shared::effect::{CURVE_ID, CURVE_NAME, CUSTOM_FORMULA_NAME, Effect};
 use shared::motion::Pendulum;
 use shared::parameters::{ParameterError, Parameters};
 use shared::potentiometer::Potentiometer;
@@ -93,11 +94,17 @@ impl Reader<'_> {
     ) -> Result<()> {
         let effects = self.as_table(item, "effect")?;
         for (name, item) in effects.iter() {
+            if name == CURVE_NAME {
+                let too_many =
+                    |error: ParameterError| self.bad(item.span(), &joined("effect", name), error.to_string());
+                parameters.set_curve(&self.curve(item)?).map_err(too_many)?;
+                continue;
+            }
             let known = if name == CUSTOM_FORMULA_NAME { Some(self.formula(item)?) } else { Effect::by_name(name) };
             let Some(effect) = known else {
                 let span = effects.key(name).and_then(toml_edit::Key::span).or(item.span());
                 let names = Effect::<f64>::ALL.iter().map(|effect| effect.name);
-                let known: Vec<&str> = names.chain([CUSTOM_FORMULA_NAME]).collect();
+                let known: Vec<&str> = names.chain([CUSTOM_FORMULA_NAME, CURVE_NAME]).collect();
                 let problem = format!("there is no such effect; known are {}", known.join(", "));
                 return Err(self.bad(span, &joined("effect", name), problem));
             };
@@ -106,6 +113,17 @@ impl Reader<'_> {
             formula::add(parameters, effect, &values).map_err(too_many)?;
         }
         Ok(())
+    }
+
+    /// The knots of the friction curve.
+    fn curve(&self, item: &Item) -> Result<Curve<f64>> {
+        let name = joined("effect", CURVE_NAME);
+        let table = self.as_table(item, &name)?;
+        self.check_keys(&name, table, &curve::KEYS)?;
+        curve::read(table).map_err(|(key, problem)| {
+            let span = table.get(key).and_then(Item::span).or(item.span());
+            self.bad(span, &joined(&name, key), problem)
+        })
     }
 
     /// The law of the custom effect.
@@ -202,6 +220,7 @@ impl Reader<'_> {
         let Err(error) = parameters.check() else { return Ok(()) };
         let quantity = match error {
             ParameterError::Pendulum { index } => Quantity::PENDULUM[usize::from(index)],
+            ParameterError::OutOfRange { id: CURVE_ID, .. } => return Err(RigFileError::Model(error)),
             ParameterError::OutOfRange { id, index } => match effect_of(parameters, id) {
                 Some(effect) => Quantity::of_effect(effect, usize::from(index)),
                 None => return Err(RigFileError::Model(error)),

@@ -1,4 +1,5 @@
 use super::*;
+use shared::curve::Curve;
 use shared::parameters::base;
 
 fn paper() -> RigFile {
@@ -153,4 +154,59 @@ fn a_formula_stands_in_a_file_and_can_be_changed_for_another() {
     assert_eq!(again.parameters().formula.as_ref(), Some(law));
     file.remove_effect(1000);
     assert!(!file.to_string().contains("custom") && file.parameters().formula.is_none());
+}
+
+fn curve_file() -> RigFile {
+    let mut file = RigFile::new(Pendulum::paper()).unwrap();
+    for symbol in ["Mw", "Mc"] {
+        file.set(Quantity::by_name(symbol).unwrap(), 0.0, Knowledge::default()).unwrap();
+    }
+    file
+}
+
+#[test]
+fn a_friction_curve_is_written_readably_and_read_back_the_same() {
+    let mut file = curve_file();
+    let curve = Curve::new(&[0.0, 0.7, 9.4], &[1.25e-3, 8e-4, 2e-3]).unwrap();
+    let known = KnownCurve { curve: curve.clone(), stds: vec![Some(1e-5), None, Some(2e-5)] };
+    let source = Source::new("least squares, friction curve", &["a/swing.csv".into()]);
+    file.set_curve(&known, &source).unwrap();
+    let text = file.to_string();
+    for part in ["[effect.friction-curve]", "# rad/s", "speed = [0", "# N·m, the friction", "\"unknown\"", "swing.csv"]
+    {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let mut again = RigFile::parse("rig.toml", &text).unwrap();
+    assert_eq!(again.parameters().curve.as_ref(), Some(&curve));
+    assert_eq!(again.parameters(), file.parameters());
+    again
+        .set_curve(&KnownCurve { curve: Curve::new(&[0.0, 2.0], &[0.0, 1e-3]).unwrap(), stds: Vec::new() }, &source)
+        .unwrap();
+    assert_eq!(again.to_string().matches("[effect.friction-curve]").count(), 1);
+    again.remove_effect(shared::effect::CURVE_ID);
+    assert!(!again.to_string().contains("friction-curve") && again.parameters().curve.is_none());
+}
+
+#[test]
+fn a_bad_friction_curve_is_refused_with_its_line_and_key() {
+    let refused = |table: &str, words: &str| {
+        let text = format!("{}\n[effect.friction-curve]\n{table}", curve_file());
+        let error = RigFile::parse("rig.toml", &text).unwrap_err().to_string();
+        assert!(error.contains(words), "{error} for {table}");
+    };
+    refused("speed = [0, 1]\ntorque = [1e-3]", "effect.friction-curve.torque: 1 torques for 2 speeds");
+    refused(
+        "speed = [0, 2, 1]\ntorque = [0, 0, 0]",
+        "effect.friction-curve.speed: expected 2 to 32 speeds that rise from 0",
+    );
+    refused(
+        "speed = [0, 1]\ntorque = [0, \"much\"]",
+        "effect.friction-curve.torque: expected a list of numbers in N·m",
+    );
+    refused("speed = [0, 1]\ntorque = [0, -1e-3]", "torque 2 of friction-curve is not a number from 0");
+    refused("speed = [0, 1]\ntorque = [0, 1]\nknots = 2", "effect.friction-curve.knots");
+    let beside = RigFile::new(Pendulum::paper()).unwrap().to_string()
+        + "\n[effect.friction-curve]\nspeed = [0, 1]\ntorque = [0, 1]";
+    let error = RigFile::parse("rig.toml", &beside).unwrap_err().to_string();
+    assert!(error.contains("friction-curve stands in place of"), "{error}");
 }

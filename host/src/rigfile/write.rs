@@ -3,7 +3,7 @@
 use super::{FORMAT_VERSION, Knowledge, Quantity};
 use crate::formula::effect_of;
 use crate::recording::Measured;
-use shared::effect::{Action, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
+use shared::effect::{Action, CURVE_ID, CURVE_NAME, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
 use shared::parameters::Parameters;
 use shared::potentiometer::Potentiometer;
 use std::fmt::Write;
@@ -89,6 +89,11 @@ pub(super) fn add_effect(document: &mut DocumentMut, quantity: Quantity, paramet
             key.leaf_decor_mut().set_prefix(comment);
         }
     }
+    add_table(document, effect.name, table);
+}
+
+/// Adds an effect's table.
+pub(super) fn add_table(document: &mut DocumentMut, name: &str, table: Table) {
     let implicit = || {
         let mut effects = Table::new();
         effects.set_implicit(true);
@@ -96,14 +101,15 @@ pub(super) fn add_effect(document: &mut DocumentMut, quantity: Quantity, paramet
     };
     let effects = document.entry("effect").or_insert_with(implicit);
     if let Some(effects) = effects.as_table_like_mut() {
-        effects.insert(effect.name, Item::Table(table));
+        effects.insert(name, Item::Table(table));
     }
 }
 
 /// Takes the table of an effect out.
 pub(super) fn remove_effect(document: &mut DocumentMut, id: u16) {
     let custom = (id == CUSTOM_FORMULA_ID).then_some(CUSTOM_FORMULA_NAME);
-    let name = custom.or(Effect::<f64>::by_id(id).map(|effect| effect.name));
+    let curve = (id == CURVE_ID).then_some(CURVE_NAME);
+    let name = custom.or(curve).or(Effect::<f64>::by_id(id).map(|effect| effect.name));
     let effects = document.get_mut("effect").and_then(Item::as_table_like_mut);
     if let Some((effects, name)) = effects.zip(name) {
         effects.remove(name);

@@ -52,6 +52,7 @@ pub(super) fn answer(app: &App, question: &Question) -> Result<Answer, Failure> 
         template: parameters,
         unknowns: Vec::new(),
         offsets_are_free: true,
+        ridge: None,
         n_simulations: &AtomicUsize::new(0),
     };
     let run = run(&problem, start);

@@ -50,6 +50,7 @@ struct Laws {
     angle_friction: [f64; 3],
     brake: [f64; 3],
     outside: [f64; 3],
+    bump: [f64; 3],
     drift: [f64; 3],
     spring: [f64; 2],
     detent: [f64; 3],
@@ -71,6 +72,7 @@ impl Laws {
             angle_friction: three("angle-dependent-friction"),
             brake: three("eddy-brake"),
             outside: three("outside"),
+            bump: three("bump"),
             drift: three("drifting-friction"),
             spring: two("torsional-spring"),
             detent: three("detent"),
@@ -216,6 +218,9 @@ impl<'a> Plant<'a> {
         }
         if law.brake[0] != 0.0 {
             smooth += law.brake[0] * velocity * (-((angle - law.brake[1]) / law.brake[2]).powi(2)).exp();
+        }
+        if law.bump[0] != 0.0 {
+            dry += law.bump[0] * (-((velocity.abs() - law.bump[1]) / law.bump[2]).powi(2)).exp();
         }
         if law.outside[0] != 0.0 {
             smooth += law.outside[0] * velocity * (-((angle.abs() - law.outside[1]) / law.outside[2]).powi(2)).exp();

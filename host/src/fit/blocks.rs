@@ -1,0 +1,283 @@
+//! How many knots a friction curve needs, and how stiff it is to be: the swings are cut into blocks of a few periods, every
+//! third of which is left out and predicted from the others.
+//!
+//! A linearisation with as many knots as there may be decides without any further simulation: a curve of fewer knots is a
+//! linear combination of them. Far from the curve each block begins anew, its start and zero being taken out of its columns
+//! as in [`super::clusters`], and shows what the curve says of the loss within it. Near the curve a swing has one start, so
+//! that a block left out also shows what the curve has gathered until then.
+
+use super::clusters::{Sums, beyond, cut, orthonormal, upward_crossings};
+use super::curve::knots;
+use super::fitted::Fitted;
+use super::linear::{SwingLinear, dot};
+use super::problem::{PER_SWING, Problem, Quantity, Unknown};
+use super::ridge::{first_knot, roughness};
+use super::solve::Factor;
+use nalgebra::{DMatrix, DVector};
+use shared::curve::{Curve, Spline};
+use shared::effect::Effect;
+use std::ops::Range;
+
+/// Numbers of knots that are tried, beside two: a straight line, Coulomb and viscous friction.
+const N_KNOTS: [usize; 7] = [4, 6, 9, 14, 20, 26, 32];
+
+/// Strengths of the ridge that are tried, in powers of ten of what a sample tells of a knot.
+const STRENGTHS: std::ops::RangeInclusive<i32> = -7..=1;
+
+/// So many blocks are wanted, of two periods, or of one where that leaves too few. Measured on the real recordings that come with the project: with half
+/// as many the choice follows single blocks, with twice as many a block is too short to show how the loss bends.
+const WANTED: usize = 24;
+const USUAL_PERIODS: usize = 2;
+
+/// Fewer blocks than this are no basis for a choice: each third has to show all speeds.
+const FEWEST: usize = 6;
+
+/// With so many blocks of two periods there is no need of shorter ones.
+const ENOUGH: usize = 12;
+
+/// Every so many-th block is left out at a time.
+const FOLDS: usize = 3;
+
+/// A block's normal equations over unknowns and knots, counted from no friction at all, and the sum of squares there.
+struct Block {
+    sums: Sums,
+    square: f64,
+    n_samples: usize,
+}
+
+/// What the blocks prefer.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    /// Knots of the curve with their torques, N·m, none negative.
+    pub curve: Curve<f64>,
+    /// Strength of the ridge, as [`super::ridge::Ridge`] takes it.
+    pub strength: f64,
+    /// Root mean square error of blocks left out, their geometric mean, rad.
+    pub left_out_rad: f64,
+    /// The same with a straight curve.
+    pub straight_rad: f64,
+    /// By how many of its standard errors the curve predicts blocks left out better than the straight one.
+    pub better_by: f64,
+    /// How many blocks there were.
+    pub n_blocks: usize,
+}
+
+/// How a block begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Begin {
+    /// Each anew.
+    Anew,
+    /// Where the one before ended: a swing has one start.
+    GoesOn,
+}
+
+/// Chooses knots and ridge for a model that has a curve of as many knots as there may be; `None` with too few blocks.
+pub fn choice(on: &Problem, fine: &Fitted, begin: Begin) -> Option<Choice> {
+    let (first_unknown, curve) = (first_knot(&fine.problem(on))?, fine.parameters.curve.clone()?);
+    let blocks = blocks(on, fine, first_unknown, &curve, begin);
+    let mut free: Vec<bool> = fine.unknowns[..first_unknown].iter().map(is_straight).collect();
+    if begin == Begin::GoesOn {
+        free.extend(std::iter::repeat_n(true, PER_SWING * on.swings.len()));
+    }
+    let first = free.len();
+    if blocks.len() < FEWEST {
+        return None;
+    }
+    let all = total(blocks.iter());
+    let n_samples: usize = blocks.iter().map(|block| block.n_samples).sum();
+    let told = (0..curve.torques_nm().len()).map(|k| all.matrix[(first + k, first + k)]).sum::<f64>();
+    let unit = told / (curve.torques_nm().len() * n_samples) as f64;
+    let n_fine = curve.torques_nm().len();
+    let shape = |n_knots: usize, strength: f64| Shape::new(&curve, &free, n_knots, strength);
+    let straight = shape(2, 0.0);
+    let tried = N_KNOTS.into_iter().filter(|n_knots| *n_knots <= n_fine);
+    let shapes = tried.flat_map(|n_knots| STRENGTHS.map(move |power| (n_knots, unit * 10f64.powi(power))));
+    let straight_squares = straight.left_out(&blocks);
+    let mut best: Option<(f64, Shape, Vec<f64>)> = None;
+    for (n_knots, strength) in shapes {
+        let shape = shape(n_knots, strength);
+        let squares = shape.left_out(&blocks);
+        let left = mean_of_logs(&squares);
+        if left.is_finite() && best.as_ref().is_none_or(|(lowest, ..)| left < *lowest) {
+            best = Some((left, shape, squares));
+        }
+    }
+    let (lowest, shape, squares) = best?;
+    let solution = shape.solution(&all, n_samples);
+    let torques: Vec<f64> = solution.iter().skip(first).map(|torque| torque.max(0.0)).collect();
+    Some(Choice {
+        curve: Curve::new(&shape.speeds_rad_s, &torques)?,
+        strength: shape.strength,
+        left_out_rad: (0.5 * lowest).exp(),
+        straight_rad: (0.5 * mean_of_logs(&straight_squares)).exp(),
+        better_by: better_by(&squares, &straight_squares),
+        n_blocks: blocks.len(),
+    })
+}
+
+/// Inertia, and what is zero where its effect is absent: the linearisation may be trusted with these, however far they go.
+fn is_straight(unknown: &Unknown) -> bool {
+    match unknown.quantity {
+        Quantity::Effect { id, index } => {
+            Effect::<f64>::by_id(id).is_some_and(|effect| effect.starts.iter().all(|start| start[index] == 0.0))
+        }
+        _ => true,
+    }
+}
+
+/// By how many standard errors some blocks are predicted better than by another curve: each by its own ratio, so that no
+/// single one decides.
+fn better_by(squares: &[f64], than: &[f64]) -> f64 {
+    let gains: Vec<f64> = than.iter().zip(squares).map(|(than, own)| (than / own).ln()).collect();
+    mean(&gains) / std_of_mean(&gains)
+}
+
+/// Of the squares of blocks, which are above zero.
+fn mean_of_logs(squares: &[f64]) -> f64 {
+    mean(&squares.iter().map(|square| square.ln()).collect::<Vec<_>>())
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn std_of_mean(values: &[f64]) -> f64 {
+    let (n, mean) = (values.len() as f64, mean(values));
+    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt()
+}
+
+fn total<'a>(blocks: impl Iterator<Item = &'a Block>) -> Sums {
+    let sums = blocks.map(|block| block.sums.clone()).reduce(|mut sum, block| {
+        sum.add(&block);
+        sum
+    });
+    sums.unwrap_or(Sums { matrix: DMatrix::zeros(0, 0), gradient: DVector::zeros(0) })
+}
+
+/// A number of knots and a ridge.
+struct Shape {
+    speeds_rad_s: Vec<f32>,
+    strength: f64,
+    /// The finest curve's torques from this one's: a column a knot.
+    finer: DMatrix<f64>,
+    first: usize,
+    /// Which of the other unknowns may answer.
+    free: Vec<bool>,
+}
+
+impl Shape {
+    fn new(fine: &Curve<f64>, free: &[bool], n_knots: usize, strength: f64) -> Self {
+        let speeds_rad_s = knots(fine.speeds_rad_s(), n_knots);
+        let finer = between(&speeds_rad_s, fine.speeds_rad_s());
+        Self { speeds_rad_s, strength, finer, first: free.len(), free: free.to_vec() }
+    }
+
+    /// The equations of samples over the unknowns and this curve's knots.
+    fn sums(&self, fine: &Sums) -> Sums {
+        let (n_fine, n_own) = self.finer.shape();
+        let mut change = DMatrix::zeros(self.first + n_fine, self.first + n_own);
+        (0..self.first).for_each(|j| change[(j, j)] = 1.0);
+        change.view_mut((self.first, self.first), (n_fine, n_own)).copy_from(&self.finer);
+        Sums { matrix: change.tr_mul(&(&fine.matrix * &change)), gradient: change.tr_mul(&fine.gradient) }
+    }
+
+    fn solution(&self, fine: &Sums, n_samples: usize) -> DVector<f64> {
+        let Sums { mut matrix, gradient } = self.sums(fine);
+        let n_knots = self.speeds_rad_s.len();
+        let squares: Vec<f64> = matrix.diagonal().iter().copied().collect();
+        let mut corner = matrix.view_mut((self.first, self.first), (n_knots, n_knots));
+        corner += self.strength * n_samples as f64 * roughness(&self.speeds_rad_s);
+        Factor::of_squares(&matrix, &squares, |j| self.free.get(j).is_none_or(|free| *free)).solve(&gradient)
+    }
+
+    /// The mean square of each block, predicted from the others.
+    fn left_out(&self, blocks: &[Block]) -> Vec<f64> {
+        let of_fold = |fold: usize| {
+            let kept = || blocks.iter().enumerate().filter(move |(k, _)| k % FOLDS != fold).map(|(_, block)| block);
+            let solution = self.solution(&total(kept()), kept().map(|block| block.n_samples).sum());
+            let square = move |(k, block): (usize, &Block)| {
+                let Sums { matrix, gradient } = self.sums(&block.sums);
+                let square = block.square - 2.0 * gradient.dot(&solution) + solution.dot(&(matrix * &solution));
+                // Rounding may take the last digit of a block that is met exactly.
+                (k, (square / block.n_samples as f64).max(f64::MIN_POSITIVE))
+            };
+            blocks.iter().enumerate().filter(move |(k, _)| k % FOLDS == fold).map(square).collect::<Vec<_>>()
+        };
+        let mut all: Vec<(usize, f64)> = (0..FOLDS).flat_map(of_fold).collect();
+        all.sort_by_key(|(k, _)| *k);
+        all.into_iter().map(|(_, square)| square).collect()
+    }
+}
+
+/// What curves through knots at some speeds are at others, a column a knot: a curve is linear in its torques.
+pub fn between(from_rad_s: &[f32], to_rad_s: &[f32]) -> DMatrix<f64> {
+    let at = |torques: &[f64]| -> Vec<f64> {
+        let spline = Curve::new(from_rad_s, torques).map(|curve| Spline::new(&curve));
+        let torque = |speed: &f32| spline.as_ref().map_or(0.0, |spline| spline.torque_nm(f64::from(*speed)));
+        to_rad_s.iter().map(torque).collect()
+    };
+    // Around a curve that is one everywhere, so that none of them falls below zero, where it would be cut.
+    let columns = (0..from_rad_s.len()).map(|j| {
+        let one_more: Vec<f64> = (0..from_rad_s.len()).map(|k| if k == j { 2.0 } else { 1.0 }).collect();
+        DVector::from_iterator(to_rad_s.len(), at(&one_more).into_iter().map(|torque| torque - 1.0))
+    });
+    DMatrix::from_columns(&columns.collect::<Vec<_>>())
+}
+
+fn blocks(on: &Problem, fine: &Fitted, first: usize, curve: &Curve<f64>, begin: Begin) -> Vec<Block> {
+    let linear = fine.linearised(on);
+    let crossings: Vec<Vec<usize>> =
+        linear.each(|idx, swing| upward_crossings(on, swing, idx, fine.starts[idx].offset_rad));
+    let n_periods: usize = crossings.iter().map(Vec::len).sum();
+    let least = if n_periods < ENOUGH * USUAL_PERIODS { 1 } else { USUAL_PERIODS };
+    let periods = (n_periods / WANTED).max(least);
+    let place = Place { first, n_unknowns: linear.n_unknowns(), n_swings: linear.n_swings(), begin };
+    let of_swing = |idx: usize, swing: &SwingLinear| -> Vec<Block> {
+        let mut ranges = cut(&crossings[idx], periods, swing.residuals.len());
+        if on.swings[idx].comes_to_rest() {
+            // Where it stops, no linearisation is to be trusted.
+            ranges.pop();
+        }
+        ranges.into_iter().map(|range| place.block(idx, swing, range, curve.torques_nm())).collect()
+    };
+    linear.each(of_swing).into_iter().flatten().collect()
+}
+
+/// Where the numbers of a block stand: unknowns, then the starts of all swings where a swing has one, then knots.
+struct Place {
+    first: usize,
+    n_unknowns: usize,
+    n_swings: usize,
+    begin: Begin,
+}
+
+impl Place {
+    /// One block, counted from no friction, where the torques are `present_nm` now.
+    fn block(&self, idx: usize, swing: &SwingLinear, range: Range<usize>, present_nm: &[f64]) -> Block {
+        let (columns, own) = swing.columns.split_at(self.n_unknowns);
+        let own: Vec<&[f64]> = own.iter().map(|column| &column[range.clone()]).collect();
+        let basis = match self.begin {
+            Begin::Anew => orthonormal(own.iter().copied()),
+            Begin::GoesOn => Vec::new(),
+        };
+        let residuals = beyond(&swing.residuals[range.clone()], &basis);
+        let mut all: Vec<Vec<f64>> = columns.iter().map(|column| beyond(&column[range.clone()], &basis)).collect();
+        let knots = all.split_off(self.first);
+        if self.begin == Begin::GoesOn {
+            let nothing = vec![0.0; range.len()];
+            let starts_of = |swing_idx: usize| {
+                own.iter().map(move |column| if swing_idx == idx { Some(column.to_vec()) } else { None })
+            };
+            let starts = (0..self.n_swings).flat_map(starts_of);
+            all.extend(starts.map(|column| column.unwrap_or_else(|| nothing.clone())));
+        }
+        let mut present = DVector::zeros(all.len() + knots.len());
+        present.rows_mut(all.len(), knots.len()).copy_from_slice(present_nm);
+        all.extend(knots);
+        let matrix = DMatrix::from_fn(all.len(), all.len(), |i, j| dot(&all[i], &all[j]));
+        let gradient = DVector::from_fn(all.len(), |i, _| dot(&all[i], &residuals));
+        let pull = &matrix * &present;
+        let square = dot(&residuals, &residuals) + 2.0 * gradient.dot(&present) + present.dot(&pull);
+        Block { sums: Sums { gradient: gradient + pull, matrix }, square, n_samples: range.len() }
+    }
+}
