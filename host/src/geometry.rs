@@ -108,8 +108,7 @@ pub fn check(parameters: &Parameters<f64>, swings: &[Swing]) -> Result<Vec<Strin
     }
     let mut doubts = Vec::new();
     for swing in swings {
-        let Some(seen) = Swings::of(&swing.times_s, &swing.angles_rad) else { continue };
-        let seen = if swing.measured == Measured::Rate { seen.in_angles() } else { seen };
+        let Some(seen) = seen(swing) else { continue };
         judge(&swing.name, seen.small_period_s(), &parameters.pendulum)?;
         doubts.extend(doubt_of_unit(&swing.name, &seen, &parameters.pendulum));
     }
@@ -134,7 +133,7 @@ fn judge(name: &str, period_s: f64, pendulum: &Pendulum<f64>) -> Result<(), Geom
         return Err(GeometryError::Length { name, period_s, length_m, least_s, most_m, proposed_m });
     }
     let of_point = mass_kg * length_m.powi(2);
-    let needed_kg_m2 = mass_kg * length_m * most_m - of_point;
+    let needed_kg_m2 = inertia_about_pivot(pendulum, period_s) - of_point;
     let factor = needed_kg_m2 / inertia_kg_m2;
     if GRAMS.contains(&factor) && needed_kg_m2 > SEEN_SHARE * of_point && mass_kg >= LEAST_KG_IN_GRAMS {
         let proposed_kg = plain(mass_kg / 1000.0);
@@ -148,9 +147,36 @@ fn judge(name: &str, period_s: f64, pendulum: &Pendulum<f64>) -> Result<(), Geom
     Ok(())
 }
 
+/// What makes this period of small swings, kg·m².
+fn inertia_about_pivot(pendulum: &Pendulum<f64>, period_s: f64) -> f64 {
+    pendulum.gravity_torque_nm() * (period_s / TAU).powi(2)
+}
+
 /// Period of small swings, s.
 fn small_period_s(pendulum: &Pendulum<f64>) -> f64 {
     TAU * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt()
+}
+
+/// Gives a pendulum of unknown geometry the inertia that makes the period of the swings, where its own is so far from it
+/// that it was guessed without having seen any.
+pub fn begin_with_the_period(pendulum: &mut Pendulum<f64>, swings: &[Swing]) {
+    if pendulum.length_m > UNKNOWN_LENGTH_M {
+        return;
+    }
+    let Some(seen) = swings.first().and_then(seen) else { return };
+    let needed_kg_m2 = (inertia_about_pivot(pendulum, seen.small_period_s())
+        - pendulum.mass_kg * pendulum.length_m.powi(2))
+    .max(0.0);
+    let off = needed_kg_m2 / pendulum.inertia_kg_m2;
+    if needed_kg_m2.is_finite() && !(MOST_OFF.recip()..MOST_OFF).contains(&off) {
+        pendulum.inertia_kg_m2 = needed_kg_m2;
+    }
+}
+
+/// The swings as angles show them.
+fn seen(swing: &Swing) -> Option<Swings> {
+    let seen = Swings::of(&swing.times_s, &swing.angles_rad)?;
+    Some(if swing.measured == Measured::Rate { seen.in_angles() } else { seen })
 }
 
 /// Large angles with the period of small ones are none.

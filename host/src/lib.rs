@@ -19,6 +19,7 @@ pub mod link;
 pub mod noise;
 mod now;
 pub mod operations;
+pub mod pace;
 pub mod paper;
 pub mod plan;
 pub mod plot;

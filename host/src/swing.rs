@@ -2,8 +2,10 @@
 
 mod step;
 
+use crate::pace;
 use crate::recording::plausible::Swings;
 use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
+use crate::recording::turning::half_swing_s;
 use crate::recording::{Fault, Measured, Recording};
 use crate::trajectory::Schedule;
 use shared::effect::{CURVE_ID, Effect};
@@ -57,7 +59,14 @@ pub fn kind(swings: &[Swing]) -> Measured {
     swings.first().map_or(Measured::Angle, |swing| swing.measured)
 }
 
-/// Seconds of rest that are kept behind a swing.
+/// How slowly the pendulum of these swings swings: as most of them say.
+pub fn pace(swings: &[Swing]) -> f64 {
+    let mut paces: Vec<f64> = swings.iter().map(|swing| swing.pace).collect();
+    paces.sort_by(f64::total_cmp);
+    paces.get(paces.len() / 2).copied().unwrap_or(1.0)
+}
+
+/// Seconds of rest, at the usual pace, that are kept behind a swing.
 const KEPT_REST_S: f64 = 0.5;
 
 /// A free swing.
@@ -75,6 +84,8 @@ pub struct Swing {
     pub noise_rad: f64,
     /// A reading of so much is an amplitude of a radian: 1, or for rates the angular frequency of small swings.
     reading_per_rad: f64,
+    /// How slowly the pendulum swings.
+    pub pace: f64,
     /// No integration step should be longer, s.
     longest_step_s: f64,
     /// How to step through the times, usually and with effects that change within a few degrees.
@@ -125,15 +136,20 @@ impl Swing {
         let times_s: Arc<[f64]> = times_s.iter().map(|t| t - times_s[0]).collect();
         let sizes_rad: Vec<f64> = readings.iter().map(|reading| reading / reading_per_rad).collect();
         let n_lively = n_lively(&sizes_rad);
-        let longest_step_s = longest_step_s(&times_s, &sizes_rad[..n_lively], noise_rad / reading_per_rad);
+        let lively_rad = &sizes_rad[..n_lively];
+        let half_swing_s = half_swing_s(&times_s, lively_rad, noise_rad / reading_per_rad);
+        let period_s = 2.0 * half_swing_s.unwrap_or(f64::INFINITY);
+        let pace = pace::of_period(period_s);
+        let longest_step_s = longest_step_s(&times_s, lively_rad, period_s, pace);
         Self {
             name: name.to_owned(),
             n_lively,
             measured,
             angles_rad: readings.to_vec(),
             reading_per_rad,
-            schedules: schedules(&times_s, longest_step_s, 1.0, measured),
+            schedules: schedules(&times_s, longest_step_s, pace, 1.0, measured),
             times_s,
+            pace,
             noise_rad,
             longest_step_s,
         }
@@ -164,7 +180,8 @@ impl Swing {
     ) -> Result<(Self, Segments), SwingError> {
         let segments = segment(recording, options)?;
         let times_s = recording.times_s();
-        let rest_s = segments.rest.as_ref().map_or(f64::INFINITY, |rest| times_s[rest.start] + KEPT_REST_S);
+        let pace = pace::of_period(2.0 * segments.half_swing_s);
+        let rest_s = segments.rest.as_ref().map_or(f64::INFINITY, |rest| times_s[rest.start] + KEPT_REST_S * pace);
         let range = match options.to_s {
             Some(_) => segments.free.clone(),
             None => {
@@ -200,7 +217,7 @@ impl Swing {
 
     /// Does it end at rest? Its last samples then scatter no more than the noise.
     pub fn comes_to_rest(&self) -> bool {
-        let from = self.times_s.partition_point(|t| *t < self.duration_s() - REST_S);
+        let from = self.times_s.partition_point(|t| *t < self.duration_s() - REST_S * self.pace);
         let last = &self.angles_rad[from..];
         let mean = last.iter().sum::<f64>() / last.len().max(1) as f64;
         let scatter = (last.iter().map(|angle| (angle - mean).powi(2)).sum::<f64>() / last.len().max(1) as f64).sqrt();
@@ -216,8 +233,9 @@ impl Swing {
 
     /// Enough of it to find the way to the best values: few samples, and steps that are too long for the last digit.
     pub fn decimated(&self) -> Self {
-        let thin = self.thinned(DECIMATED_RATE_HZ);
-        Self { schedules: schedules(&thin.times_s, self.longest_step_s, DECIMATED_STEP, self.measured), ..thin }
+        let thin = self.thinned(DECIMATED_RATE_HZ / self.pace);
+        let schedules = schedules(&thin.times_s, self.longest_step_s, self.pace, DECIMATED_STEP, self.measured);
+        Self { schedules, pace: self.pace, ..thin }
     }
 
     /// Number of samples in a window.
@@ -242,7 +260,7 @@ impl Swing {
     /// Reading and slope at the first sample, by a parabola through the first samples.
     fn first_reading(&self) -> (f64, f64) {
         let n_samples =
-            self.samples_within(Window::First(START_FIT_S)).clamp(MIN_START_SAMPLES.min(self.len()), self.len());
+            self.samples_within(Window::First(START_FIT_S * self.pace)).clamp(MIN_START_SAMPLES.min(self.len()), self.len());
         let rows = nalgebra::DMatrix::from_fn(n_samples, 3, |i, j| self.times_s[i].powi(j as i32));
         let readings = nalgebra::DVector::from_column_slice(&self.angles_rad[..n_samples]);
         match rows.svd(true, true).solve(&readings, 1e-12) {
@@ -264,8 +282,8 @@ impl Swing {
 }
 
 /// Usual and fine steps, each so many times as long as it need be.
-fn schedules(times_s: &Arc<[f64]>, longest_step_s: f64, factor: f64, measured: Measured) -> [Schedule; 2] {
-    [longest_step_s, longest_step_s.min(FINE_STEP_S)]
+fn schedules(times_s: &Arc<[f64]>, longest_step_s: f64, pace: f64, factor: f64, measured: Measured) -> [Schedule; 2] {
+    [longest_step_s, longest_step_s.min(FINE_STEP_S * pace.max(1.0))]
         .map(|step_s| Schedule::new(times_s, factor * step_s).reading(measured))
 }
 
@@ -281,15 +299,15 @@ fn n_lively(angles_rad: &[f64]) -> usize {
 const LIVELY_RAD: f64 = 0.12;
 const LIVELY_SHARE: f64 = 0.1;
 
-/// A decimated swing has so many samples a second, and steps so many times as long: 40 to a period, 3e-5 rad off.
+/// A decimated swing has so many samples a second at the usual pace, and steps so many times as long: 40 to a period, 3e-5 rad off.
 const DECIMATED_RATE_HZ: f64 = 50.0;
 const DECIMATED_STEP: f64 = 2.0;
 
-/// At rest the pendulum has been still for this long, s, and scatters by less than so many times the noise.
+/// At rest the pendulum has been still for this long at the usual pace, s, and scatters by less than so many times the noise.
 const REST_S: f64 = 0.4;
 const REST_NOISES: f64 = 1.5;
 
-/// A parabola follows the pendulum this long.
+/// A parabola follows the pendulum this long at the usual pace, s.
 const START_FIT_S: f64 = 0.06;
 
 /// The largest rate of the first swing comes within so many periods of small swings.

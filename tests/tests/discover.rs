@@ -2,10 +2,11 @@
 //! rigs without any, and pendulums of other laboratories.
 
 use host::diagnose::{Diagnosis, diagnose};
-use host::recording::read;
+use host::recording::{Recording, read};
 use host::recording::segment::SegmentOptions;
 use host::swing::Swing;
 use shared::effect::Effect;
+use shared::motion::Pendulum;
 use shared::parameters::Parameters;
 use std::path::{Path, PathBuf};
 use tests::hidden::Rig;
@@ -52,6 +53,35 @@ fn the_examples_are_all_recognised() {
         assert_eq!(sorted(&diagnosis.verdict), sorted(&truth), "{name}");
         let left = diagnosis.rmse_after / diagnosis.noise;
         assert!(left < 1.05 && !diagnosis.unexplained, "{name}: {left} times the noise is left");
+    }
+}
+
+/// A pendulum that moves so many times more slowly has the same angles at later times. Nothing but these is known of it.
+fn slowed(name: &str, factor: f64) -> Diagnosis {
+    let folder = data("hidden").join(name);
+    let swing = |release: usize| {
+        let name = format!("release_{release}.csv");
+        let recording = read(&folder.join(&name), &Default::default()).unwrap();
+        let times_s: Vec<f64> = recording.times_s().iter().map(|time_s| factor * time_s).collect();
+        let recording = Recording::new(recording.header().clone(), times_s, recording.angles_rad().to_vec(), None).unwrap();
+        Swing::from_recording(&name, &recording, &SegmentOptions::default()).unwrap().0
+    };
+    let swings: Vec<Swing> = (1..=3).map(swing).collect();
+    // As `host init --unknown-geometry` has it: m·g·l is 1 N·m, and the period is taken for a second.
+    let (length_m, gravity_m_s2) = (1e-3, 9.81);
+    let mass_kg = 1.0 / (gravity_m_s2 * length_m);
+    let rig = Parameters::frictionless(Pendulum { mass_kg, length_m, inertia_kg_m2: 0.025, gravity_m_s2 });
+    diagnose(&swings, &[], &rig)
+}
+
+#[test]
+fn slow_and_quick_pendulums_are_known_as_well_as_the_usual_ones() {
+    for (name, truth) in [("p01", "backlash"), ("p03", "quadratic-drag"), ("p07", "angle-offset")] {
+        for factor in [0.2, 3.0, 12.0] {
+            let diagnosis = slowed(name, factor);
+            assert_eq!(diagnosis.verdict, [truth], "{name}, {factor} times as slow");
+            assert!(!diagnosis.unexplained, "{name}, {factor} times as slow: {} rad", diagnosis.rmse_after);
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use shared::parameters::Parameters;
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicUsize;
 
-/// The window grows in these steps, s. With the parameters fixed only a start can be wrong, so few steps suffice.
+/// The window grows in these steps of the usual pace, s. With the parameters fixed only a start can be wrong, so few steps suffice.
 const WINDOWS_S: [f64; 3] = [1.5, 6.0, 20.0];
 
 /// A free swing that lasts longer has a wrong clock; its start is not worth the time, s.
@@ -54,7 +54,7 @@ pub fn follow(swing: &Swing, parameters: &Parameters<f64>) -> Followed {
     if swing.duration_s() > LONGEST_S {
         return run(&problem, first.starts[0]);
     }
-    let windows = WINDOWS_S.into_iter().filter(|seconds| *seconds < 0.8 * swing.duration_s()).map(Window::First);
+    let windows = WINDOWS_S.into_iter().map(|seconds| seconds * swing.pace).filter(|seconds| *seconds < 0.8 * swing.duration_s()).map(Window::First);
     let point = windows.fold(first, |point, window| descended(&problem, &point, window));
     run(&problem, descended(&problem, &point, Window::Whole).starts[0])
 }

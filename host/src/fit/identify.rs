@@ -175,10 +175,10 @@ fn both(problem: &Problem, ranges: &Ranges, progress: &(dyn Fn(Progress) + Sync)
 
 /// Designs need many runs but not every sample.
 fn thinned(problem: &Problem) -> Vec<Swing> {
-    problem.swings.iter().map(|swing| swing.thinned(SURFACE_RATE_HZ)).collect()
+    problem.swings.iter().map(|swing| swing.thinned(SURFACE_RATE_HZ / swing.pace)).collect()
 }
 
-/// Designs look at this many samples a second.
+/// Designs look at this many samples a second, at the usual pace.
 const SURFACE_RATE_HZ: f64 = 200.0;
 
 /// A polished fit within this many noises is not doubted.
@@ -196,6 +196,7 @@ pub fn problem_of<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a Ato
         }
     }
     add_scale_of_rates(swings, &mut template);
+    geometry::begin_with_the_period(&mut template.pendulum, swings);
     let of_effect =
         |id: u16| effect_of(&template, id).map_or(Vec::new(), |effect| Unknown::all_of_effect(effect, &template));
     let added = template.effects.iter().map(|effect| effect.id).filter(|id| *id > base::STICTION);

@@ -2,8 +2,9 @@
 
 use super::ridge::Ridge;
 use crate::lanes::Lanes;
+use crate::pace;
 use crate::recording::Measured;
-use crate::swing::{Swing, Window};
+use crate::swing::{Swing, Window, pace};
 use crate::trajectory::{Schedule, simulate};
 use crate::verdict::ChiSquare;
 use rayon::prelude::*;
@@ -59,11 +60,13 @@ impl Unknown {
         Self { quantity: Quantity::Inertia, symbol, name, unit, low: 0.0, high: 10.0 * pivot, scale: 0.1 * pivot }
     }
 
-    /// A number of an effect, within its physical range. Friction scales with m·g·l.
+    /// A number of an effect, within its physical range. Friction scales with m·g·l, and what has seconds in its unit with
+    /// the period.
     pub fn of_effect(effect: &'static Effect<f64>, index: usize, parameters: &Parameters<f64>) -> Self {
         let parameter: &Parameter = &effect.parameters[index];
         let size = parameters.pendulum.gravity_torque_nm() / USUAL_GRAVITY_TORQUE_NM;
         let grows = if parameter.unit.starts_with("N·m") { size.max(1.0) } else { 1.0 };
+        let grows = grows * pace::scale(parameter.unit, pace::of_pendulum(&parameters.pendulum));
         Self {
             quantity: Quantity::Effect { id: effect.id, index },
             symbol: parameter.symbol,
@@ -297,6 +300,11 @@ impl<'a> Problem<'a> {
     /// The longest swing, s.
     pub fn longest_s(&self) -> f64 {
         self.swings.iter().map(Swing::duration_s).fold(0.0, f64::max)
+    }
+
+    /// How slowly the pendulum swings.
+    pub fn pace(&self) -> f64 {
+        pace(self.swings)
     }
 
     /// The reduced chi-square of a cost, rad².

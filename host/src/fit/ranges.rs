@@ -14,7 +14,7 @@ const FRICTION_FACTOR: f64 = 2.0;
 /// Stiction is sought up to this share of m·g·l.
 const STICTION_SHARE: f64 = 0.05;
 
-/// The velocity band is sought up to this, rad/s.
+/// The velocity band is sought up to this at the usual pace, rad/s.
 const WIDEST_BAND: f64 = 0.06;
 
 /// How a swing decays over its lively part.
@@ -48,7 +48,7 @@ pub fn from_recording(problem: &Problem, inertia_kg_m2: f64) -> Ranges {
         Quantity::Effect { id: base::VISCOUS, .. } => (0.0, FRICTION_FACTOR * viscous.max(1e-3 * unknown.scale)),
         Quantity::Effect { id: base::COULOMB, .. } => (0.0, FRICTION_FACTOR * coulomb.max(1e-3 * unknown.scale)),
         Quantity::Effect { id: base::STICTION, index: 0 } => (0.0, STICTION_SHARE * gravity),
-        Quantity::Effect { id: base::STICTION, .. } => (0.0, WIDEST_BAND),
+        Quantity::Effect { id: base::STICTION, .. } => (0.0, WIDEST_BAND / problem.pace()),
         Quantity::Effect { .. } | Quantity::Knot(_) => (unknown.low, unknown.high),
     };
     Ranges(problem.unknowns.iter().map(range).collect())

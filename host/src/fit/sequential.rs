@@ -13,7 +13,7 @@ use super::proposal::{promised_gain, proposals};
 use super::quality::Responses;
 use super::region::Region;
 use super::runs::{first_runs, runs};
-use super::windows::{CALMING, WINDOWS_S};
+use super::windows::{CALMING, windows_s};
 use crate::rsm::{Design, Factor, Goodness, Surface, goodness};
 use crate::swing::Window;
 use serde::Serialize;
@@ -92,8 +92,7 @@ impl Sequence {
 
 /// Goes through all windows from wide ranges, the whole swings last; `begins` is told each window.
 pub fn sequence(problem: &Problem, ranges: &Ranges, starts: &[Start], begins: &dyn Fn(Window)) -> Sequence {
-    let longest_s = problem.longest_s();
-    let firsts = WINDOWS_S.into_iter().filter(|seconds| *seconds < 0.8 * longest_s).map(Window::First);
+    let firsts = windows_s(problem.swings).map(Window::First);
     let mut sequence = Sequence::begin(ranges, starts);
     let lasts = CALMING.into_iter().map(Window::Calming).chain([Window::Whole]);
     for window in firsts.chain([Window::Lively]).chain(lasts) {

@@ -4,7 +4,7 @@ use super::problem::{Point, Problem, Quantity, Start};
 use crate::swing::{Swing, Window};
 use shared::motion::Pendulum;
 
-/// The inertia is first sought by its share of the period in so many seconds of the swing.
+/// The inertia is first sought by its share of the period in so many seconds of the swing, at the usual pace.
 const FIRST_WINDOW_S: f64 = 1.2;
 
 /// Moments about the pivot that are tried, as factors of the one assumed.
@@ -40,7 +40,7 @@ pub fn guess(problem: &Problem) -> Point {
             trial
         })
         .collect();
-    let costs = problem.costs(Window::First(FIRST_WINDOW_S), &trials);
+    let costs = problem.costs(Window::First(FIRST_WINDOW_S * problem.pace()), &trials);
     let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map(|(index, _)| index);
     best.map_or(here, |index| trials[index].clone())
 }

@@ -11,12 +11,13 @@ use super::linear::{Linear, Steps, SwingLinear, dot, linearise};
 use super::problem::{PER_SWING, Point, Problem, Start, Unknown};
 use super::refine::best_on;
 use super::stop_level;
+use crate::pace;
 use crate::swing::Window;
 use nalgebra::DVector;
 use shared::effect::Effect;
 use shared::parameters::{Parameters, base};
 
-/// Velocity bands that are tried, rad/s.
+/// Velocity bands that are tried at the usual pace, rad/s.
 const BANDS: [f64; 6] = [0.005, 0.012, 0.025, 0.04, 0.06, 0.09];
 
 /// Levels that are tried with them, as shares of m·g·l.
@@ -188,13 +189,18 @@ fn little(problem: &Problem, tolerance: Tolerance, cost: f64) -> f64 {
 /// The best level for each band, the most promising bands first.
 fn promising(on: &Problem, from: &Fitted) -> Vec<Stiction> {
     let gravity_nm = from.parameters.pendulum.gravity_torque_nm();
-    let grid: Vec<Stiction> = BANDS.into_iter().flat_map(|band| levels(band, gravity_nm)).collect();
+    let grid: Vec<Stiction> = bands(from).flat_map(|band| levels(band, gravity_nm)).collect();
     let costs = costs_from(on, from, &grid);
     let of_band = |row: usize| lowest(&costs[row * LEVELS.len()..][..LEVELS.len()]).map(|k| row * LEVELS.len() + k);
     let mut rows: Vec<usize> = (0..BANDS.len()).filter_map(of_band).collect();
     rows.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
     rows.truncate(PROMISING);
     rows.into_iter().map(|k| grid[k]).collect()
+}
+
+fn bands(of: &Fitted) -> impl Iterator<Item = f64> {
+    let pace = pace::of_pendulum(&of.parameters.pendulum);
+    BANDS.into_iter().map(move |band| band / pace)
 }
 
 fn levels(band: f64, gravity_nm: f64) -> impl Iterator<Item = Stiction> {
@@ -207,7 +213,7 @@ pub(super) fn best_pair(on: &Problem, from: &Fitted) -> Stiction {
     let free = from.with_stiction(Stiction::NONE).problem(on);
     let stops = stop_level::ranges(&free, &from.point());
     let without = stops.iter().map(|(low, high)| Stiction::level(0.5 * (low + high)));
-    let mut tried: Vec<Stiction> = without.chain(BANDS.into_iter().flat_map(|band| levels(band, gravity))).collect();
+    let mut tried: Vec<Stiction> = without.chain(bands(from).flat_map(|band| levels(band, gravity))).collect();
     tried.push(from.stiction());
     let mut best = tried[0];
     for _ in 0..MAX_ROUNDS {

@@ -4,10 +4,17 @@
 use super::descent::{Descent, Tolerance, descend};
 use super::linear::Steps;
 use super::problem::{Point, Problem};
-use crate::swing::Window;
+use crate::swing::{Swing, Window, pace};
 
-/// The first windows, s; then follows all of the lively motion.
-pub const WINDOWS_S: [f64; 6] = [1.2, 2.5, 5.0, 10.0, 20.0, 40.0];
+/// The first windows of the usual pace, s; then follows all of the lively motion.
+const WINDOWS_S: [f64; 6] = [1.2, 2.5, 5.0, 10.0, 20.0, 40.0];
+
+/// The first windows of these swings, s.
+pub fn windows_s(swings: &[Swing]) -> impl Iterator<Item = f64> {
+    let longest_s = swings.iter().map(Swing::duration_s).fold(0.0, f64::max);
+    let pace = pace(swings);
+    WINDOWS_S.into_iter().map(move |seconds| pace * seconds).filter(move |seconds| *seconds < 0.8 * longest_s)
+}
 
 /// After the lively motion, these shares of the last swings: near rest, the angle depends on Ms and DV ever more
 /// strongly, and in jumps from the wrong ones.
@@ -17,10 +24,9 @@ pub const CALMING: [f64; 4] = [0.5, 0.75, 0.9, 0.97];
 pub fn grow(problem: &Problem, from: &Point) -> Descent {
     let decimated = problem.decimated();
     let problem = &problem.on(&decimated);
-    let longest_s = problem.longest_s();
     let mut steps = Steps::new(problem);
     let mut point = from.clone();
-    for seconds in WINDOWS_S.into_iter().filter(|seconds| *seconds < 0.8 * longest_s) {
+    for seconds in windows_s(problem.swings) {
         let descent = descend(problem, &point, Window::First(seconds), Tolerance::ROUGH, steps);
         (point, steps) = (descent.point, descent.steps);
     }

@@ -52,6 +52,8 @@ pub struct Segments {
     pub release_s: f64,
     /// Turning points within the free range.
     pub n_turning_points: usize,
+    /// A typical half swing, s.
+    pub half_swing_s: f64,
     /// Noise of the whole recording.
     pub noise: Noise,
     /// What was cut and why, in words.
@@ -126,8 +128,8 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
     }
     log::debug!("noise {:.3e} rad from {}; free swing {free:?}", cut.noise.total_rms, cut.noise.method);
     let notes = notes(&cut, options, &start, &free, rest.as_ref());
-    let (lead_in, release_s, noise) = (start.lead_in, start.release_s, cut.noise);
-    Ok(Segments { lead_in, free, rest, release_s, n_turning_points, noise, notes })
+    let (lead_in, release_s, half_swing_s, noise) = (start.lead_in, start.release_s, cut.half_swing_s, cut.noise);
+    Ok(Segments { lead_in, free, rest, release_s, n_turning_points, half_swing_s, noise, notes })
 }
 
 fn asked_range(recording: &Recording, options: &SegmentOptions) -> Result<Range<usize>, SegmentError> {

@@ -11,7 +11,7 @@ use crate::compare::{self, Comparison, compare};
 use crate::diagnose::{Wishes, diagnose_counted};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit, Method};
-use crate::fit::windows::WINDOWS_S;
+use crate::fit::windows::windows_s;
 use crate::geometry;
 use crate::improve::{Bench, Change, Step};
 use crate::rigfile::{RigFile, Source};
@@ -303,8 +303,7 @@ pub(super) fn find_missing(app: &Arc<App>, progress: &Progress) -> Result<(), Fa
 /// The whole identification with its response surfaces.
 pub(super) fn identify(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
     let data = Data::of(app)?;
-    let longest_s = data.swings.iter().map(Swing::duration_s).fold(0.0, f64::max);
-    let n_windows = WINDOWS_S.iter().filter(|seconds| **seconds < 0.8 * longest_s).count() + 1;
+    let n_windows = windows_s(&data.swings).count() + 1;
     let n_steps = (n_windows + 3) as f64;
     let n_done = AtomicUsize::new(0);
     let options = identify::Options { method: Method::Both, ranges: Vec::new() };

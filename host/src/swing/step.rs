@@ -1,27 +1,24 @@
 //! How long an integration step may be: a swing tells how quickly its pendulum moves.
 
-use crate::recording::turning::half_swing_s;
-
 /// With so many Runge–Kutta steps a period the angle is wrong by less than 2e-5 rad after 50 periods.
 const STEPS_A_PERIOD: f64 = 80.0;
 
 /// The pendulum turns by no more in a step.
 const LARGEST_STEP_RAD: f64 = 0.15;
 
-/// Velocities change too much within a longer one: frictions near zero velocity would be missed.
+/// At the usual pace velocities change too much within a longer one: frictions near zero velocity would be missed.
 const LONGEST_STEP_S: f64 = 1e-2;
 
 /// The board's own step.
 const SHORTEST_STEP_S: f64 = 1e-3;
 
-/// For effects that change within a few degrees.
+/// For effects that change within a few degrees, at the usual pace.
 pub(super) const FINE_STEP_S: f64 = 5e-3;
 
-/// The longest step for a swing, in s: so many to a period, and fewer degrees a step where it spins.
-pub(super) fn longest_step_s(times_s: &[f64], angles_rad: &[f64], noise_rad: f64) -> f64 {
-    let half_swing_s = half_swing_s(times_s, angles_rad, noise_rad).unwrap_or(f64::INFINITY);
+/// The longest step for a swing of this period, in s: so many to a period, and fewer degrees a step where it spins.
+pub(super) fn longest_step_s(times_s: &[f64], angles_rad: &[f64], period_s: f64, pace: f64) -> f64 {
     let by_speed_s = LARGEST_STEP_RAD / largest_speed_rad_s(times_s, angles_rad);
-    (2.0 * half_swing_s / STEPS_A_PERIOD).min(by_speed_s).clamp(SHORTEST_STEP_S, LONGEST_STEP_S)
+    (period_s / STEPS_A_PERIOD).min(by_speed_s).clamp(SHORTEST_STEP_S, LONGEST_STEP_S * pace.max(1.0))
 }
 
 /// Over stretches of the longest step, so that noise does not count.
@@ -43,12 +40,15 @@ fn largest_speed_rad_s(times_s: &[f64], angles_rad: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pace;
+    use crate::recording::turning::half_swing_s;
 
     /// For angles at 1 kHz over 10 s.
     fn step_s(angle_rad: impl Fn(f64) -> f64) -> f64 {
         let times_s: Vec<f64> = (0..10_000).map(|i| f64::from(i) * 1e-3).collect();
         let angles_rad: Vec<f64> = times_s.iter().map(|time_s| angle_rad(*time_s)).collect();
-        longest_step_s(&times_s, &angles_rad, 1e-3)
+        let period_s = 2.0 * half_swing_s(&times_s, &angles_rad, 1e-3).unwrap_or(f64::INFINITY);
+        longest_step_s(&times_s, &angles_rad, period_s, pace::of_period(period_s))
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use crate::cli::output;
 use crate::fit::identify::{Method, Progress};
-use crate::fit::windows::WINDOWS_S;
+use crate::fit::windows::windows_s;
+use crate::swing::Swing;
 use crate::operations::fit::News;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::{Mutex, PoisonError};
@@ -14,15 +15,15 @@ const TICK: Duration = Duration::from_millis(100);
 /// Shows the steps of a fit.
 pub(super) struct Screen {
     method: Method,
-    longest_s: f64,
+    n_windows: usize,
     /// On a terminal, from the first step on.
     bar: Mutex<Option<ProgressBar>>,
 }
 
 impl Screen {
-    /// For a method and the longest of the swings, s.
-    pub(super) fn new(method: Method, longest_s: f64) -> Self {
-        Self { method, longest_s, bar: Mutex::new(None) }
+    /// For a method and the swings that it is for.
+    pub(super) fn new(method: Method, swings: &[Swing]) -> Self {
+        Self { method, n_windows: windows_s(swings).count() + 1, bar: Mutex::new(None) }
     }
 
     /// Something begins.
@@ -40,7 +41,7 @@ impl Screen {
 
     fn advance(&self, progress: &Progress) {
         let mut bar = self.bar.lock().unwrap_or_else(PoisonError::into_inner);
-        let bar = bar.get_or_insert_with(|| bar_of(n_steps(self.method, self.longest_s)));
+        let bar = bar.get_or_insert_with(|| bar_of(n_steps(self.method, self.n_windows as u64)));
         bar.inc(1);
         bar.set_message(progress.to_string());
     }
@@ -66,8 +67,7 @@ fn bar_of(n_steps: u64) -> ProgressBar {
 }
 
 /// One step a window of response surfaces, then descent, stiction and uncertainties.
-fn n_steps(method: Method, longest_s: f64) -> u64 {
-    let n_windows = WINDOWS_S.iter().filter(|seconds| **seconds < 0.8 * longest_s).count() as u64 + 1;
+fn n_steps(method: Method, n_windows: u64) -> u64 {
     match method {
         Method::Rsm => n_windows + 1,
         Method::LeastSquares => 3,
