@@ -164,9 +164,8 @@ pub fn begin_with_the_period(pendulum: &mut Pendulum<f64>, swings: &[Swing]) {
         return;
     }
     let Some(seen) = swings.first().and_then(seen) else { return };
-    let needed_kg_m2 = (inertia_about_pivot(pendulum, seen.small_period_s())
-        - pendulum.mass_kg * pendulum.length_m.powi(2))
-    .max(0.0);
+    let needed_kg_m2 =
+        (inertia_about_pivot(pendulum, seen.small_period_s()) - pendulum.mass_kg * pendulum.length_m.powi(2)).max(0.0);
     let off = needed_kg_m2 / pendulum.inertia_kg_m2;
     if needed_kg_m2.is_finite() && !(MOST_OFF.recip()..MOST_OFF).contains(&off) {
         pendulum.inertia_kg_m2 = needed_kg_m2;

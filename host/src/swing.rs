@@ -224,6 +224,14 @@ impl Swing {
         last.len() >= MIN_START_SAMPLES && scatter < REST_NOISES * self.noise_rad
     }
 
+    /// Half of how far it still swings in its last period, rad.
+    pub fn last_amplitude_rad(&self) -> f64 {
+        let from = self.times_s.partition_point(|t| *t < self.duration_s() - LAST_PERIOD_S * self.pace);
+        let last = self.angles_rad[from..].iter().map(|reading| self.size_rad(*reading));
+        let (low, high) = last.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
+        0.5 * (high - low)
+    }
+
     /// Every k-th sample, so that about `rate_hz` remain; unchanged if there are no more than that.
     pub fn thinned(&self, rate_hz: f64) -> Self {
         let every = ((self.len() as f64 / self.duration_s() / rate_hz) as usize).max(1);
@@ -259,8 +267,9 @@ impl Swing {
 
     /// Reading and slope at the first sample, by a parabola through the first samples.
     fn first_reading(&self) -> (f64, f64) {
-        let n_samples =
-            self.samples_within(Window::First(START_FIT_S * self.pace)).clamp(MIN_START_SAMPLES.min(self.len()), self.len());
+        let n_samples = self
+            .samples_within(Window::First(START_FIT_S * self.pace))
+            .clamp(MIN_START_SAMPLES.min(self.len()), self.len());
         let rows = nalgebra::DMatrix::from_fn(n_samples, 3, |i, j| self.times_s[i].powi(j as i32));
         let readings = nalgebra::DVector::from_column_slice(&self.angles_rad[..n_samples]);
         match rows.svd(true, true).solve(&readings, 1e-12) {
@@ -306,6 +315,9 @@ const DECIMATED_STEP: f64 = 2.0;
 /// At rest the pendulum has been still for this long at the usual pace, s, and scatters by less than so many times the noise.
 const REST_S: f64 = 0.4;
 const REST_NOISES: f64 = 1.5;
+
+/// A period of the usual pace and half of it, because a pace is a power of two, s.
+const LAST_PERIOD_S: f64 = 1.5;
 
 /// A parabola follows the pendulum this long at the usual pace, s.
 const START_FIT_S: f64 = 0.06;

@@ -2,8 +2,8 @@
 //! rigs without any, and pendulums of other laboratories.
 
 use host::diagnose::{Diagnosis, diagnose};
-use host::recording::{Recording, read};
 use host::recording::segment::SegmentOptions;
+use host::recording::{Recording, read};
 use host::swing::Swing;
 use shared::effect::Effect;
 use shared::motion::Pendulum;
@@ -63,7 +63,8 @@ fn slowed(name: &str, factor: f64) -> Diagnosis {
         let name = format!("release_{release}.csv");
         let recording = read(&folder.join(&name), &Default::default()).unwrap();
         let times_s: Vec<f64> = recording.times_s().iter().map(|time_s| factor * time_s).collect();
-        let recording = Recording::new(recording.header().clone(), times_s, recording.angles_rad().to_vec(), None).unwrap();
+        let recording =
+            Recording::new(recording.header().clone(), times_s, recording.angles_rad().to_vec(), None).unwrap();
         Swing::from_recording(&name, &recording, &SegmentOptions::default()).unwrap().0
     };
     let swings: Vec<Swing> = (1..=3).map(swing).collect();

@@ -54,7 +54,11 @@ pub fn follow(swing: &Swing, parameters: &Parameters<f64>) -> Followed {
     if swing.duration_s() > LONGEST_S {
         return run(&problem, first.starts[0]);
     }
-    let windows = WINDOWS_S.into_iter().map(|seconds| seconds * swing.pace).filter(|seconds| *seconds < 0.8 * swing.duration_s()).map(Window::First);
+    let windows = WINDOWS_S
+        .into_iter()
+        .map(|seconds| seconds * swing.pace)
+        .filter(|seconds| *seconds < 0.8 * swing.duration_s())
+        .map(Window::First);
     let point = windows.fold(first, |point, window| descended(&problem, &point, window));
     run(&problem, descended(&problem, &point, Window::Whole).starts[0])
 }

@@ -24,12 +24,21 @@ const LARGE_PREDICTION: f64 = 0.7;
 const KEPT_PREDICTION: f64 = 0.7;
 
 /// A model with one more effect, each of the promising ones in turn: first the best start of each, then the next best
-/// and the wider forms; where one explains the swings, only of those that come near it, but then all their starts.
-pub(super) fn extensions(problem: &Problem, model: &Fitted, candidates: &[&'static Effect<f64>]) -> Vec<Fitted> {
+/// and the wider forms; where one explains the swings, only of those that come near it, but then all their starts. None if
+/// no prediction is to remove at least this share of the excess.
+pub(super) fn extensions(
+    problem: &Problem,
+    model: &Fitted,
+    candidates: &[&'static Effect<f64>],
+    least_share: f64,
+) -> Vec<Fitted> {
     let fresh: Vec<&'static Effect<f64>> =
         candidates.iter().copied().filter(|effect| !model.has(effect.name)).collect();
     let (first, mut others) = worth_fitting(predictions(problem, model, &fresh));
     let best_reduction = first.first().map_or(0.0, |prediction| prediction.reduction);
+    if best_reduction < least_share * (model.cost - problem.noise_cost()) {
+        return Vec::new();
+    }
     let fit = |predictions: Vec<Prediction>| -> Vec<Fitted> {
         predictions.par_iter().map(|prediction| fitted(problem, model, prediction, best_reduction)).collect()
     };

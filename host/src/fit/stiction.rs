@@ -48,6 +48,15 @@ const ANSWER_DAMPING: f64 = 1e-6;
 /// random rigs ends at 1.37 noises instead of 1.00.
 const REACHES: [f64; 3] = [1.0, 0.25, 0.06];
 
+/// A band matters where the pendulum comes this near to the largest angle at which stiction may hold it.
+const NEAR_REST: f64 = 2.0;
+
+/// Do swings become so small that a band changes them?
+fn may_have_a_band(on: &Problem) -> bool {
+    let largest_rad = LEVELS[LEVELS.len() - 1];
+    on.swings.iter().any(|swing| swing.last_amplitude_rad() < NEAR_REST * largest_rad)
+}
+
 /// Searches Ms and DV, starting from a guess at everything else: first on decimated swings, then on all samples.
 pub(super) fn searched(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Fitted {
     let decimated = on.decimated();
@@ -55,6 +64,9 @@ pub(super) fn searched(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Fit
     let levels = stop_level::levels(&rough, from);
     let near = &levels[0];
     let none = || best_on(on, &levels, tolerance);
+    if !may_have_a_band(on) {
+        return none();
+    }
     let least_gain = GAIN_WORTH_A_BAND * on.noise_rad().powi(2);
     if near.cost > FAR_FROM_NOISE * rough.noise_cost() {
         let found = with_band(&rough, near, tolerance).filter(|found| near.cost - found.cost > least_gain);

@@ -150,15 +150,20 @@ pub(super) fn ranges(problem: &Problem, point: &Point) -> Vec<Range> {
         let column = &problem.predict(swing_idx, problem.swings[swing_idx].len(), &[guess])[0];
         last_turning_torques(column, gravity)
     };
-    let mut torques: Vec<f64> = (0..problem.swings.len()).into_par_iter().flat_map(torques_of).collect();
-    torques.retain(|torque| *torque > coulomb);
+    let of_swings: Vec<Vec<f64>> = (0..problem.swings.len()).into_par_iter().map(torques_of).collect();
+    // A swing that still moves at its end was held at none of its turning points.
+    let moves = |swing_idx: &usize| !problem.swings[*swing_idx].comes_to_rest();
+    let passed = (0..problem.swings.len()).filter(moves).flat_map(|swing_idx| of_swings[swing_idx].get(1));
+    let limit = passed.fold(f64::INFINITY, |least, torque| torque.min(least));
+    let mut torques = of_swings.concat();
+    torques.retain(|torque| *torque > coulomb && *torque <= limit);
     torques.sort_by(f64::total_cmp);
     torques.dedup_by(|later, earlier| *later - *earlier < 1e-3 * *earlier);
     torques.insert(0, 0.0_f64.max(coulomb));
     torques.windows(2).map(|pair| (pair[0], pair[1])).collect()
 }
 
-/// |m·g·l·sin θ| at the last turning points of a simulated swing.
+/// |m·g·l·sin θ| at the end and the last turning points of a simulated swing, the last first.
 fn last_turning_torques(angles_rad: &[f64], gravity_nm: f64) -> Vec<f64> {
     let turns = |triple: &[f64]| (triple[1] - triple[0]) * (triple[2] - triple[1]) < 0.0;
     // A sensor with backlash stays where it is for a while.

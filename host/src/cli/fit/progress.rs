@@ -3,8 +3,8 @@
 use crate::cli::output;
 use crate::fit::identify::{Method, Progress};
 use crate::fit::windows::windows_s;
-use crate::swing::Swing;
 use crate::operations::fit::News;
+use crate::swing::Swing;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
