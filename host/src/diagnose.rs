@@ -92,7 +92,10 @@ pub fn diagnose_counted(
     let resembling = zero::resembling().map(|rival| rival.name);
     let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, resembling) } else { model };
     let before = claimed.names();
-    let (claimed, unproven, mut holds_on) = judge.holding(judge.beyond_their_errors(claimed));
+    let (mut claimed, unproven, mut holds_on) = judge.holding(judge.beyond_their_errors(claimed));
+    if problem.chi_square(claimed.cost).left() != Left::Noise {
+        (claimed, holds_on) = judge.simpler(&claimed, &others).unwrap_or((claimed, holds_on));
+    }
     if claimed.names() != before {
         undecided = judge.undecided(&claimed, &others);
     }

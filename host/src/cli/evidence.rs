@@ -16,6 +16,7 @@ const HINT: &str = "With --formulas small formulas are searched for what remains
 /// The whole diagnosis for a person.
 pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
     let mut parts = vec![verdict(diagnosis)];
+    parts.extend(diagnosis.suspect().map(|claim| suspected(diagnosis, claim)));
     parts.extend(diagnosis.verdict.iter().filter_map(|name| claimed(diagnosis, name)));
     if let Some(family) = &diagnosis.family {
         let words = format!(
@@ -38,7 +39,8 @@ pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
             case.effect, case.special, case.symbol, case.special
         )
     }));
-    parts.extend(diagnosis.unproven.iter().map(unproven));
+    let suspect = diagnosis.suspect().map(|claim| claim.effect);
+    parts.extend(diagnosis.unproven.iter().filter(|claim| Some(claim.effect) != suspect).map(unproven));
     parts.extend(held_out(diagnosis));
     parts.extend(not_tried(diagnosis));
     if diagnosis.verdict.is_empty() && !diagnosis.unexplained {
@@ -67,6 +69,27 @@ fn held_out(diagnosis: &Diagnosis) -> Vec<String> {
         }
     });
     vetoed.chain(said.map(str::to_owned)).map(|words| wrapped(&words, 0)).collect()
+}
+
+/// The claim that would explain most of what is left, but is not proven.
+fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
+    let (name, unit) = (claim.effect, diagnosis.measured.milli_unit());
+    let why = match claim.standing {
+        Standing::TooShort => {
+            let windows = counted(claim.windows, "window of a few periods", "windows of a few periods");
+            format!("there are only {windows} to check it on")
+        }
+        _ => format!(
+            "a few periods carry it and the rest can't tell it from chance{}: a hand or a slip may look like this too",
+            claim.p_without_two.map_or(String::new(), |p| format!(" (p = {})", probability(p)))
+        ),
+    };
+    let words = format!(
+        "Likely, but not proven: {name}. With it the error would fall to {:.2} {unit}, but {why}. Record another release \
+         and give both files; or take it as it is: host improve … --add {name} -o rig.toml",
+        1e3 * claim.rmse
+    );
+    wrapped(&words, 0)
 }
 
 /// A claim that was dropped.

@@ -247,10 +247,9 @@ impl Judge<'_, '_> {
     /// The claimed model without effects that do not hold on every part, the least sure first; the claims that were dropped,
     /// and those that stand.
     pub(super) fn holding(&self, claimed: Fitted) -> (Fitted, Vec<Holding>, Vec<Holding>) {
-        let n_starts = self.candidates.iter().map(|effect| effect.starts.len()).sum();
         let (mut claimed, mut dropped) = (claimed, Vec::<Holding>::new());
         loop {
-            let found = holdings(self.problem, &claimed, n_starts);
+            let found = self.holdings(&claimed);
             let doubtful = found.iter().filter(|holding| holding.standing != Standing::Holds);
             let p = |holding: &Holding| holding.p.unwrap_or(1.0);
             let Some(worst) = doubtful.max_by(|a, b| p(a).total_cmp(&p(b))) else {
@@ -261,6 +260,11 @@ impl Judge<'_, '_> {
             dropped.push(worst.clone());
             claimed = self.without_doubtful(&claimed, worst.effect);
         }
+    }
+
+    /// How far each claim of a model goes, of all that were tried.
+    pub(super) fn holdings(&self, model: &Fitted) -> Vec<Holding> {
+        holdings(self.problem, model, self.candidates.iter().map(|effect| effect.starts.len()).sum())
     }
 
     /// The better model with one effect less: the rest of the claimed one, or what the search preferred.

@@ -1,5 +1,6 @@
 //! Laws that the windows of the swings can't separate, and the family they belong to.
 
+use super::holds::{Holding, Standing};
 use super::verdict::Judge;
 use crate::fit::clusters::{Cluster, clusters, is_beyond_chance, squares};
 use crate::fit::fitted::Fitted;
@@ -35,10 +36,39 @@ fn left_in(on: &Problem, model: &Fitted, clusters: &[Cluster]) -> Vec<f64> {
 /// A rival removes at least this share of what the claimed effect removes.
 const RIVAL_SHARE: f64 = 0.5;
 
+/// A law with fewer numbers is taken instead of the claimed one if the clusters can't separate them and it removes at least
+/// this share of what that one does.
+const SIMPLER_SHARE: f64 = 0.9;
+
 impl Judge<'_, '_> {
-    /// Effects that could stand for a claimed one as far as the clusters tell: where more than noise is left, sums of squares
-    /// over coherent residuals are no measure of how much better one law is than another.
+    /// Effects that could stand for a claimed one as far as the clusters tell.
     pub(super) fn not_separated(&self, claimed: &Fitted, others: &[Fitted]) -> Vec<&'static str> {
+        let mut names: Vec<&'static str> = Vec::new();
+        for name in self.rivals(claimed, others).into_iter().flat_map(Fitted::names) {
+            if !claimed.has(name) && !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// The model with the fewest numbers that the clusters can't separate from a claimed one with more of them, if it holds
+    /// on every part too: that friction grows with the speed may be sure while its shape is not.
+    pub(super) fn simpler(&self, claimed: &Fitted, others: &[Fitted]) -> Option<(Fitted, Vec<Holding>)> {
+        let removed = |model: &Fitted| self.found.base.cost - model.cost;
+        let is_simpler =
+            |model: &&Fitted| model.n_added() < claimed.n_added() && removed(model) > SIMPLER_SHARE * removed(claimed);
+        let mut simpler: Vec<&Fitted> = self.rivals(claimed, others).into_iter().filter(is_simpler).collect();
+        simpler.sort_by(|a, b| a.n_added().cmp(&b.n_added()).then(a.cost.total_cmp(&b.cost)));
+        simpler.into_iter().find_map(|model| {
+            let found = self.holdings(model);
+            found.iter().all(|holding| holding.standing == Standing::Holds).then(|| (model.clone(), found))
+        })
+    }
+
+    /// Models with one effect exchanged that the clusters can't separate from the claimed one: where more than noise is
+    /// left, sums of squares over coherent residuals are no measure of how much better one law is than another.
+    fn rivals<'t>(&'t self, claimed: &Fitted, others: &'t [Fitted]) -> Vec<&'t Fitted> {
         let Some(level) = claimed.effects.len().checked_sub(1) else { return Vec::new() };
         let removed = self.found.base.cost - claimed.cost;
         let is_rival = |model: &&Fitted| {
@@ -59,12 +89,6 @@ impl Judge<'_, '_> {
             let more: Vec<f64> = left.iter().zip(&own).map(|(rival, own)| rival - own).collect();
             more.iter().sum::<f64>() > 0.0 && is_beyond_chance(&more)
         };
-        let mut names: Vec<&'static str> = Vec::new();
-        for name in rivals.into_iter().filter(|rival| !is_separate(rival)).flat_map(Fitted::names) {
-            if !claimed.has(name) && !names.contains(&name) {
-                names.push(name);
-            }
-        }
-        names
+        rivals.into_iter().filter(|rival| !is_separate(rival)).collect()
     }
 }

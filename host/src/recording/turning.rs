@@ -26,6 +26,12 @@ const WIDEST: f64 = 0.45;
 /// First look: the angle must fall by this many noise rms …
 const ROUGH_FALL_NOISE: f64 = 14.0;
 
+/// … of means over so many samples, the fewest that show this many turns: swings that hardly rise out of the noise of a
+/// sample, such as those of a gate that takes 9 s and moves by 8 of its noises. Twice as many would show a wandering
+/// sensor as swings.
+const MEANS: [usize; 5] = [1, 2, 4, 8, 16];
+const ENOUGH_TURNS: usize = 4;
+
 /// … and this share of the whole range to have turned.
 const ROUGH_FALL_SHARE: f64 = 0.05;
 
@@ -79,10 +85,25 @@ pub fn crossings(times_s: &[f64], angles_rad: &[f64], about_rad: f64, noise_rms_
 pub fn half_swing_s(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64) -> Option<f64> {
     let lowest = angles_rad.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = angles_rad.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let fall_rad = (ROUGH_FALL_NOISE * noise_rms_rad).max(ROUGH_FALL_SHARE * (highest - lowest));
-    let extrema = extrema(times_s, angles_rad, fall_rad);
-    let mut intervals: Vec<f64> = extrema.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    let mut found = Vec::new();
+    for n_mean in MEANS {
+        let fall_rad = ROUGH_FALL_NOISE * noise_rms_rad / (n_mean as f64).sqrt();
+        let (times_s, angles_rad) = (means(times_s, n_mean), means(angles_rad, n_mean));
+        let seen = extrema(&times_s, &angles_rad, fall_rad.max(ROUGH_FALL_SHARE * (highest - lowest)));
+        if seen.len() > found.len() {
+            found = seen;
+        }
+        if found.len() >= ENOUGH_TURNS {
+            break;
+        }
+    }
+    let mut intervals: Vec<f64> = found.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
     (!intervals.is_empty()).then(|| median(&mut intervals))
+}
+
+/// Means of so many neighbours each.
+fn means(values: &[f64], n_mean: usize) -> Vec<f64> {
+    values.chunks_exact(n_mean).map(|chunk| chunk.iter().sum::<f64>() / n_mean as f64).collect()
 }
 
 /// Half width of a quartic, s: wide enough for some samples, narrow enough for the shape of a swing.
@@ -242,6 +263,28 @@ mod tests {
             assert!((crossing.time_s - time_s).abs() < 2e-4, "{crossing:?} {time_s}");
             assert_eq!(crossing.velocity_rad_s < 0.0, idx % 2 == 0);
         }
+    }
+
+    /// Noise of 1 mrad rms, even.
+    fn noisy(angle: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
+        let times_s: Vec<f64> = (0..600).map(|idx| f64::from(idx) * 0.1).collect();
+        let mut state = 3_u64;
+        let mut noise = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            12f64.sqrt() * 1e-3 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
+        };
+        let angles_rad = times_s.iter().map(|t| angle(*t) + noise()).collect();
+        (times_s, angles_rad)
+    }
+
+    #[test]
+    fn slow_swings_of_a_few_noises_are_seen_and_noise_alone_is_none() {
+        let (times_s, angles_rad) = noisy(|t| 5e-3 * (2.0 * PI * t / 9.0).cos());
+        let half_swing_s = half_swing_s(&times_s, &angles_rad, 1e-3).unwrap();
+        assert!((half_swing_s - 4.5).abs() < 0.5, "{half_swing_s}");
+        assert_eq!(turning_points(&times_s, &angles_rad, 1e-3).len(), 13);
+        let (times_s, angles_rad) = noisy(|_| 0.0);
+        assert!(turning_points(&times_s, &angles_rad, 1e-3).is_empty());
     }
 
     #[test]
