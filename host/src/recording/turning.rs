@@ -282,7 +282,8 @@ mod tests {
         let (times_s, angles_rad) = noisy(|t| 5e-3 * (2.0 * PI * t / 9.0).cos());
         let half_swing_s = half_swing_s(&times_s, &angles_rad, 1e-3).unwrap();
         assert!((half_swing_s - 4.5).abs() < 0.5, "{half_swing_s}");
-        assert_eq!(turning_points(&times_s, &angles_rad, 1e-3).len(), 13);
+        // Of thirteen the last one, at 58.5 s, is too near the end to have turned visibly.
+        assert_eq!(turning_points(&times_s, &angles_rad, 1e-3).len(), 12);
         let (times_s, angles_rad) = noisy(|_| 0.0);
         assert!(turning_points(&times_s, &angles_rad, 1e-3).is_empty());
     }
