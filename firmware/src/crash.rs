@@ -9,6 +9,8 @@ use core::fmt::Write;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 use core::ptr::{addr_of, addr_of_mut};
+use core::sync::atomic::AtomicU32;
+use core::sync::atomic::Ordering::Relaxed;
 use cortex_m_rt::{ExceptionFrame, exception};
 use heapless::String;
 use shared::wire::ResetCause;
@@ -100,14 +102,32 @@ fn panic(info: &PanicInfo) -> ! {
     record_and_restart(cause::PANIC, &what)
 }
 
+/// Where the last fault was: pc and lr.
+static PLACE: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
+
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    if !stack::frame_was_lost() {
+        PLACE[0].store(frame.pc(), Relaxed);
+        PLACE[1].store(frame.lr(), Relaxed);
+    }
+    if stack::overflowed() {
+        // Down here the report's own frames would lie over what it writes: below the guard are the static variables.
+        // SAFETY: nothing on the stack is needed any more, and nobody comes back.
+        unsafe { cortex_m::asm::bootstrap(stack::top() as *const u32, report as *const u32) }
+    }
+    report()
+}
+
+/// Says where the fault was and restarts.
+extern "C" fn report() -> ! {
     let mut what = String::new();
     if stack::overflowed() {
         let _ = what.push_str("stack overflow ");
     }
     if !stack::frame_was_lost() {
-        let _ = write!(what, "pc {:#010x} lr {:#010x}", frame.pc(), frame.lr());
+        let [pc, lr] = [&PLACE[0], &PLACE[1]].map(|place| place.load(Relaxed));
+        let _ = write!(what, "pc {pc:#010x} lr {lr:#010x}");
     }
     record_and_restart(cause::HARD_FAULT, &what)
 }

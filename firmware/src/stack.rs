@@ -37,7 +37,8 @@ unsafe extern "C" {
     static __sheap: u32;
 }
 
-fn top() -> usize {
+/// Where it begins; it grows down from there.
+pub fn top() -> usize {
     (&raw const _stack_start) as usize
 }
 
