@@ -17,6 +17,7 @@ pub mod fitted;
 pub mod found;
 pub mod held_out;
 pub mod identify;
+mod knots;
 pub mod linear;
 pub mod problem;
 pub mod proposal;

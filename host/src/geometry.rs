@@ -157,8 +157,8 @@ fn small_period_s(pendulum: &Pendulum<f64>) -> f64 {
     TAU * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt()
 }
 
-/// Gives a pendulum of unknown geometry the inertia that makes the period of the swings, where its own is so far from it
-/// that it was guessed without having seen any.
+/// Gives a pendulum of unknown geometry the inertia that makes the period of the swings, where its own is so far from
+/// it that it was guessed without having seen any.
 pub fn begin_with_the_period(pendulum: &mut Pendulum<f64>, swings: &[Swing]) {
     if pendulum.length_m > UNKNOWN_LENGTH_M {
         return;

@@ -1,9 +1,11 @@
 //! How slowly a pendulum swings.
 //!
-//! Windows, rates and steps of a fit, and the ranges of numbers with seconds in their unit, are meant for a pendulum whose
-//! small swings last a second. One that swings more slowly has its motion stretched in time and nothing else, so that all
-//! of them are stretched with it. A pace is a power of two: it must not depend on how far a pendulum was let go.
+//! Windows, rates and steps of a fit, and the ranges of numbers with seconds in their unit, are meant for a pendulum
+//! whose small swings last a second. One that swings more slowly has its motion stretched in time and nothing else, so
+//! that all of them are stretched with it. A pace is a power of two: it must not depend on how far a pendulum was let
+//! go.
 
+use shared::effect::{Effect, MAX_VALUES, Parameter};
 use shared::motion::Pendulum;
 use std::f64::consts::TAU;
 
@@ -24,8 +26,8 @@ pub fn of_pendulum(pendulum: &Pendulum<f64>) -> f64 {
     of_period(TAU * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt())
 }
 
-/// By how much a number in this unit grows with the pace: the power of the seconds in it. Torques are none of it, because
-/// they are compared with that of gravity.
+/// By how much a number in this unit grows with the pace: the power of the seconds in it. Torques are none of it,
+/// because they are compared with that of gravity.
 pub fn scale(unit: &str, pace: f64) -> f64 {
     let seconds = match unit {
         "s" | "N·m·s/rad" => 1.0,
@@ -38,10 +40,19 @@ pub fn scale(unit: &str, pace: f64) -> f64 {
     pace.powf(seconds)
 }
 
+/// Where fits of an effect begin, at this pace.
+pub fn starts(effect: &Effect<f64>, pace: f64) -> impl Iterator<Item = [f64; MAX_VALUES]> {
+    let scaled = move |(value, parameter): (&mut f64, &Parameter)| *value *= scale(parameter.unit, pace);
+    effect.starts.iter().map(move |start| {
+        let mut start = *start;
+        start.iter_mut().zip(effect.parameters).for_each(scaled);
+        start
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shared::effect::Effect;
 
     #[test]
     fn paces_are_powers_of_two_and_never_absurd() {

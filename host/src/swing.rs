@@ -308,11 +308,13 @@ fn n_lively(angles_rad: &[f64]) -> usize {
 const LIVELY_RAD: f64 = 0.12;
 const LIVELY_SHARE: f64 = 0.1;
 
-/// A decimated swing has so many samples a second at the usual pace, and steps so many times as long: 40 to a period, 3e-5 rad off.
+/// A decimated swing has so many samples a second at the usual pace, and steps so many times as long: 40 to a period,
+/// 3e-5 rad off.
 const DECIMATED_RATE_HZ: f64 = 50.0;
 const DECIMATED_STEP: f64 = 2.0;
 
-/// At rest the pendulum has been still for this long at the usual pace, s, and scatters by less than so many times the noise.
+/// At rest the pendulum has been still for this long at the usual pace, s, and scatters by less than so many times the
+/// noise.
 const REST_S: f64 = 0.4;
 const REST_NOISES: f64 = 1.5;
 

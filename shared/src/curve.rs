@@ -1,10 +1,10 @@
 //! A friction curve: the torque against sliding as a free, smooth function F(|ω|) ≥ 0 of the speed, in place of Coulomb
 //! and viscous friction.
 //!
-//! It is given at knots and runs through them as piecewise cubics (Hermite), whose slope at a knot is that of the parabola
-//! through it and its neighbours. So F is smooth to its first derivative and linear in the torques, and a straight line
-//! through the knots is a straight line between them: Mc + Mw·|ω| is a special case. Where it would fall below zero it is
-//! zero; beyond the last knot it goes on straight, but never falls.
+//! It is given at knots and runs through them as piecewise cubics (Hermite), whose slope at a knot is that of the
+//! parabola through it and its neighbours. So F is smooth to its first derivative and linear in the torques, and a
+//! straight line through the knots is a straight line between them: Mc + Mw·|ω| is a special case. Where it would fall
+//! below zero it is zero; beyond the last knot it goes on straight, but never falls.
 //! Source: C. de Boor, A Practical Guide to Splines (Springer 2001), chapter IV, Bessel's slopes.
 
 use crate::effect::{Action, CURVE_ID, CURVE_NAME, Effect, Family, MAX_VALUES, Rules};
@@ -12,7 +12,8 @@ use crate::motion::Motion;
 use crate::real::Real;
 use heapless::Vec;
 
-/// The most knots of a curve; none without the feature `curves`, as on a rig, which has no room for what nobody can send.
+/// The most knots of a curve; none without the feature `curves`, as on a rig, which has no room for what nobody can
+/// send.
 pub const MAX_KNOTS: usize = if cfg!(feature = "curves") { 32 } else { 0 };
 
 /// The effect, which is in no list: its numbers are the curve's.
@@ -42,8 +43,8 @@ pub struct Curve<R> {
 }
 
 impl<R: Copy> Curve<R> {
-    /// Through these knots; `None` unless the speeds (rad/s) rise from zero, each has its torque (N·m), and there are from
-    /// two to [`MAX_KNOTS`] of them.
+    /// Through these knots; `None` unless the speeds (rad/s) rise from zero, each has its torque (N·m), and there are
+    /// from two to [`MAX_KNOTS`] of them.
     pub fn new(speeds_rad_s: &[f32], torques_nm: &[R]) -> Option<Self> {
         let rises = speeds_rad_s.windows(2).all(|pair| pair[0] < pair[1]);
         let sound = rises && speeds_rad_s.first() == Some(&0.0) && speeds_rad_s.last().is_some_and(|v| v.is_finite());
@@ -182,8 +183,8 @@ mod tests {
         assert_eq!(spline.friction_nm(&motion_at(0.3, 0.0, 0.0)), 0.0);
     }
 
-    /// The curve and Stribeck friction act at once in the new direction; what presliding holds of Coulomb friction turns
-    /// round over zc.
+    /// The curve and Stribeck friction act at once in the new direction; what presliding holds of Coulomb friction
+    /// turns round over zc.
     #[test]
     fn presliding_stacks_on_a_curve_and_on_stribeck() {
         use crate::model::Model;

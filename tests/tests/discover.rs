@@ -56,7 +56,8 @@ fn the_examples_are_all_recognised() {
     }
 }
 
-/// A pendulum that moves so many times more slowly has the same angles at later times. Nothing but these is known of it.
+/// A pendulum that moves so many times more slowly has the same angles at later times. Nothing but these is known of
+/// it.
 fn slowed(name: &str, factor: f64) -> Diagnosis {
     let folder = data("hidden").join(name);
     let swing = |release: usize| {

@@ -1,5 +1,5 @@
-//! Friction that no law of the list describes: the diagnosis offers it as a free curve of the speed, with a band that holds the
-//! truth, says where it does not hold, and never speaks of one where a named law explains the swings.
+//! Friction that no law of the list describes: the diagnosis offers it as a free curve of the speed, with a band that
+//! holds the truth, says where it does not hold, and never speaks of one where a named law explains the swings.
 
 use host::diagnose::{FrictionCurve, diagnose};
 use host::improve::{Change, change};

@@ -99,8 +99,8 @@ fn found_by_one_look(false_alarms: f64) -> f64 {
     normal.cdf(drifts_squared.sqrt() - limit)
 }
 
-/// Not every rig can be found within fifteen swings, whatever the chart; ours, which has to learn mean and spread from a
-/// hundred swings, finds four of five that one finds who knows both and the course of the drift.
+/// Not every rig can be found within fifteen swings, whatever the chart; ours, which has to learn mean and spread from
+/// a hundred swings, finds four of five that one finds who knows both and the course of the drift.
 #[test]
 fn no_chart_finds_that_wear_much_sooner() {
     let at_best = found_by_one_look(FALSE_ALARMS);

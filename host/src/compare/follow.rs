@@ -13,7 +13,8 @@ use shared::parameters::Parameters;
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicUsize;
 
-/// The window grows in these steps of the usual pace, s. With the parameters fixed only a start can be wrong, so few steps suffice.
+/// The window grows in these steps of the usual pace, s. With the parameters fixed only a start can be wrong, so few
+/// steps suffice.
 const WINDOWS_S: [f64; 3] = [1.5, 6.0, 20.0];
 
 /// A free swing that lasts longer has a wrong clock; its start is not worth the time, s.

@@ -1,8 +1,9 @@
-//! What no law of the list explains, as a free friction curve: when it is offered, what it leaves, where it is known, on which
-//! parts of the swings it is the same, and which law it resembles.
+//! What no law of the list explains, as a free friction curve: when it is offered, what it leaves, where it is known,
+//! on which parts of the swings it is the same, and which law it resembles.
 //!
 //! It is a model that fits, no explanation: it is offered where every named law leaves more than the noise, and called
-//! contradicted where two parts of the swings want different curves, because then friction depends on more than the speed.
+//! contradicted where two parts of the swings want different curves, because then friction depends on more than the
+//! speed.
 
 use super::models::excess;
 use super::resemblance::{Resemblance, of_model};
@@ -20,8 +21,8 @@ use shared::parameters::Parameters;
 /// A curve may leave this share of the excess that the named laws leave; so does an effect beside it of the curve's.
 const MOST_LEFT: f64 = 0.6;
 
-/// The curve has to predict blocks left out better than a straight one by so many standard errors; chance does in 2 % of
-/// the recordings. Measured on those that come with the project: 1 lets wiggles through, 4 refuses curves that hold.
+/// The curve has to predict blocks left out better than a straight one by so many standard errors; chance does in 2 %
+/// of the recordings. Measured on those that come with the project: 1 lets wiggles through, 4 refuses curves that hold.
 const BETTER_BY: f64 = 2.0;
 
 /// Laws this close to the curve, as a share of the mean friction, are named.
@@ -100,8 +101,8 @@ impl Judge<'_, '_> {
         if is_explained { None } else { self.best_curve_for(claimed) }
     }
 
-    /// Of the base model, unless the claimed effects are needed beside the curve: what a law was claimed for may be friction
-    /// that it only resembles.
+    /// Of the base model, unless the claimed effects are needed beside the curve: what a law was claimed for may be
+    /// friction that it only resembles.
     fn best_curve_for(&self, claimed: &Fitted) -> Option<FrictionCurve> {
         let left = |curve: &FrictionCurve| excess(self.problem, &curve.model);
         let is_enough = |curve: &FrictionCurve| left(curve) < MOST_LEFT * excess(self.problem, claimed);
@@ -117,8 +118,8 @@ impl Judge<'_, '_> {
     }
 }
 
-/// A curve in place of the laws of speed of a fitted model, and beside it a torque with a memory where that helps; `None`
-/// unless it removes a substantial part of what the model leaves, and predicts what it was not fitted to.
+/// A curve in place of the laws of speed of a fitted model, and beside it a torque with a memory where that helps;
+/// `None` unless it removes a substantial part of what the model leaves, and predicts what it was not fitted to.
 pub fn friction_curve(on: &Problem, from: &Fitted) -> Option<FrictionCurve> {
     let best = best_curve(on, from)?;
     let is_better = excess(on, &best.model) < MOST_LEFT * excess(on, from) && best.choice.better_by > BETTER_BY;

@@ -24,8 +24,8 @@ const LARGE_PREDICTION: f64 = 0.7;
 const KEPT_PREDICTION: f64 = 0.7;
 
 /// A model with one more effect, each of the promising ones in turn: first the best start of each, then the next best
-/// and the wider forms; where one explains the swings, only of those that come near it, but then all their starts. None if
-/// no prediction is to remove at least this share of the excess.
+/// and the wider forms; where one explains the swings, only of those that come near it, but then all their starts. None
+/// if no prediction is to remove at least this share of the excess.
 pub(super) fn extensions(
     problem: &Problem,
     model: &Fitted,

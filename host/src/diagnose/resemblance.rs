@@ -1,5 +1,5 @@
-//! Which named law a friction curve resembles: Coulomb and viscous friction, alone and with each law of speed of the list,
-//! laid through the curve by least squares.
+//! Which named law a friction curve resembles: Coulomb and viscous friction, alone and with each law of speed of the
+//! list, laid through the curve by least squares.
 
 use crate::fit::curve::{built_up_nm, friction_of_speed_nm, is_of_speed_alone};
 use nalgebra::{DMatrix, DVector};

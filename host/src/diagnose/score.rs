@@ -10,7 +10,7 @@ use crate::fit::refine::Band;
 use crate::pace;
 use crate::swing::Window;
 use rayon::prelude::*;
-use shared::effect::{Effect, MAX_VALUES, Parameter};
+use shared::effect::{Effect, MAX_VALUES};
 
 /// What a start point of an effect promises.
 #[derive(Clone, Debug)]
@@ -37,22 +37,12 @@ const DAMPING: f64 = 1e-6;
 /// first.
 pub fn predictions(on: &Problem, model: &Fitted, effects: &[&'static Effect<f64>]) -> Vec<Prediction> {
     let starts: Vec<(&'static Effect<f64>, [f64; MAX_VALUES])> =
-        effects.iter().flat_map(|effect| starts(effect, on.pace()).map(|start| (*effect, start))).collect();
+        effects.iter().flat_map(|effect| pace::starts(effect, on.pace()).map(|start| (*effect, start))).collect();
     let known = model.linearised(on);
     let mut predictions: Vec<Prediction> =
         starts.into_par_iter().filter_map(|(effect, start)| prediction(on, model, &known, effect, &start)).collect();
     predictions.sort_by(|a, b| b.reduction.total_cmp(&a.reduction));
     predictions
-}
-
-/// Where fits of an effect begin, at this pace.
-fn starts(effect: &Effect<f64>, pace: f64) -> impl Iterator<Item = [f64; MAX_VALUES]> {
-    let scaled = move |(value, parameter): (&mut f64, &Parameter)| *value *= pace::scale(parameter.unit, pace);
-    effect.starts.iter().map(move |start| {
-        let mut start = *start;
-        start.iter_mut().zip(effect.parameters).for_each(scaled);
-        start
-    })
 }
 
 fn prediction(

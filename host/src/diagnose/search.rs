@@ -103,7 +103,8 @@ fn without_band(problem: &Problem, base: &Fitted) -> Fitted {
 
 /// A second effect shall remove most of what the first one leaves, and one linearised step has promised at least 0.6 of
 /// what a fit then kept (0.39 of 0.65, on real pendulums and the eight examples); a model for which none promises this
-/// share of its excess is not gone on with. Half of it: long recordings take twice as long. Twice: pairs would be missed.
+/// share of its excess is not gone on with. Half of it: long recordings take twice as long. Twice: pairs would be
+/// missed.
 const PROMISING: f64 = 0.25;
 
 /// All models with one more effect than those of the beam that are worth fitting, the lowest cost first.

@@ -138,11 +138,13 @@ pub struct Diagnosis {
     pub staircase: Vec<Step>,
 }
 
-/// A claim that could not be proven is suspected if it would remove at least this share of what is left beyond the noise.
+/// A claim that could not be proven is suspected if it would remove at least this share of what is left beyond the
+/// noise.
 const SUSPECTED_SHARE: f64 = 0.8;
 
 impl Diagnosis {
-    /// The unproven claim that would explain most of what is left: likely the cause, though other releases must show it.
+    /// The unproven claim that would explain most of what is left: likely the cause, though other releases must show
+    /// it.
     pub fn suspect(&self) -> Option<&Holding> {
         let excess = |rmse: f64| rmse.powi(2) - self.noise.powi(2);
         let lowest = self.unproven.iter().min_by(|a, b| a.rmse.total_cmp(&b.rmse))?;

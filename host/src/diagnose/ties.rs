@@ -36,8 +36,8 @@ fn left_in(on: &Problem, model: &Fitted, clusters: &[Cluster]) -> Vec<f64> {
 /// A rival removes at least this share of what the claimed effect removes.
 const RIVAL_SHARE: f64 = 0.5;
 
-/// A law with fewer numbers is taken instead of the claimed one if the clusters can't separate them and it removes at least
-/// this share of what that one does.
+/// A law with fewer numbers is taken instead of the claimed one if the clusters can't separate them and it removes at
+/// least this share of what that one does.
 const SIMPLER_SHARE: f64 = 0.9;
 
 impl Judge<'_, '_> {
@@ -52,8 +52,8 @@ impl Judge<'_, '_> {
         names
     }
 
-    /// The model with the fewest numbers that the clusters can't separate from a claimed one with more of them, if it holds
-    /// on every part too: that friction grows with the speed may be sure while its shape is not.
+    /// The model with the fewest numbers that the clusters can't separate from a claimed one with more of them, if it
+    /// holds on every part too: that friction grows with the speed may be sure while its shape is not.
     pub(super) fn simpler(&self, claimed: &Fitted, others: &[Fitted]) -> Option<(Fitted, Vec<Holding>)> {
         let removed = |model: &Fitted| self.found.base.cost - model.cost;
         let is_simpler =

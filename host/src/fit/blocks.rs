@@ -1,17 +1,16 @@
-//! How many knots a friction curve needs, and how stiff it is to be: the swings are cut into blocks of a few periods, every
-//! third of which is left out and predicted from the others.
+//! How many knots a friction curve needs, and how stiff it is to be: the swings are cut into blocks of a few periods,
+//! every third of which is left out and predicted from the others.
 //!
-//! A linearisation with as many knots as there may be decides without any further simulation: a curve of fewer knots is a
-//! linear combination of them. Far from the curve each block begins anew, its start and zero being taken out of its columns
-//! as in [`super::clusters`], and shows what the curve says of the loss within it. Near the curve a swing has one start, so
-//! that a block left out also shows what the curve has gathered until then.
+//! A linearisation with as many knots as there may be decides without any further simulation: a curve of fewer knots is
+//! a linear combination of them. Far from the curve each block begins anew, its start and zero being taken out of its
+//! columns as in [`super::clusters`], and shows what the curve says of the loss within it. Near the curve a swing has
+//! one start, so that a block left out also shows what the curve has gathered until then.
 
-use super::clusters::{Sums, beyond, cut, orthonormal, upward_crossings};
-use super::curve::knots;
+use super::clusters::{Sums, beyond, cut, orthonormal, std_of_mean, upward_crossings};
 use super::fitted::Fitted;
 use super::linear::{SwingLinear, dot};
 use super::problem::{PER_SWING, Problem, Quantity, Unknown};
-use super::ridge::{first_knot, roughness};
+use super::ridge::roughness;
 use super::solve::Factor;
 use nalgebra::{DMatrix, DVector};
 use shared::curve::{Curve, Spline};
@@ -24,8 +23,9 @@ const N_KNOTS: [usize; 7] = [4, 6, 9, 14, 20, 26, 32];
 /// Strengths of the ridge that are tried, in powers of ten of what a sample tells of a knot.
 const STRENGTHS: std::ops::RangeInclusive<i32> = -7..=1;
 
-/// So many blocks are wanted, of two periods, or of one where that leaves too few. Measured on the real recordings that come with the project: with half
-/// as many the choice follows single blocks, with twice as many a block is too short to show how the loss bends.
+/// So many blocks are wanted, of two periods, or of one where that leaves too few. Measured on the real recordings that
+/// come with the project: with half as many the choice follows single blocks, with twice as many a block is too short
+/// to show how the loss bends.
 const WANTED: usize = 24;
 const USUAL_PERIODS: usize = 2;
 
@@ -73,7 +73,7 @@ pub enum Begin {
 
 /// Chooses knots and ridge for a model that has a curve of as many knots as there may be; `None` with too few blocks.
 pub fn choice(on: &Problem, fine: &Fitted, begin: Begin) -> Option<Choice> {
-    let (first_unknown, curve) = (first_knot(&fine.problem(on))?, fine.parameters.curve.clone()?);
+    let (first_unknown, curve) = (fine.problem(on).knots()?.start, fine.parameters.curve.clone()?);
     let blocks = blocks(on, fine, first_unknown, &curve, begin);
     let mut free: Vec<bool> = fine.unknowns[..first_unknown].iter().map(is_straight).collect();
     if begin == Begin::GoesOn {
@@ -115,7 +115,8 @@ pub fn choice(on: &Problem, fine: &Fitted, begin: Begin) -> Option<Choice> {
     })
 }
 
-/// Inertia, and what is zero where its effect is absent: the linearisation may be trusted with these, however far they go.
+/// Inertia, and what is zero where its effect is absent: the linearisation may be trusted with these, however far they
+/// go.
 fn is_straight(unknown: &Unknown) -> bool {
     match unknown.quantity {
         Quantity::Effect { id, index } => {
@@ -125,8 +126,8 @@ fn is_straight(unknown: &Unknown) -> bool {
     }
 }
 
-/// By how many standard errors some blocks are predicted better than by another curve: each by its own ratio, so that no
-/// single one decides.
+/// By how many standard errors some blocks are predicted better than by another curve: each by its own ratio, so that
+/// no single one decides.
 fn better_by(squares: &[f64], than: &[f64]) -> f64 {
     let gains: Vec<f64> = than.iter().zip(squares).map(|(than, own)| (than / own).ln()).collect();
     mean(&gains) / std_of_mean(&gains)
@@ -141,17 +142,12 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-fn std_of_mean(values: &[f64]) -> f64 {
-    let (n, mean) = (values.len() as f64, mean(values));
-    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt()
-}
-
 fn total<'a>(blocks: impl Iterator<Item = &'a Block>) -> Sums {
     let sums = blocks.map(|block| block.sums.clone()).reduce(|mut sum, block| {
         sum.add(&block);
         sum
     });
-    sums.unwrap_or(Sums { matrix: DMatrix::zeros(0, 0), gradient: DVector::zeros(0) })
+    sums.unwrap_or(Sums::zeros(0))
 }
 
 /// A number of knots and a ridge.
@@ -207,6 +203,12 @@ impl Shape {
         all.sort_by_key(|(k, _)| *k);
         all.into_iter().map(|(_, square)| square).collect()
     }
+}
+
+/// So many of the knots, the first and the last among them.
+fn knots(of: &[f32], n_knots: usize) -> Vec<f32> {
+    let n_knots = n_knots.min(of.len());
+    (0..n_knots).map(|k| of[(k * (of.len() - 1) + (n_knots - 1) / 2) / (n_knots - 1)]).collect()
 }
 
 /// What curves through knots at some speeds are at others, a column a knot: a curve is linear in its torques.

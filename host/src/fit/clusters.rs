@@ -50,7 +50,8 @@ pub struct Sums {
 }
 
 impl Sums {
-    fn zeros(size: usize) -> Self {
+    /// Of no samples.
+    pub fn zeros(size: usize) -> Self {
         Self { matrix: DMatrix::zeros(size, size), gradient: DVector::zeros(size) }
     }
 
@@ -314,7 +315,7 @@ pub fn spread_of(sums: &[Sums]) -> Option<Spread> {
 }
 
 /// Standard error of the mean of independent values.
-fn std_of_mean(values: &[f64]) -> f64 {
+pub(super) fn std_of_mean(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt()

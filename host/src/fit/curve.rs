@@ -1,8 +1,8 @@
 //! Friction as a free, smooth curve of the speed, fitted: from a fitted model, its laws of speed alone folded into the
 //! curve, to the curve that predicts blocks left out best.
 //!
-//! The torques at the knots are unknowns of the ordinary least squares; how many knots and how stiff a ridge, [`super::blocks`]
-//! decides, once where the model comes from and once more where the fit led to.
+//! The torques at the knots are unknowns of the ordinary least squares; how many knots and how stiff a ridge,
+//! [`super::blocks`] decides, once where the model comes from and once more where the fit led to.
 
 use super::blocks::{Begin, Choice, between, choice};
 use super::descent::Tolerance;
@@ -10,6 +10,7 @@ use super::fitted::Fitted;
 use super::problem::Problem;
 use super::refine::Band;
 use super::ridge::Ridge;
+use crate::pace;
 use crate::recording::Measured;
 use crate::swing::Swing;
 use shared::curve::{Curve, MAX_KNOTS};
@@ -18,9 +19,9 @@ use shared::model::Model;
 use shared::motion::Motion;
 use shared::parameters::{EffectValues, Parameters};
 
-/// So many of the knots stand evenly over all speeds, the others where the path is covered at them, of which the last swings
-/// have little. On a simulated bump of 0.8 rad/s at half the largest speed none would leave it three knots; all would leave
-/// dense speeds no more than empty ones.
+/// So many of the knots stand evenly over all speeds, the others where the path is covered at them, of which the last
+/// swings have little. On a simulated bump of 0.8 rad/s at half the largest speed none would leave it three knots; all
+/// would leave dense speeds no more than empty ones.
 const EVENLY: f64 = 0.5;
 
 /// Two knots are no closer than this share of the largest speed.
@@ -51,8 +52,8 @@ pub struct Curved {
     pub choice: Choice,
 }
 
-/// Fits a curve in place of the laws of speed of a model; `None` where the swings are too short to choose one, or where it is
-/// no better than the model.
+/// Fits a curve in place of the laws of speed of a model; `None` where the swings are too short to choose one, or where
+/// it is no better than the model.
 pub fn curved(on: &Problem, from: &Fitted) -> Option<Curved> {
     let decimated = on.decimated();
     let rough = on.on(&decimated);
@@ -66,8 +67,8 @@ pub fn extended(on: &Problem, from: &Curved, effect: &'static Effect<f64>) -> Op
     let rough = on.on(&decimated);
     let ridged = Problem { ridge: Some(from.ridge.clone()), ..rough.clone() };
     let curve = from.model.parameters.curve.as_ref()?;
-    let tried = effect.starts.iter().filter_map(|start| {
-        let begun = from.model.without(CURVE_ID).with(effect, start)?.with_curve(curve)?;
+    let tried = pace::starts(effect, on.pace()).filter_map(|start| {
+        let begun = from.model.without(CURVE_ID).with(effect, &start)?.with_curve(curve)?;
         Some(descended(&begun, &ridged))
     });
     let best = tried.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
@@ -98,8 +99,8 @@ fn settled(on: &Problem, rough: &Problem, from: &Fitted, first: Begin) -> Option
     Some(Curved { model, ridge, choice })
 }
 
-/// The model with the chosen knots and ridge, fitted on decimated swings: from the friction it has, or from the chosen one
-/// where that comes nearer. Its cost is without the ridge.
+/// The model with the chosen knots and ridge, fitted on decimated swings: from the friction it has, or from the chosen
+/// one where that comes nearer. Its cost is without the ridge.
 fn fitted(rough: &Problem, from: &Fitted, choice: &Choice) -> Option<Fitted> {
     let ridge = Some(Ridge::new(choice.curve.speeds_rad_s(), choice.strength));
     let ridged = Problem { ridge, ..rough.clone() };
@@ -218,10 +219,4 @@ fn speeds_rad_s(on: &Problem, model: &Fitted) -> Vec<f64> {
         pairs.map(|(times, angles)| ((angles[1] - angles[0]) / (times[1] - times[0])).abs()).collect()
     };
     on.swings.iter().enumerate().flat_map(of_swing).collect()
-}
-
-/// So many of the knots, the first and the last among them.
-pub fn knots(of: &[f32], n_knots: usize) -> Vec<f32> {
-    let n_knots = n_knots.min(of.len());
-    (0..n_knots).map(|k| of[(k * (of.len() - 1) + (n_knots - 1) / 2) / (n_knots - 1)]).collect()
 }

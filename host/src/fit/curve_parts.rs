@@ -1,17 +1,17 @@
-//! How well a fitted friction curve is known, and on which parts of the swings it is the same: the torques at its knots from
-//! windows as clusters ([`super::clusters`]), each with its share of the ridge.
+//! How well a fitted friction curve is known, and on which parts of the swings it is the same: the torques at its knots
+//! from windows as clusters ([`super::clusters`]), each with its share of the ridge.
 
 use super::clusters::{Cluster, Sums, clusters, spread_of};
 use super::curve::Curved;
 use super::problem::Problem;
-use super::ridge::first_knot;
-use crate::swing::Swing;
+use crate::swing::{Swing, Window};
+use nalgebra::DVector;
 
 /// A part tells a knot if it has this share of what all swings tell of it; below, it is the ridge that speaks.
 const TOLD: f64 = 0.03;
 
-/// The same torque on two parts differs if it does by so many of their standard deviations together; a curve has about six
-/// independent stretches, one of which is beyond 2.6 by chance in 5 % of the recordings.
+/// The same torque on two parts differs if it does by so many of their standard deviations together; a curve has about
+/// six independent stretches, one of which is beyond 2.6 by chance in 5 % of the recordings.
 const DIFFERS: f64 = 2.6;
 
 /// The torques at the knots as a part of the swings has them.
@@ -57,7 +57,7 @@ impl Known {
 /// What the windows say of a fitted curve.
 pub fn known(on: &Problem, curved: &Curved) -> Option<Known> {
     let problem = curved.model.problem(on);
-    let first = first_knot(&problem)?;
+    let first = problem.knots()?.start;
     let torques = curved.model.parameters.curve.as_ref()?.torques_nm().to_vec();
     let linear = curved.model.linearised(on);
     let is_knot = |j: usize| (first..first + torques.len()).contains(&j);
@@ -65,7 +65,7 @@ pub fn known(on: &Problem, curved: &Curved) -> Option<Known> {
     let all: Vec<Sums> = clusters.iter().map(Cluster::sums).collect();
     let told: Vec<f64> =
         (0..torques.len()).map(|k| all.iter().map(|sums| sums.matrix[(first + k, first + k)]).sum()).collect();
-    let ridge = curved.ridge.sums(&problem, first, &torques, all.first()?.gradient.len());
+    let ridge = ridge(on, curved, first, &torques, all.first()?.gradient.len());
     let with_ridge = |part: &[Sums]| -> Vec<Sums> {
         let share = 1.0 / all.len() as f64;
         let add = |sums: &Sums| Sums {
@@ -99,8 +99,18 @@ pub fn known(on: &Problem, curved: &Curved) -> Option<Known> {
     Some(Known { stds, parts, n_windows: all.len() })
 }
 
-/// The sums of the larger swings and those of the smaller ones: at the same speed they are at another angle, and earlier.
-/// Where each release is one cluster, the larger releases and the others.
+/// The ridge as normal equations of so many numbers, the knots from `first` on.
+fn ridge(on: &Problem, curved: &Curved, first: usize, torques_nm: &[f64], size: usize) -> Sums {
+    let weighted = curved.ridge.weighted(on.n_samples(Window::Whole));
+    let n_knots = torques_nm.len();
+    let mut sums = Sums::zeros(size);
+    sums.matrix.view_mut((first, first), (n_knots, n_knots)).copy_from(&weighted);
+    sums.gradient.rows_mut(first, n_knots).copy_from(&-(weighted * DVector::from_column_slice(torques_nm)));
+    sums
+}
+
+/// The sums of the larger swings and those of the smaller ones: at the same speed they are at another angle, and
+/// earlier. Where each release is one cluster, the larger releases and the others.
 fn large_and_small(on: &Problem, swings: &[Vec<Sums>]) -> (Vec<Sums>, Vec<Sums>) {
     if swings.iter().any(|own| own.len() > 1) {
         let large = swings.iter().flat_map(|own| own[..own.len() / 2].to_vec()).collect();

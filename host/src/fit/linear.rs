@@ -193,10 +193,18 @@ pub fn equations(problem: &Problem, point: &Point, window: Window, steps: &mut S
     equations
 }
 
+/// What keeps a friction curve straight, at a guess.
 fn add_ridge(problem: &Problem, point: &Point, window: Window, equations: &mut Equations) {
-    if let Some(ridge) = &problem.ridge {
-        ridge.add_to(equations, problem, window, &point.values);
-    }
+    let Some((ridge, knots)) = problem.ridge.as_ref().zip(problem.knots()) else { return };
+    let weighted = ridge.weighted(problem.n_samples(window));
+    let torques = DVector::from_column_slice(&point.values[knots.clone()]);
+    let pull = &weighted * &torques;
+    equations.cost += torques.dot(&pull);
+    let mut gradient = equations.gradient.rows_mut(knots.start, knots.len());
+    gradient -= pull;
+    let mut shared = DMatrix::zeros(problem.unknowns.len(), problem.unknowns.len());
+    shared.view_mut((knots.start, knots.start), (knots.len(), knots.len())).copy_from(&weighted);
+    equations.normal.add_shared(&shared);
 }
 
 /// The normal equations at a guess with more unknowns than `known`, whose columns are taken over: exact where the new

@@ -12,6 +12,7 @@ use shared::curve::Curve;
 use shared::effect::{Effect, Parameter};
 use shared::model::Model;
 use shared::parameters::{Parameters, base};
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Simulations run this many at a time on one core.
@@ -60,8 +61,8 @@ impl Unknown {
         Self { quantity: Quantity::Inertia, symbol, name, unit, low: 0.0, high: 10.0 * pivot, scale: 0.1 * pivot }
     }
 
-    /// A number of an effect, within its physical range. Friction scales with m·g·l, and what has seconds in its unit with
-    /// the period.
+    /// A number of an effect, within its physical range. Friction scales with m·g·l, and what has seconds in its unit
+    /// with the period.
     pub fn of_effect(effect: &'static Effect<f64>, index: usize, parameters: &Parameters<f64>) -> Self {
         let parameter: &Parameter = &effect.parameters[index];
         let size = parameters.pendulum.gravity_torque_nm() / USUAL_GRAVITY_TORQUE_NM;
@@ -273,10 +274,22 @@ impl<'a> Problem<'a> {
             predicted.iter().zip(&columns).map(cost).collect()
         };
         let per_swing: Vec<Vec<f64>> = (0..self.swings.len()).into_par_iter().map(of_swing).collect();
-        let penalty =
-            |point: &Point| self.ridge.as_ref().map_or(0.0, |ridge| ridge.penalty(self, window, &point.values));
-        let cost = |guess: usize| per_swing.iter().map(|costs| costs[guess]).sum::<f64>() + penalty(&guesses[guess]);
+        let penalty = |guess: usize| self.penalty(window, &guesses[guess].values);
+        let cost = |guess: usize| per_swing.iter().map(|costs| costs[guess]).sum::<f64>() + penalty(guess);
         (0..guesses.len()).map(cost).collect()
+    }
+
+    /// Where the torques at the knots of a friction curve stand among the unknowns.
+    pub fn knots(&self) -> Option<Range<usize>> {
+        let is_knot = |unknown: &Unknown| matches!(unknown.quantity, Quantity::Knot(_));
+        let first = self.unknowns.iter().position(is_knot)?;
+        Some(first..first + self.unknowns.iter().filter(|unknown| is_knot(unknown)).count())
+    }
+
+    /// What a crooked friction curve costs beside the errors, rad².
+    fn penalty(&self, window: Window, values: &[f64]) -> f64 {
+        let Some((ridge, knots)) = self.ridge.as_ref().zip(self.knots()) else { return 0.0 };
+        ridge.penalty(self.n_samples(window), &values[knots])
     }
 
     /// The same with other swings.

@@ -33,13 +33,19 @@ impl Level {
     fn in_the_middle(range: Range) -> Self {
         Self { level_nm: 0.5 * (range.0 + range.1), range }
     }
+
+    /// Of a range that is only known to end somewhere: less would hold no release, more might hold another one.
+    fn none_of(range: Range) -> Self {
+        Self { level_nm: 0.0, range }
+    }
 }
 
-/// The level that a model has, so that the search never ends with a worse one; without any, the lowest range.
-fn own_level(own_nm: f64, ranges: &[Range]) -> Level {
+/// The level that a model has, so that the search never ends with a worse one; without any, the lowest range, of which
+/// swings that come to `rest` show the ends.
+fn own_level(own_nm: f64, ranges: &[Range], rest: bool) -> Level {
     let lowest = ranges.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((own_nm, own_nm));
     if own_nm == 0.0 {
-        return Level::in_the_middle(lowest);
+        return if rest { Level::in_the_middle(lowest) } else { Level::none_of(lowest) };
     }
     let range = ranges.iter().copied().find(|range| holds(range, own_nm));
     Level { level_nm: own_nm, range: range.unwrap_or(if own_nm < lowest.0 { lowest } else { (own_nm, own_nm) }) }
@@ -54,13 +60,17 @@ pub(super) fn levels(decimated: &Problem, from: &Fitted) -> Vec<Fitted> {
     let mut steps = Steps::new(&problem);
     let linear = linearise(&problem, &point, Window::Whole, &mut steps);
     let ranges = promising(&problem, &point, &linear);
-    let own = own_level(own_nm, &ranges);
+    let rest = decimated.swings.iter().any(Swing::comes_to_rest);
+    let own = own_level(own_nm, &ranges, rest);
     let first = ranges.first().copied().filter(|first| *first != own.range).map(Level::in_the_middle);
     let first_steps = steps.clone();
     let begin = Fitted { steps: Some(steps), ..free };
     let mut tried = in_earnest(decimated, &begin, [Some(own), first].into_iter().flatten().collect());
     for _ in 1..MAX_ROUNDS {
         tried[0] = tried[0].descended(decimated, Window::Whole, Tolerance::JUDGE);
+        if !rest {
+            break;
+        }
         let model = &tried[0];
         let lowest = model.cost;
         let fresh = |range: &Range| tried.iter().all(|tried| !holds(range, tried.stiction().level_nm));
@@ -145,15 +155,17 @@ pub(super) fn ranges(problem: &Problem, point: &Point) -> Vec<Range> {
     let parameters = problem.parameters(&point.values);
     let coulomb = parameters.values(base::COULOMB).map_or(0.0, |values| values[0]);
     let gravity = parameters.pendulum.gravity_torque_nm();
+    let moves = |swing_idx: usize| !problem.swings[swing_idx].comes_to_rest();
     let torques_of = |swing_idx: usize| {
         let guess = (point.values.as_slice(), point.starts[swing_idx]);
         let column = &problem.predict(swing_idx, problem.swings[swing_idx].len(), &[guess])[0];
-        last_turning_torques(column, gravity)
+        let all = last_turning_torques(column, gravity);
+        // Where a swing that still moves ends, it does not turn.
+        if moves(swing_idx) { all[1..].to_vec() } else { all }
     };
     let of_swings: Vec<Vec<f64>> = (0..problem.swings.len()).into_par_iter().map(torques_of).collect();
-    // A swing that still moves at its end was held at none of its turning points.
-    let moves = |swing_idx: &usize| !problem.swings[*swing_idx].comes_to_rest();
-    let passed = (0..problem.swings.len()).filter(moves).flat_map(|swing_idx| of_swings[swing_idx].get(1));
+    // And it was held at none of its turning points.
+    let passed = (0..of_swings.len()).filter(|swing_idx| moves(*swing_idx)).flat_map(|idx| of_swings[idx].first());
     let limit = passed.fold(f64::INFINITY, |least, torque| torque.min(least));
     let mut torques = of_swings.concat();
     torques.retain(|torque| *torque > coulomb && *torque <= limit);

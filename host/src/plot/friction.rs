@@ -17,7 +17,8 @@ const EXPLANATION: &str = "Friction against the motion at each speed, left free,
     bars, the friction is not of that kind. A knot without a bar is told by one stretch of a swing alone, or its ± is not \
     known here.";
 
-/// Draws the curve of a model, if it has one, with the standard deviations of its torques as far as they are known, N·m.
+/// Draws the curve of a model, if it has one, with the standard deviations of its torques as far as they are known,
+/// N·m.
 pub fn friction(parameters: &Parameters<f64>, stds: &[Option<f64>]) -> Option<Picture> {
     let curve = parameters.curve.as_ref()?;
     let (built_up, spline) = (built_up_nm(parameters), Spline::new(curve));

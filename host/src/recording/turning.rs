@@ -26,14 +26,14 @@ const WIDEST: f64 = 0.45;
 /// First look: the angle must fall by this many noise rms …
 const ROUGH_FALL_NOISE: f64 = 14.0;
 
-/// … of means over so many samples, the fewest that show this many turns: swings that hardly rise out of the noise of a
-/// sample, such as those of a gate that takes 9 s and moves by 8 of its noises. Twice as many would show a wandering
-/// sensor as swings.
-const MEANS: [usize; 5] = [1, 2, 4, 8, 16];
-const ENOUGH_TURNS: usize = 4;
-
 /// … and this share of the whole range to have turned.
 const ROUGH_FALL_SHARE: f64 = 0.05;
+
+/// Looked at are means over so many samples, the fewest that show enough turns: swings may hardly rise out of the noise
+/// of a sample, such as those of a gate that takes 9 s and moves by 8 of its noises. Twice as many would show a
+/// wandering sensor as swings; half as many lose that gate.
+const MEANS: [usize; 5] = [1, 2, 4, 8, 16];
+const ENOUGH_TURNS: usize = 4;
 
 /// Second look, after smoothing: fall in units of the smoothed noise.
 const FINE_FALL_NOISE: f64 = 8.0;
