@@ -5,6 +5,7 @@ use super::table::wrapped;
 use crate::diagnose::curve::Contradiction;
 use crate::diagnose::{Diagnosis, FrictionCurve};
 use crate::verdict::Left;
+use shared::effect::Effect;
 
 /// Speeds that are told, spread over the knots whose torque is known.
 const TOLD: usize = 4;
@@ -17,12 +18,15 @@ pub(super) fn in_words(diagnosis: &Diagnosis, curve: &FrictionCurve) -> String {
         [] => String::new(),
         names => format!(" beside {}", names.join(" and ")),
     };
-    let replaced: Vec<&str> = diagnosis.verdict.iter().copied().filter(|name| !curve.beside.contains(name)).collect();
+    // The sensor's zero is free beside every model.
+    let is_law = |name: &&str| Effect::<f64>::by_name(name).is_none_or(|effect| !effect.rules.is_free_offset);
+    let laws: Vec<&str> = diagnosis.verdict.iter().copied().filter(is_law).collect();
+    let replaced: Vec<&str> = laws.iter().copied().filter(|name| !curve.beside.contains(name)).collect();
     let beside = match replaced.as_slice() {
         [] => beside,
         names => format!("{beside} in place of {}", names.join(" and ")),
     };
-    let what = if diagnosis.verdict.is_empty() { "No law of the list explains it" } else { "No law explains the rest" };
+    let what = if laws.is_empty() { "No law of the list explains it" } else { "No law explains the rest" };
     let mut sentences = vec![format!(
         "{what}; a free friction curve{beside} leaves {} {unit} of {}, {:.1} times the noise.",
         milli(curve.rmse),
