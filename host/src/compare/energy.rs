@@ -76,6 +76,14 @@ impl Energy {
         self.loss_missing.iter().filter(matters).filter(|mean| mean.z().abs() > SIGNIFICANT).collect()
     }
 
+    /// The measured bump, if the model loses less there than was measured: some do have one.
+    pub fn bump_missing_rad(&self) -> Option<f64> {
+        let bump_rad = self.bump_rad?;
+        let apart = |mean: &Mean| (mean.x - bump_rad).abs();
+        let there = self.loss_missing.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+        (there.z() > SIGNIFICANT).then_some(bump_rad)
+    }
+
     /// Bins in which the period is significantly off.
     pub fn periods_off(&self) -> Vec<&Mean> {
         let matters = |mean: &&Mean| mean.value.abs() > PERIOD_SHARE && mean.z().abs() > SIGNIFICANT;
@@ -162,6 +170,16 @@ fn bump(losses: &[Mean]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_bump_is_missing_only_where_the_model_loses_less() {
+        let missing = |value: f64| {
+            let mean = |x: f64, value: f64| Mean { x, value, spread: 0.01, n: 5 };
+            let loss_missing = vec![mean(0.1, 0.0), mean(0.3, value), mean(0.6, 0.0)];
+            Energy { bump_rad: Some(0.35), loss_missing, ..Energy::default() }.bump_missing_rad()
+        };
+        assert_eq!([missing(0.1), missing(0.01), missing(-0.1)], [Some(0.35), None, None]);
+    }
 
     #[test]
     fn a_loss_that_only_rises_has_no_bump() {

@@ -223,7 +223,7 @@ fn fails_most(seen: &Seen) -> Option<String> {
 fn findings(seen: &Seen) -> Vec<String> {
     let mut words = Vec::new();
     words.extend(losses(seen));
-    words.extend(seen.energy.bump_rad.map(|bump_rad| {
+    words.extend(seen.energy.bump_missing_rad().map(|bump_rad| {
         format!("The energy lost per path has a bump near {bump_rad:.2} rad, which no friction of the model has.")
     }));
     words.extend(periods(seen));
