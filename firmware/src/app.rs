@@ -14,6 +14,7 @@ use embassy_futures::yield_now;
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
 use shared::rig::{Finished, Outcome, Request, Rig, Stored};
+use shared::sensor::Sensor;
 use shared::wire::{Answer, Chip, Command, Cycles, Deframer, Frame, Health, Refusal, StoreState, Stream};
 
 /// A restart waits at most this long for its answer to leave …
@@ -34,15 +35,35 @@ impl<Y: System> Pause for Sampling<Y> {
     }
 }
 
+/// What a board's sampler can do.
+#[derive(Clone, Copy)]
+struct Input {
+    nearest_rate: fn(f32) -> f32,
+    can_read: fn(&Sensor) -> bool,
+}
+
+impl Input {
+    fn of<S: Sampler>() -> Self {
+        Self { nearest_rate: S::nearest_rate, can_read: S::can_read }
+    }
+
+    /// Gives what was stored, which may be another board's, the rate that this board makes of it. False if it has no
+    /// input for its sensor.
+    fn takes(self, stored: &mut Stored) -> bool {
+        stored.settings = stored.settings.at_rate((self.nearest_rate)(stored.settings.rate_hz));
+        (self.can_read)(&stored.settings.sensor)
+    }
+}
+
 /// What the loops share. They run in one task, so no borrow is ever held while another loop runs.
 struct Shared<Y> {
     rig: RefCell<Rig>,
     system: RefCell<Y>,
     queue: FrameQueue,
     most_points_per_s: f32,
-    nearest_rate: fn(f32) -> f32,
-    /// A rate that the sampler has not been told yet.
-    new_rate_hz: Cell<Option<f32>>,
+    input: Input,
+    /// Sensor and rate that the sampler has not been told yet.
+    new_sampling: Cell<Option<(Sensor, f32)>>,
     /// The flash is being written, or was since the last samples: what is missing now was announced.
     saving: Cell<bool>,
     saved: Cell<bool>,
@@ -61,27 +82,33 @@ struct Stages {
 /// Runs the rig on a board, for ever.
 pub async fn run<S: Sampler, R: Read, W: Write, F: NorFlash, Y: System>(board: Board<S, R, W, F, Y>) -> ! {
     let mut store = Store::pausing(board.flash, board.store);
-    let rig = start(board.name, board.most_points_per_s, S::nearest_rate, &mut store, board.system).await;
+    let rig = start(board.name, board.most_points_per_s, Input::of::<S>(), &mut store, board.system).await;
     join3(rig.sample(board.sampler), rig.send(board.sender), rig.listen(board.receiver, store)).await.0
 }
 
 async fn start<F: NorFlash, Y: System>(
     name: &str,
     most_points_per_s: f32,
-    nearest_rate: fn(f32) -> f32,
+    input: Input,
     store: &mut Store<F, Sampling<Y>>,
     mut system: Y,
 ) -> Shared<Y> {
-    let mut rig = Rig::new(name, FULL_SCALE, load(store, &mut system).await.map(|stored| made(stored, nearest_rate)));
+    let mut loaded = load(store, &mut system).await;
+    if let Ok(stored) = &mut loaded
+        && !input.takes(stored)
+    {
+        loaded = Err(StoreState::OtherVersion);
+    }
+    let mut rig = Rig::new(name, FULL_SCALE, loaded);
     let store_state = rig.health().store;
     *rig.health() = Health { store: store_state, ..system.since_power_up() };
     Shared {
-        new_rate_hz: Cell::new(Some(rig.settings().rate_hz)),
+        new_sampling: Cell::new(Some((rig.settings().sensor, rig.settings().rate_hz))),
         rig: RefCell::new(rig),
         system: RefCell::new(system),
         queue: FrameQueue::new(),
         most_points_per_s,
-        nearest_rate,
+        input,
         saving: Cell::new(false),
         saved: Cell::new(false),
         stages: RefCell::new(Stages::default()),
@@ -103,17 +130,11 @@ async fn load<F: NorFlash, Y: System>(store: &mut Store<F, Sampling<Y>>, system:
     }
 }
 
-/// With the rate that this board makes of the stored one, which may be another board's.
-fn made(stored: Stored, nearest_rate: fn(f32) -> f32) -> Stored {
-    let rate_hz = nearest_rate(stored.settings.rate_hz);
-    Stored { settings: stored.settings.at_rate(rate_hz), ..stored }
-}
-
 impl<Y: System> Shared<Y> {
     async fn sample(&self, mut sampler: impl Sampler) -> ! {
         loop {
-            if let Some(rate_hz) = self.new_rate_hz.take() {
-                sampler.set_rate(rate_hz);
+            if let Some((sensor, rate_hz)) = self.new_sampling.take() {
+                sampler.start(&sensor, rate_hz);
             }
             let batch = sampler.next().await;
             self.take_batch(&batch);
@@ -184,8 +205,15 @@ impl<Y: System> Shared<Y> {
                 self.system.borrow_mut().measure(self.rig.borrow_mut().health());
             }
             Frame::Command(_, Command::Chip) => *self.rig.borrow_mut().chip() = self.chip(),
-            Frame::Command(number, Command::Bootloader) if !Y::HAS_BOOTLOADER => return self.refuse(number),
-            Frame::Command(number, Command::Start(stream)) if self.is_too_much(stream) => return self.refuse(number),
+            Frame::Command(number, Command::Bootloader) if !Y::HAS_BOOTLOADER => {
+                return self.refuse(number, Refusal::NotHere);
+            }
+            Frame::Command(number, Command::Start(stream)) if self.is_too_much(stream) => {
+                return self.refuse(number, Refusal::NotHere);
+            }
+            Frame::Command(number, Command::SetSettings(settings)) if !(self.input.can_read)(&settings.sensor) => {
+                return self.refuse(number, Refusal::NoSuchSensor);
+            }
             _ => {}
         }
         let outcome = self.rig.borrow_mut().on_frame(frame);
@@ -217,8 +245,8 @@ impl<Y: System> Shared<Y> {
         stream.live_every > 0 && rate_hz > self.most_points_per_s * f32::from(stream.live_every)
     }
 
-    fn refuse(&self, number: u16) {
-        self.answer(&Frame::Answer(number, Answer::Refused(Refusal::NotHere)));
+    fn refuse(&self, number: u16, why: Refusal) {
+        self.answer(&Frame::Answer(number, Answer::Refused(why)));
     }
 
     fn answer(&self, frame: &Frame) {
@@ -238,17 +266,17 @@ impl<Y: System> Shared<Y> {
                 self.stages.borrow_mut().save.took(Y::cycles().wrapping_sub(began));
                 outcome.map_or_else(Finished::Failed, |()| Finished::Done)
             }
-            Request::Load => match store.load().await {
-                Ok(stored) => {
-                    let stored = made(stored, self.nearest_rate);
-                    self.new_rate_hz.set(Some(stored.settings.rate_hz));
-                    Finished::Loaded(stored)
+            Request::Load => {
+                let Ok(mut stored) = store.load().await else { return Finished::Failed(Refusal::NothingStored) };
+                if !self.input.takes(&mut stored) {
+                    return Finished::Failed(Refusal::NoSuchSensor);
                 }
-                Err(_) => Finished::Failed(Refusal::NothingStored),
-            },
+                self.new_sampling.set(Some((stored.settings.sensor, stored.settings.rate_hz)));
+                Finished::Loaded(stored)
+            }
             Request::SetRate(rate_hz) => {
-                let rate_hz = (self.nearest_rate)(rate_hz);
-                self.new_rate_hz.set(Some(rate_hz));
+                let rate_hz = (self.input.nearest_rate)(rate_hz);
+                self.new_sampling.set(Some((self.rig.borrow().settings().sensor, rate_hz)));
                 Finished::Sampling(rate_hz)
             }
             Request::Reset => self.system.borrow_mut().reset(),

@@ -3,11 +3,12 @@
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
 use heapless::Vec;
+use shared::sensor::Sensor;
 use shared::units::Code;
 use shared::wire::{Chip, Health};
 
-/// The largest code: four times 4095. Every board averages until its codes have this scale, or is fed such codes, so
-/// that a calibration means the same on all of them.
+/// A potentiometer's largest code: four times 4095. Every board averages until its codes have this scale, or is fed
+/// such codes, so that a calibration means the same on all of them.
 pub const FULL_SCALE: u16 = 4 * 4095;
 
 /// The most samples handed over at once.
@@ -20,7 +21,7 @@ pub struct Batch {
     pub lost: u32,
     /// What making them took, in cycles of [`System::cycles`]; 0 if not measured.
     pub cycles: u32,
-    /// The codes, 0 … [`FULL_SCALE`].
+    /// The codes: a potentiometer's are 0 … [`FULL_SCALE`].
     pub codes: Vec<Code, BATCH>,
 }
 
@@ -28,8 +29,10 @@ pub struct Batch {
 pub trait Sampler {
     /// The rate nearest to this one (50 … 10 000 Hz) that it can make.
     fn nearest_rate(rate_hz: f32) -> f32;
-    /// Samples at this rate from now on, or at the nearest one.
-    fn set_rate(&mut self, rate_hz: f32);
+    /// Is there an input for this sensor?
+    fn can_read(sensor: &Sensor) -> bool;
+    /// Samples of this sensor, at this rate or at the nearest one, from now on.
+    fn start(&mut self, sensor: &Sensor, rate_hz: f32);
     /// Waits for the next samples.
     async fn next(&mut self) -> Batch;
 }

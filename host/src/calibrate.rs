@@ -12,7 +12,7 @@ use crate::fit::identify::{self, FitError, Method, Options};
 use crate::swing::Swing;
 use shared::effect::Effect;
 use shared::parameters::{ParameterError, Parameters};
-use shared::potentiometer::Potentiometer;
+use shared::sensor::Sensor;
 
 /// A gain further than this factor from the data sheet's is a mistake.
 const GAIN_FACTOR: f64 = 2.0;
@@ -57,6 +57,14 @@ pub enum CalibrationError {
         /// Standard deviation.
         percent: f64,
     },
+    /// Nothing to measure.
+    #[error("the gain of a sensor of kind {sensor} is known: {numbers}")]
+    Known {
+        /// The sensor.
+        sensor: &'static str,
+        /// What it is.
+        numbers: String,
+    },
     /// No fit.
     #[error(transparent)]
     Fit(#[from] FitError),
@@ -70,6 +78,9 @@ impl CalibrationError {
     pub fn next_step(&self) -> &'static str {
         match self {
             Self::Absurd { .. } => "give the angles in degrees from hanging, in the order in which they are held",
+            Self::Known { .. } => {
+                "leave --angles and --recording out: only its zero is measured; --encoder changes its counts"
+            }
             Self::NotTold { .. } => "release it from a larger angle, 60° or more, or use --angles",
             Self::Fit(_) => "see what `host fit` says of these recordings",
             Self::Model(_) => "take an effect out of the model first: host improve --remove",
@@ -77,16 +88,15 @@ impl CalibrationError {
     }
 }
 
-/// The gain from at least one known angle that is not zero.
+/// The gain from at least one known angle that is not zero; `nominal` is the data sheet's, rad a code.
 ///
 /// # Errors
 /// A gain that can't be.
-pub fn line(zero_code: f64, known: &[Known], full_scale: u16) -> Result<Line, CalibrationError> {
+pub fn line(zero_code: f64, known: &[Known], nominal: f64) -> Result<Line, CalibrationError> {
     let codes = |point: &Known| point.code - zero_code;
     let square: f64 = known.iter().map(|point| point.angle_rad.powi(2)).sum();
     let codes_per_rad = known.iter().map(|point| codes(point) * point.angle_rad).sum::<f64>() / square;
     let radian_per_code = 1.0 / codes_per_rad;
-    let nominal = f64::from(Potentiometer::nominal(full_scale).radian_per_code);
     if !(1.0 / GAIN_FACTOR..GAIN_FACTOR).contains(&(radian_per_code.abs() / nominal)) {
         return Err(CalibrationError::Absurd { mrad: 1e3 * radian_per_code, nominal_mrad: 1e3 * nominal });
     }
@@ -116,11 +126,24 @@ pub fn gain_of_swings(swings: &[Swing], model: &Parameters<f64>) -> Result<(f64,
     Ok((1.0 + error, std))
 }
 
+/// Can known angles or swings tell anything of this sensor's gain?
+///
+/// # Errors
+/// They can't.
+pub fn check_gain(sensor: &Sensor) -> Result<(), CalibrationError> {
+    match sensor.gain_is_known() {
+        true => Err(CalibrationError::Known { sensor: sensor.name(), numbers: sensor.to_string() }),
+        false => Ok(()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use shared::model::Model;
-    use shared::potentiometer::FULL_SCALE_12_BIT;
+    use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
+
+    const NOMINAL: f64 = Potentiometer::nominal(FULL_SCALE_12_BIT).radian_per_code as f64;
 
     fn known(angle_rad: f64, code: f64) -> Known {
         Known { angle_rad, code }
@@ -130,7 +153,7 @@ mod tests {
     fn the_gain_comes_back_from_known_angles_also_a_negative_one() {
         for gain in [1.5e-3, -1.4e-3] {
             let points: Vec<Known> = [0.5, -0.7, 1.2].map(|angle| known(angle, 2000.0 + angle / gain)).to_vec();
-            let line = line(2000.0, &points, FULL_SCALE_12_BIT).unwrap();
+            let line = line(2000.0, &points, NOMINAL).unwrap();
             assert!((line.radian_per_code / gain - 1.0).abs() < 1e-12);
             assert!(line.off_rad.iter().all(|off| off.abs() < 1e-12));
         }
@@ -139,14 +162,14 @@ mod tests {
     #[test]
     fn a_bent_track_is_off_the_line() {
         let bent = |angle: f64| known(angle, 2048.0 + (angle + 0.02 * angle * angle) / 1.45e-3);
-        let line = line(2048.0, &[0.5, 1.0, 1.5].map(bent), FULL_SCALE_12_BIT).unwrap();
+        let line = line(2048.0, &[0.5, 1.0, 1.5].map(bent), NOMINAL).unwrap();
         assert!(line.off_rad.iter().any(|off| off.abs() > 4e-3), "{line:?}");
         assert!(line.std.is_some_and(|std| std > 1e-6));
     }
 
     #[test]
     fn degrees_taken_for_radians_are_refused() {
-        let error = line(2048.0, &[known(45.0, 2590.0)], FULL_SCALE_12_BIT).unwrap_err();
+        let error = line(2048.0, &[known(45.0, 2590.0)], NOMINAL).unwrap_err();
         assert!(matches!(error, CalibrationError::Absurd { .. }));
     }
 

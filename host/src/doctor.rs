@@ -99,8 +99,8 @@ fn of_rig(session: &mut Session, model: Option<&RigFile>) -> Vec<Finding> {
             found.extend(board::chip(&chip, settings.rate_hz));
         }
         found.extend(signal.findings(&settings));
-        found.push(model::calibration(&settings.potentiometer));
-        found.extend(model::parameters(&session.parameters()?, &settings.potentiometer, model));
+        found.push(model::calibration(&settings.sensor));
+        found.extend(model::parameters(&session.parameters()?, &settings.sensor, model));
         Ok(found)
     })();
     match rest {

@@ -16,6 +16,7 @@ pub mod plan;
 pub mod push;
 pub mod reading;
 pub mod record;
+pub mod sensor;
 pub mod simulate;
 mod stages;
 pub mod watch;

@@ -2,7 +2,7 @@
 //!
 //! In: the stream of raw converter codes. Out: a recording file, written while the samples arrive, so that whatever
 //! ends it early leaves what was recorded. Time is the sample count over the sampling rate; the program's own clock
-//! plays no part. Samples at an end of the potentiometer's range mean nothing and are left out.
+//! plays no part. Samples at an end of the sensor's range mean nothing and are left out.
 
 mod detector;
 mod error;
@@ -23,6 +23,7 @@ use crate::link::{LinkError, Session};
 use crate::now;
 use crate::recording::{Existing, WriteError};
 use recorder::Recorder;
+use shared::sensor::Sensor;
 use shared::wire::{self, Stream};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -94,10 +95,12 @@ pub enum End {
     TimeLimit,
     /// It was told to stop (Ctrl-C).
     Stopped,
-    /// The potentiometer reads an end of its range.
+    /// The sensor reads an end of its range.
     Disconnected {
         /// The code it reads.
         code: u16,
+        /// Which sensor.
+        sensor: Sensor,
     },
     /// The link broke.
     Lost(LinkError),

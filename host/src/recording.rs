@@ -33,7 +33,7 @@ mod write;
 pub use crate::files::Existing;
 pub use columns::{AngleUnit, ColumnRef, Columns, ColumnsError, RateUnit, TimeUnit};
 pub use error::{Fault, ReadError, WriteError};
-pub use header::{Calibration, FORMAT_NAME, FORMAT_VERSION, Header};
+pub use header::{Calibration, FORMAT_NAME, FORMAT_VERSION, Header, sensor_name};
 pub use look::{Look, look};
 pub use measured::Measured;
 pub use read::{ReadOptions, read, read_bytes};

@@ -24,7 +24,7 @@ use crate::recording::Measured;
 use shared::effect::CUSTOM_FORMULA_ID;
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
-use shared::potentiometer::Potentiometer;
+use shared::sensor::Sensor;
 use std::path::{Path, PathBuf};
 use toml_edit::DocumentMut;
 
@@ -87,7 +87,7 @@ pub struct RigFile {
     document: DocumentMut,
     parameters: Parameters<f64>,
     knowledge: Vec<(Quantity, Knowledge)>,
-    potentiometer: Option<Potentiometer>,
+    sensor: Option<Sensor>,
     measured: Option<Measured>,
     normalised: bool,
 }
@@ -172,8 +172,8 @@ impl RigFile {
     }
 
     /// The sensor's calibration, if the file has one.
-    pub fn potentiometer(&self) -> Option<&Potentiometer> {
-        self.potentiometer.as_ref()
+    pub fn sensor(&self) -> Option<&Sensor> {
+        self.sensor.as_ref()
     }
 
     /// What recordings hold that do not say it, if the file does: `measured = "rate"` under `[sensor]`.
@@ -244,10 +244,10 @@ impl RigFile {
         Ok(())
     }
 
-    /// Sets the sensor's calibration.
-    pub fn set_potentiometer(&mut self, potentiometer: Potentiometer) {
-        write::set_potentiometer(&mut self.document, &potentiometer);
-        self.potentiometer = Some(potentiometer);
+    /// Sets the sensor and its calibration.
+    pub fn set_sensor(&mut self, sensor: Sensor) {
+        write::set_sensor(&mut self.document, &sensor);
+        self.sensor = Some(sensor);
     }
 }
 

@@ -15,6 +15,7 @@ pub use scenario::Scenario;
 
 use crate::link::{LinkError, Port};
 use bench::Bench;
+use shared::potentiometer::FULL_SCALE_12_BIT;
 use shared::rig::{Finished, MAX_STORED, Outcome, Request, Rig, Stored};
 use shared::wire::{self, Command, Deframer, Frame, MAX_FRAME, Refusal, StoreState};
 use std::collections::VecDeque;
@@ -51,11 +52,18 @@ pub struct SimulatedRig {
 }
 
 impl SimulatedRig {
-    /// A rig with empty flash; equal seeds give equal noise.
+    /// A rig with empty flash, or with the bench's sensor in it; equal seeds give equal noise.
     pub fn new(scenario: &Scenario, seed: u64) -> Self {
-        let rig = Rig::new(NAME, shared::potentiometer::FULL_SCALE_12_BIT, Err(StoreState::Empty));
+        let rig = Rig::new(NAME, FULL_SCALE_12_BIT, Err(StoreState::Empty));
         let bench = Bench::new(scenario, seed);
-        Self { rig, bench, deframer: Deframer::new(), output: VecDeque::new(), flash: None, elapsed_s: 0.0 }
+        let mut new =
+            Self { rig, bench, deframer: Deframer::new(), output: VecDeque::new(), flash: None, elapsed_s: 0.0 };
+        if let Some(sensor) = scenario.sensor {
+            let settings = new.rig.settings().with_sensor(sensor);
+            new.carry_out(Request::Save(Stored { parameters: new.rig.parameters().clone(), settings }));
+            new.restart();
+        }
+        new
     }
 
     /// Takes bytes from the PC; answers are in the output at once.
@@ -72,7 +80,7 @@ impl SimulatedRig {
     /// Takes one sample; frames that are complete are in the output.
     pub fn sample(&mut self) {
         let dt_s = 1.0 / f64::from(self.rig.settings().rate_hz);
-        let code = self.bench.sample(dt_s);
+        let code = self.bench.sample(&self.rig.settings().sensor, dt_s);
         let output = &mut self.output;
         self.rig.on_sample(code, |frame| put(output, &frame));
         self.elapsed_s += dt_s;
@@ -143,7 +151,7 @@ impl SimulatedRig {
     }
 
     fn restart(&mut self) {
-        self.rig = Rig::new(NAME, shared::potentiometer::FULL_SCALE_12_BIT, self.stored());
+        self.rig = Rig::new(NAME, FULL_SCALE_12_BIT, self.stored());
     }
 }
 

@@ -23,10 +23,12 @@ pub mod motion;
 pub mod observer;
 pub mod paper;
 pub mod parameters;
-pub mod potentiometer;
 pub mod real;
 pub mod rig;
 mod rk4;
 pub mod score;
+pub mod sensor;
 pub mod units;
 pub mod wire;
+
+pub use sensor::potentiometer;

@@ -9,7 +9,7 @@ use crate::formula::{Formula, MAX_BYTES};
 use crate::motion::Pendulum;
 use crate::observer::{Estimate, Observer};
 use crate::parameters::Parameters;
-use crate::potentiometer::Potentiometer;
+use crate::sensor::{NoGain, Potentiometer, Reader, Sensor};
 use crate::units::{Code, Radian};
 use crate::wire::{
     Answer, Chip, Command, Frame, Health, Hello, Live, PROTOCOL, Point, Refusal, Samples, Settings, Statistics,
@@ -18,23 +18,17 @@ use crate::wire::{
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Version of [`Stored`] in flash.
+/// Version of [`Stored`] in flash with a potentiometer …
 const STORED_VERSION: u16 = 1;
+
+/// … and with another sensor, so that firmware from before there were others falls back on its defaults.
+const STORED_WITH_SENSOR: u16 = 2;
 
 /// The longest encoded [`Stored`].
 pub const MAX_STORED: usize = 320 + MAX_BYTES;
 
 /// For calibration: codes are averaged with this time constant.
 const AVERAGING_S: f32 = 0.25;
-
-/// The pendulum counts as still while its codes spread less than this share of full scale (about 2.5 codes of 4096).
-const STILL_SPREAD: f32 = 6e-4;
-
-/// A gain further than this factor from the data sheet's is a mistake.
-const GAIN_FACTOR: f32 = 2.0;
-
-/// Least distance from zero, rad by the nominal gain, at which a gain can be calibrated.
-const LEAST_GAIN_ANGLE_RAD: f32 = 0.2;
 
 /// Sampling rates that a rig may be asked for.
 pub const LOWEST_RATE_HZ: f32 = 50.0;
@@ -58,6 +52,11 @@ impl Settings {
     pub fn at_rate(self, rate_hz: f32) -> Self {
         Self { rate_hz, cutoff_hz: self.cutoff_hz.min(HIGHEST_CUTOFF * rate_hz), ..self }
     }
+
+    /// The same with another sensor, or with another calibration.
+    pub fn with_sensor(self, sensor: Sensor) -> Self {
+        Self { sensor, ..self }
+    }
 }
 
 impl Stored {
@@ -65,7 +64,7 @@ impl Stored {
     /// check sum.
     pub fn encode<'b>(&self, buffer: &'b mut [u8; MAX_STORED]) -> Option<&'b [u8]> {
         let formula = self.parameters.formula.as_ref().map_or(&[][..], Formula::bytes);
-        let n_bytes = postcard::to_slice(&(STORED_VERSION, self), buffer).ok()?.len();
+        let n_bytes = postcard::to_slice(&(self.version(), self), buffer).ok()?.len();
         let end = n_bytes + formula.len();
         buffer.get_mut(n_bytes..end)?.copy_from_slice(formula);
         buffer.get(..end)
@@ -74,15 +73,23 @@ impl Stored {
     /// Reads what [`Stored::encode`] wrote; content that does not fit this build is refused with its reason.
     pub fn decode(bytes: &[u8]) -> Result<Self, StoreState> {
         let (version, rest) = postcard::take_from_bytes::<u16>(bytes).map_err(|_| StoreState::Damaged)?;
-        if version != STORED_VERSION {
+        if ![STORED_VERSION, STORED_WITH_SENSOR].contains(&version) {
             return Err(StoreState::OtherVersion);
         }
         let (mut stored, rest) = postcard::take_from_bytes::<Self>(rest).map_err(|_| StoreState::Damaged)?;
+        if version != stored.version() {
+            return Err(StoreState::OtherVersion);
+        }
         if !rest.is_empty() {
             stored.parameters.formula = Some(Formula::from_bytes(rest).ok_or(StoreState::Damaged)?);
         }
         let sound = stored.parameters.check().is_ok() && check_settings(&stored.settings).is_ok();
         if sound { Ok(stored) } else { Err(StoreState::Damaged) }
+    }
+
+    fn version(&self) -> u16 {
+        let is_potentiometer = self.settings.sensor.protocol() == PROTOCOL;
+        if is_potentiometer { STORED_VERSION } else { STORED_WITH_SENSOR }
     }
 }
 
@@ -93,7 +100,7 @@ pub enum Request {
     Save(Stored),
     /// Read flash.
     Load,
-    /// Sample at this rate from now on.
+    /// Sample at this rate, and with the sensor of the settings, from now on.
     SetRate(f32),
     /// Restart.
     Reset,
@@ -136,6 +143,7 @@ pub struct Rig {
     /// The law of the custom effect for the next parameters that contain it.
     formula: Option<Formula>,
     settings: Settings,
+    reader: Reader,
     filter: Butterworth<f32>,
     filter_state: Option<FilterState<f32>>,
     observer: Observer<f32>,
@@ -144,7 +152,9 @@ pub struct Rig {
     live: Live,
     until_point: u16,
     next_sample: u64,
-    mean_code: f32,
+    position: i32,
+    /// Mean of the codes beyond the last position: far from zero an `f32` has too few digits for the mean itself.
+    mean_ahead: f32,
     mean_square_code: f32,
     refused_protocol: Option<u16>,
     statistics: Statistics,
@@ -158,6 +168,7 @@ impl Rig {
             Ok(stored) => (StoreState::Loaded, stored),
             Err(reason) => (reason, defaults(full_scale)),
         };
+        let settings = in_use.settings.with_sensor(in_use.settings.sensor.at_power_up());
         let statistics = Statistics { health: Health { store, ..Health::default() }, ..Statistics::default() };
         let observer = Observer::new(&in_use.parameters, in_use.settings.bandwidth_rad_s);
         let mut rig = Self {
@@ -165,7 +176,8 @@ impl Rig {
             full_scale,
             formula: in_use.parameters.formula.clone(),
             parameters: in_use.parameters,
-            settings: in_use.settings,
+            settings,
+            reader: Reader::new(settings.sensor),
             filter: filter_of(&default_settings(full_scale)),
             filter_state: None,
             observer,
@@ -174,13 +186,14 @@ impl Rig {
             live: empty_live(),
             until_point: 0,
             next_sample: 0,
-            mean_code: 0.0,
+            position: 0,
+            mean_ahead: 0.0,
             mean_square_code: 0.0,
             refused_protocol: None,
             statistics,
             chip: Chip::default(),
         };
-        rig.use_settings(in_use.settings);
+        rig.use_settings(settings);
         rig
     }
 
@@ -216,11 +229,12 @@ impl Rig {
         let sample = self.next_sample;
         self.next_sample = sample.wrapping_add(1);
         self.statistics.samples += 1;
-        self.average(code);
+        let position = self.reader.follow(code);
+        self.average(position);
 
-        let connected = self.settings.potentiometer.is_connected(code);
+        let connected = self.settings.sensor.is_connected(code);
         let dt_s = 1.0 / self.settings.rate_hz;
-        let (filtered_rad, estimate) = if connected { self.observe(code, dt_s) } else { self.coast(dt_s) };
+        let (filtered_rad, estimate) = if connected { self.observe(position, dt_s) } else { self.coast(dt_s) };
         if !connected {
             self.statistics.disconnected += 1;
             self.raw.status |= status::DISCONNECTED;
@@ -263,8 +277,8 @@ impl Rig {
         self.statistics.bad_frames = self.statistics.bad_frames.saturating_add(1);
     }
 
-    fn observe(&mut self, code: Code, dt_s: f32) -> (f32, Estimate<f32>) {
-        let Radian(angle_rad) = self.settings.potentiometer.angle(code);
+    fn observe(&mut self, position: i32, dt_s: f32) -> (f32, Estimate<f32>) {
+        let Radian(angle_rad) = self.settings.sensor.angle_at(position);
         let filter_state = self.filter_state.get_or_insert(FilterState::settled_at(angle_rad));
         (filter_state.step(&self.filter, angle_rad), self.observer.on_measurement(angle_rad, dt_s))
     }
@@ -275,11 +289,17 @@ impl Rig {
         (estimate.angle_rad, estimate)
     }
 
-    fn average(&mut self, code: Code) {
+    fn average(&mut self, position: i32) {
         let share = 1.0 / (AVERAGING_S * self.settings.rate_hz);
-        let deviation = f32::from(code.0) - self.mean_code;
-        self.mean_code += share * deviation;
+        let deviation = position.wrapping_sub(self.position) as f32 - self.mean_ahead;
+        self.position = position;
+        self.mean_ahead = (share - 1.0) * deviation;
         self.mean_square_code += share * (deviation * deviation - self.mean_square_code);
+    }
+
+    /// The mean of the last codes.
+    fn mean_code(&self) -> f32 {
+        self.position as f32 + self.mean_ahead
     }
 
     fn add_code(&mut self, sample: u64, code: Code, send: &mut impl FnMut(Frame)) {
@@ -349,7 +369,8 @@ impl Rig {
                 self.refused_protocol = (hello.protocol != PROTOCOL).then_some(hello.protocol);
                 // A new session starts quiet, whatever the one before left running.
                 self.stream = None;
-                Outcome::Send(Frame::Hello(self.hello.clone()))
+                let protocol = self.settings.sensor.protocol();
+                Outcome::Send(Frame::Hello(Hello { protocol, ..self.hello.clone() }))
             }
             Frame::Command(number, command) => match self.refused_protocol {
                 Some(host) => refuse(number, Refusal::Protocol { host, rig: PROTOCOL }),
@@ -408,8 +429,13 @@ impl Rig {
                 self.use_parameters(defaults.parameters);
                 self.set_settings(number, defaults.settings)
             }
-            Command::ZeroHere => self.calibrate(number, |rig| Ok(rig.zero_here())),
-            Command::CalibrateGain(angle) => self.calibrate(number, |rig| rig.gain_at(angle)),
+            Command::ZeroHere => self.calibrate(number, |sensor, mean_code| Ok(sensor.with_zero(mean_code))),
+            Command::CalibrateGain(angle) => self.calibrate(number, |sensor, mean_code| {
+                sensor.with_gain(mean_code, angle).map_err(|reason| match reason {
+                    NoGain::Known => Refusal::GainIsKnown,
+                    NoGain::Absurd => Refusal::BadAngle,
+                })
+            }),
             Command::Statistics => answer(number, Answer::Statistics(self.statistics_now())),
             Command::Chip => answer(number, Answer::Chip(self.chip.clone())),
             // No board looks for itself yet.
@@ -431,7 +457,8 @@ impl Rig {
             Finished::Loaded(stored) => {
                 self.formula.clone_from(&stored.parameters.formula);
                 self.use_parameters(stored.parameters);
-                self.use_settings(stored.settings);
+                let sensor = stored.settings.sensor.taken_over(&self.settings.sensor);
+                self.use_settings(stored.settings.with_sensor(sensor));
                 Answer::Done
             }
         };
@@ -454,41 +481,29 @@ impl Rig {
         if let Err(index) = check_settings(&settings) {
             return refuse(number, Refusal::Setting { index });
         }
-        let new_rate = settings.rate_hz != self.settings.rate_hz;
+        let is_new = settings.rate_hz != self.settings.rate_hz || !settings.sensor.is_like(&self.settings.sensor);
         self.use_settings(settings);
-        if new_rate { Outcome::Do(number, Request::SetRate(settings.rate_hz)) } else { answer(number, Answer::Done) }
+        if is_new { Outcome::Do(number, Request::SetRate(settings.rate_hz)) } else { answer(number, Answer::Done) }
     }
 
     fn use_settings(&mut self, settings: Settings) {
         self.filter = filter_of(&settings);
         self.filter_state = None;
         self.observer.set_bandwidth(settings.bandwidth_rad_s);
+        if settings.sensor != self.settings.sensor {
+            self.reader = Reader::new(settings.sensor);
+        }
         self.settings = settings;
     }
 
-    fn calibrate(&mut self, number: u16, compute: impl FnOnce(&Self) -> Result<Potentiometer, Refusal>) -> Outcome {
-        let spread = STILL_SPREAD * f32::from(self.settings.potentiometer.full_scale);
-        let still = self.mean_square_code < spread * spread;
-        let computed = if !still { Err(Refusal::NotStill) } else { compute(self) };
+    fn calibrate(&mut self, number: u16, compute: impl FnOnce(Sensor, f32) -> Result<Sensor, Refusal>) -> Outcome {
+        let sensor = self.settings.sensor;
+        let still = self.mean_square_code < sensor.still_codes() * sensor.still_codes();
+        let computed = if still { compute(sensor, self.mean_code()) } else { Err(Refusal::NotStill) };
         match computed {
             Err(refusal) => refuse(number, refusal),
-            Ok(potentiometer) => self.set_settings(number, Settings { potentiometer, ..self.settings }),
+            Ok(sensor) => self.set_settings(number, self.settings.with_sensor(sensor)),
         }
-    }
-
-    fn zero_here(&self) -> Potentiometer {
-        Potentiometer { zero_code: self.mean_code, ..self.settings.potentiometer }
-    }
-
-    fn gain_at(&self, Radian(angle_rad): Radian) -> Result<Potentiometer, Refusal> {
-        let present = self.settings.potentiometer;
-        let nominal = Potentiometer::nominal(present.full_scale).radian_per_code;
-        let codes = self.mean_code - present.zero_code;
-        let radian_per_code = angle_rad / codes;
-        let ratio = radian_per_code.abs() / nominal;
-        let sensible =
-            codes.abs() * nominal > LEAST_GAIN_ANGLE_RAD && (1.0 / GAIN_FACTOR..GAIN_FACTOR).contains(&ratio);
-        if sensible { Ok(Potentiometer { radian_per_code, ..present }) } else { Err(Refusal::BadAngle) }
     }
 
     fn statistics_now(&self) -> Statistics {
@@ -525,8 +540,8 @@ fn default_parameters() -> Parameters<f32> {
 }
 
 fn default_settings(full_scale: u16) -> Settings {
-    let potentiometer = Potentiometer::nominal(full_scale);
-    Settings { rate_hz: 1000.0, cutoff_hz: 50.0, bandwidth_rad_s: 3.0, potentiometer }
+    let sensor = Potentiometer::nominal(full_scale).into();
+    Settings { rate_hz: 1000.0, cutoff_hz: 50.0, bandwidth_rad_s: 3.0, sensor }
 }
 
 /// `Err` with the position of the first setting outside its range.
@@ -535,7 +550,7 @@ fn check_settings(settings: &Settings) -> Result<(), u8> {
         (LOWEST_RATE_HZ..=HIGHEST_RATE_HZ).contains(&settings.rate_hz),
         settings.cutoff_hz > 0.0 && settings.cutoff_hz <= HIGHEST_CUTOFF * settings.rate_hz,
         (0.0..=100.0).contains(&settings.bandwidth_rad_s),
-        settings.potentiometer.is_valid(),
+        settings.sensor.is_valid(),
     ];
     good.iter().position(|good| !good).map_or(Ok(()), |index| Err(index as u8))
 }

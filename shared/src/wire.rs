@@ -8,7 +8,7 @@ use crate::bank::findings::Reason;
 use crate::effect::{CUSTOM_FORMULA_ID, Effect, MAX_VALUES};
 use crate::formula::MAX_BYTES;
 use crate::parameters::{ParameterError, Parameters};
-use crate::potentiometer::Potentiometer;
+use crate::sensor::Sensor;
 use crate::units::Radian;
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
@@ -17,8 +17,12 @@ mod framing;
 
 pub use framing::{Deframer, MAX_FRAME, WireError, decode, encode};
 
-/// Version of all messages but [`Hello`].
+/// Version of all messages but [`Hello`]: what programs say, and rigs whose sensor is a potentiometer.
 pub const PROTOCOL: u16 = 1;
+
+/// What rigs with another sensor say, so that a program that reads potentiometers only refuses them by name; see
+/// [`Sensor::protocol`]. In all else it is [`PROTOCOL`].
+pub const NEWEST_PROTOCOL: u16 = 2;
 
 /// First bytes of every [`Hello`].
 pub const MAGIC: [u8; 4] = *b"PNDL";
@@ -165,7 +169,7 @@ pub enum Refusal {
     Parameters(ParameterError),
     /// Settings outside their range: which, by position in [`Settings`].
     Setting {
-        /// 0 rate, 1 cut-off, 2 bandwidth, 3 potentiometer.
+        /// 0 rate, 1 cut-off, 2 bandwidth, 3 sensor.
         index: u8,
     },
     /// The pendulum moves, so that it can't be calibrated now.
@@ -184,6 +188,10 @@ pub enum Refusal {
     Formula,
     /// The supply is too low to write to flash.
     Supply,
+    /// The sensor's gain is a number of its own, which no angle can tell better.
+    GainIsKnown,
+    /// This board has no input for that sensor.
+    NoSuchSensor,
 }
 
 impl core::fmt::Display for Refusal {
@@ -194,7 +202,7 @@ impl core::fmt::Display for Refusal {
             }
             Self::Parameters(error) => write!(f, "{error}"),
             Self::Setting { index } => {
-                let what = ["sampling rate", "filter cut-off", "observer bandwidth", "potentiometer calibration"];
+                let what = ["sampling rate", "filter cut-off", "observer bandwidth", "sensor's calibration"];
                 write!(f, "the {} is outside its range", what.get(usize::from(*index)).copied().unwrap_or("setting"))
             }
             Self::NotStill => write!(f, "the pendulum is moving; hold it still and ask again"),
@@ -205,6 +213,10 @@ impl core::fmt::Display for Refusal {
             Self::NotHere => write!(f, "this board cannot do that"),
             Self::Formula => write!(f, "its firmware cannot run this formula; is the firmware older?"),
             Self::Supply => write!(f, "its supply is below 2.9 V, too low to write to flash"),
+            Self::GainIsKnown => {
+                write!(f, "its sensor's gain follows from its counts a turn; there is nothing to measure")
+            }
+            Self::NoSuchSensor => write!(f, "this board has no input for that sensor"),
         }
     }
 }
@@ -228,8 +240,9 @@ pub struct Settings {
     pub cutoff_hz: f32,
     /// Bandwidth of the observer, 0 … 100 rad/s; 0 lets the model run alone.
     pub bandwidth_rad_s: f32,
-    /// Calibration.
-    pub potentiometer: Potentiometer,
+    /// Which sensor, and its calibration.
+    #[serde(with = "crate::sensor::bytes")]
+    pub sensor: Sensor,
 }
 
 /// A run of converter codes without a gap.

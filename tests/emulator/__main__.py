@@ -48,6 +48,7 @@ def arguments():
     parser.add_argument("--leave", action="store_true", help="started by the bootloader instead of by power")
     parser.add_argument("--flash", help="what flash holds before the image, from its first byte on")
     parser.add_argument("--wiper", default="ramp", help="ramp, still, or the path of a pendulum's socket")
+    parser.add_argument("--encoder", default="still", help="still, ramp, or the path of a pendulum's socket")
     parser.add_argument("--terminal", action="store_true", help="the link is a pseudo terminal")
     return parser.parse_args()
 
@@ -63,8 +64,8 @@ def build(options):
         unique_id=options.unique_id,
     )
     sources = {"ramp": wiper.ramp, "still": wiper.still}
-    source = sources.get(options.wiper) or Plant(options.wiper)
-    chip = Chip(options.board, settings, source, say)
+    wiper_shows, encoder_shows = (sources.get(name) or Plant(name) for name in (options.wiper, options.encoder))
+    chip = Chip(options.board, settings, wiper_shows, encoder_shows, say)
     if options.flash:
         with open(options.flash, "rb") as file:
             data = file.read()

@@ -11,6 +11,7 @@ from adc import Adc
 from clock import Clock, seconds
 from core import Core
 from dma import Dma
+from encoder import Encoder
 from flash import Flash
 from iwdg import Watchdog
 from nvic import Nvic
@@ -69,7 +70,7 @@ class Settings:
 class Chip:
     """Powered, running `image`."""
 
-    def __init__(self, model, settings, source, on_event=lambda event: None):
+    def __init__(self, model, settings, source, turns, on_event=lambda event: None):
         self.model, self.settings, self.on_event = MODELS[model], settings, on_event
         self.clock = Clock()
         self.core = self.nvic = None
@@ -79,6 +80,7 @@ class Chip:
         self.code = []
         self._make_memories()
         self.wiper = Wiper(self.model.wiper_channel, source)
+        self.encoder = Encoder(turns)
         self.bus = Bus(self)
         self._make_peripherals()
         self.core = Core(self, settings.cpi)
@@ -100,8 +102,9 @@ class Chip:
         self.rcc = self.bus.attach(0x4002_3800, Rcc(self))
         self.flash = self.bus.attach(0x4002_3C00, Flash(self))
         self.power = self._attach(0x4000_7000, Power(self), APB1, 28)
-        for i, letter in enumerate("ABCDEFGHI"):
-            self._attach(0x4002_0000 + 0x400 * i, Gpio(self, letter), AHB1, i)
+        self.ports = {letter: Gpio(self, letter) for letter in "ABCDEFGHI"}
+        for i, port in enumerate(self.ports.values()):
+            self._attach(0x4002_0000 + 0x400 * i, port, AHB1, i)
         self.syscfg = self._attach(0x4001_3800, SystemConfiguration(self), APB2, 14)
         self.bus.attach(0x4001_3C00, ExternalInterrupts(self))
         self.dmas = {1: Dma(self, 1), 2: Dma(self, 2)}
@@ -110,6 +113,7 @@ class Chip:
         self.timers = {number: Timer(self, number) for number in (2, 3, 4, 5)}
         for number, timer in self.timers.items():
             self._attach(0x4000_0000 + 0x400 * (number - 2), timer, APB1, number - 2)
+        self.dmas[1].streams[2].before_look = self.timers[3].notice
         self.adc = self._attach(0x4001_2000, Adc(self), APB2, 8)
         self.usart = self._attach(0x4000_4400, Usart(self), APB1, 17)
         self.watchdog = self.bus.attach(0x4000_3000, Watchdog(self))

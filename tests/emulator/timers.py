@@ -1,9 +1,13 @@
-"""The general-purpose timers. RM0090 18.4, RM0390 17.4: up-counting, compare without output, one timer counting another.
+"""The general-purpose timers. RM0090 18.4, RM0390 17.4: up-counting, compare without output, one timer counting
+another, TIM4 counting the edges of an encoder, updates of TIM3 asking for the DMA.
 
 TIM2 and TIM5 have 32 bits, TIM3 and TIM4 have 16.
 """
 
+import struct
+
 from clock import NEVER, TICKS_PER_S, cancel
+from dma import TO_MEMORY
 from peripheral import Peripheral, Unmodelled
 
 INTERRUPTS = {2: 28, 3: 29, 4: 30, 5: 50}
@@ -15,6 +19,16 @@ DRIVERS = {(2, 2): 3, (2, 3): 4, (3, 1): 2, (3, 3): 4}
 RUNS, NO_UPDATE, ONLY_OVERFLOW, PRELOADED = 1 << 0, 1 << 1, 1 << 2, 1 << 7
 UPDATE_TRIGGERS = 2
 COUNTS_TRIGGERS = 7
+COUNTS_BOTH_EDGES = 3
+# The encoder's timer; its pins PB6 and PB7 in their alternate function 2 (DS8626 table 9); where its count is.
+ENCODERS = 4
+ENCODERS_PINS = ("B", (6, 7), 2)
+ENCODERS_COUNT = 0x4000_0824
+# Both inputs directly, not inverted, enabled.
+INPUTS, DIRECT = 0x0303, 0x0101
+# Updates of TIM3 ask stream 2 of DMA1, on its channel 5 (RM0090 table 42).
+ASKS_DMA = 1 << 8
+ASKED = {3: (1, 2, 5)}
 CHANNELS = range(1, 5)
 
 
@@ -22,6 +36,8 @@ class Timer(Peripheral):
     """One of them."""
 
     _event = _driver = None
+    # Where the encoder was when the count was `_base`.
+    _encoder, _turned = None, 0
 
     REGISTERS = {
         0x00: "CR1",
@@ -72,10 +88,18 @@ class Timer(Peripheral):
         return self.values["ARR"] + 1
 
     def _is_clocked(self):
-        return self.values["CR1"] & RUNS and self._driver is None
+        return self.values["CR1"] & RUNS and self._driver is None and self._encoder is None
+
+    def count_at(self, time):
+        """Of an encoder, at a time that is past."""
+        if not self._is_wired():
+            return self._base
+        return self._base + self._encoder.code(time) - self._turned
 
     def _count(self):
         """Without the wraps taken out."""
+        if self._encoder and self.values["CR1"] & RUNS:
+            return self.count_at(self.clock.now())
         if not self._is_clocked():
             return self._base
         return self._base + (self.clock.now() - self._since) // self._tick()
@@ -87,6 +111,8 @@ class Timer(Peripheral):
         """Flags and triggers of everything that happened since the last look."""
         if self._driver:
             self._driver.notice()
+        if self._encoder:
+            return
         count, seen, modulus = self._count(), self._seen, self._modulus()
         if count <= seen:
             return
@@ -100,8 +126,27 @@ class Timer(Peripheral):
             if place < modulus and (count - place) // modulus > (seen - place) // modulus:
                 status |= 1 << channel
         self.values["SR"] = status
-        if n_updates and self._is_clocked() and self._triggers_on_update():
-            self._trigger(self._time_of((seen // modulus + 1) * modulus), n_updates)
+        if not n_updates or not self._is_clocked():
+            return
+        first = self._time_of((seen // modulus + 1) * modulus)
+        if self._triggers_on_update():
+            self._trigger(first, n_updates)
+        if self.values["DIER"] & ASKS_DMA:
+            self._ask_dma(first, n_updates)
+
+    def _ask_dma(self, first, n):
+        """A count of the encoder's timer for each update."""
+        if self.number not in ASKED:
+            raise Unmodelled(f"{self.NAME} asks for the DMA")
+        controller, number, channel = ASKED[self.number]
+        stream = self.chip.dmas[controller].streams[number]
+        if not stream.is_for(TO_MEMORY, channel):
+            return
+        if self.chip.dmas[controller].values[f"S{number}PAR"] != ENCODERS_COUNT:
+            raise Unmodelled("the DMA carries something else than the encoder's count")
+        counter, period = self.chip.timers[ENCODERS], self._modulus() * self._tick()
+        counts = [counter.count_at(first + i * period) & counter.mask for i in range(n)]
+        stream.give(struct.pack(f"<{n}H", *counts))
 
     def _triggers_on_update(self):
         """An update is a trigger whether the counter or software made it (RM0090 18.4.2, MMS)."""
@@ -116,6 +161,8 @@ class Timer(Peripheral):
         count = self._count() if count is None else count
         self._since = self.clock.now()
         self._base = self._seen = count % self._modulus()
+        if self._encoder:
+            self._turned = self._encoder.code(self._since)
 
     def _on_triggers(self, first, period, n):
         if self.values["CR1"] & RUNS:
@@ -186,6 +233,9 @@ class Timer(Peripheral):
         mode, source = value & 7, value >> 4 & 7
         if mode == 0:
             return
+        if mode == COUNTS_BOTH_EDGES and self.number == ENCODERS:
+            self._follow()
+            return
         number = DRIVERS.get((self.number, source))
         if mode != COUNTS_TRIGGERS or number is None:
             raise Unmodelled(f"{self.NAME}: slave mode {mode} from input {source}")
@@ -193,8 +243,25 @@ class Timer(Peripheral):
         self._driver.notice()
         self._driver.listeners.append(self._on_triggers)
 
+    def _follow(self):
+        """The encoder, from now on."""
+        if self.values["CCMR1"] & INPUTS != DIRECT or self.values["CCER"] & 0xFF & ~0x11:
+            raise Unmodelled(f"{self.NAME}: inputs of an encoder other than direct and not inverted")
+        self._encoder = self.chip.encoder
+        self._turned = self._encoder.code(self._since)
+
+    def _is_wired(self):
+        """Its pins are its own."""
+        letter, pins, function = ENCODERS_PINS
+        port = self.chip.ports[letter].values
+        return all(
+            port["MODER"] >> 2 * pin & 3 == 2 and port["AFRL" if pin < 8 else "AFRH"] >> 4 * (pin % 8) & 15 == function
+            for pin in pins
+        )
+
     def _let_go(self):
-        """Counts no other timer's triggers any more."""
+        """Counts no other timer's triggers any more, and no encoder's edges."""
+        self._encoder = None
         if self._driver:
             self._driver.listeners.remove(self._on_triggers)
             self._driver = None

@@ -21,11 +21,11 @@ def still(first, n):
     return [FULL_SCALE // 2] * n
 
 
-class Wiper:
+class Codes:
     """`source(first, n)` gives the codes from millisecond `first` on; it is asked in order."""
 
-    def __init__(self, channel, source):
-        self.channel, self.source = channel, source
+    def __init__(self, source):
+        self.source = source
         self._first, self._codes = 0, []
 
     def code(self, time):
@@ -44,6 +44,14 @@ class Wiper:
         self._first = self._next - len(self._codes)
 
     _next = 0
+
+
+class Wiper(Codes):
+    """On one of the converter's channels."""
+
+    def __init__(self, channel, source):
+        super().__init__(source)
+        self.channel = channel
 
     def conversions(self, channel, first, period, n):
         """Results of 12 bits."""

@@ -5,7 +5,7 @@ use nix::fcntl::{OFlag, open};
 use nix::pty::{PtyMaster, grantpt, posix_openpt, ptsname_r, unlockpt};
 use nix::sys::stat::Mode;
 use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
-use shared::wire::{Command, Deframer, Frame};
+use shared::wire::{Command, Deframer, Frame, MAX_FRAME, encode};
 use std::io::{Read, Write};
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
@@ -67,6 +67,19 @@ impl Device {
                     rig.sample();
                 }
             }
+            rig.output().drain(..).collect()
+        })
+    }
+
+    /// The simulated rig with older firmware: some frames mean nothing to it.
+    pub fn rig_that_knows(scenario: &str, knows: impl Fn(&Frame) -> bool + Send + 'static) -> Self {
+        let mut rig = SimulatedRig::new(Scenario::by_name(scenario).expect("a scenario"), 1);
+        let mut deframer = Deframer::new();
+        Self::new(move |received| {
+            for frame in received.iter().filter_map(|byte| deframer.push(*byte)?.ok()).filter(&knows) {
+                rig.receive(encode(&frame, &mut [0; MAX_FRAME]).expect("it came in a frame"));
+            }
+            (0..SAMPLES_PER_TICK).for_each(|_| rig.sample());
             rig.output().drain(..).collect()
         })
     }

@@ -153,7 +153,18 @@ impl Emulated {
     /// Powers a board whose potentiometer shows a code that counts milliseconds.
     #[track_caller]
     pub fn new(chip: &Chip) -> Self {
-        let process = Process::start(chip, &["--wiper", "ramp"]).unwrap();
+        Self::with(chip, &["--wiper", "ramp"])
+    }
+
+    /// Powers a board whose encoder turns by a count each millisecond.
+    #[track_caller]
+    pub fn turning(chip: &Chip) -> Self {
+        Self::with(chip, &["--wiper", "still", "--encoder", "ramp"])
+    }
+
+    #[track_caller]
+    fn with(chip: &Chip, more: &[&str]) -> Self {
+        let process = Process::start(chip, more).unwrap();
         Self {
             process,
             now_s: 0.0,

@@ -29,6 +29,9 @@ pub struct Scenario {
     pub noise_rad: f64,
     /// The largest converter code.
     pub full_scale: u16,
+    /// Instead of a potentiometer an encoder with so many edges a turn, four times its lines; negative if they fall
+    /// while the angle grows. Its code is how many have passed since the start, modulo 65,536.
+    pub edges_per_turn: Option<i32>,
     /// Seed of the noise.
     pub seed: u64,
 }
@@ -47,6 +50,7 @@ impl Default for Scenario {
             alternate: false,
             noise_rad: 1e-3,
             full_scale: firmware::ports::FULL_SCALE,
+            edges_per_turn: None,
             seed: 1,
         }
     }
@@ -119,6 +123,11 @@ impl Plant {
             Phase::Rest | Phase::Swing => self.model.step(&mut self.state, dt_s),
             Phase::Lift => self.state = self.model.release(self.lifted_rad(), 0.0),
             Phase::Hold => self.state = self.model.release(self.target_rad(), 0.0),
+        }
+        if let Some(edges) = self.scenario.edges_per_turn {
+            // An edge has passed or not: nothing is rounded, and there is no noise.
+            let passed = (self.state.angle_rad / std::f64::consts::TAU * f64::from(edges)).floor();
+            return Code(passed as i64 as u16);
         }
         let measured_rad = self.state.angle_rad + self.scenario.noise_rad * self.noise.next();
         self.potentiometer.code(Radian(measured_rad as f32))

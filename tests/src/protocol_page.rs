@@ -4,6 +4,7 @@ use serde::de::DeserializeOwned;
 use serde_reflection::{ContainerFormat, Format, FormatHolder, Named, Registry, Tracer, TracerConfig, VariantFormat};
 use shared::bank::findings::Reason;
 use shared::parameters::ParameterError;
+use shared::sensor::Sensor;
 use shared::wire::{
     Answer, Clock, Command, Frame, Hello, MAX_FRAME, PROTOCOL, Refusal, ResetCause, StoreState, Stream, encode,
 };
@@ -49,6 +50,7 @@ fn registry() -> Registry {
     trace::<StoreState>(&mut tracer);
     trace::<Clock>(&mut tracer);
     trace::<Reason>(&mut tracer);
+    trace::<Sensor>(&mut tracer);
     trace::<Answer>(&mut tracer);
     trace::<Command>(&mut tracer);
     trace::<Frame>(&mut tracer);

@@ -79,3 +79,44 @@ fn the_feather_is_looked_at_fitted_restarted_and_compared() {
 fn the_nucleo_is_looked_at_fitted_restarted_and_compared() {
     works_on(Board::NucleoF446);
 }
+
+/// Of an encoder with 1000 lines, mounted so that it counts the other way.
+const COUNTS: i32 = -4000;
+
+/// The model file's sensor, and the rig's after a push: no other firmware is needed, and none of its defaults are lost.
+#[test]
+fn a_push_makes_the_nucleo_read_an_encoder_and_its_swing_gives_the_parameters_back() {
+    let mut scenario = Scenario { edges_per_turn: Some(COUNTS), ..brisk() };
+    scenario.parameters.set_friction(5.4e-4, 4e-3, 4.4e-3, 0.055);
+    let board = Terminal::start(&Chip::of(Board::NucleoF446), scenario.clone()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let (folder, port) = (folder.path(), board.port());
+    host(folder, &["pull", "--port", port, "-o", "rig.toml"]);
+    let model = std::fs::read_to_string(folder.join("rig.toml")).unwrap();
+    let (model, _) = model.split_once("[sensor]").unwrap();
+    let sensor = format!("[sensor]\nkind = \"encoder\"\ncounts_per_turn = {COUNTS}\n");
+    std::fs::write(folder.join("rig.toml"), format!("{model}{sensor}")).unwrap();
+    assert_eq!(host(folder, &["push", "--port", port, "--calibration"])["calibration"], json!(true));
+    host(folder, &["restart", "--port", port]);
+
+    println!("{}", host(folder, &["record", "--port", port, "-o", "swing.csv"]));
+    let swing = std::fs::read_to_string(folder.join("swing.csv")).unwrap();
+    assert!(swing.contains("\n# sensor: encoder\n"), "{}", &swing[..300]);
+    let fit = host(folder, &["fit", "swing.csv", "--rig", "rig.toml", "-o", "fitted.toml"]);
+    println!("{fit}");
+    for (symbol, truth, tolerance) in [
+        ("I", scenario.parameters.pendulum.inertia_kg_m2, 1e-3),
+        ("Mc", scenario.parameters.values(2).unwrap()[0], 0.02),
+        ("Mw", scenario.parameters.values(1).unwrap()[0], 0.05),
+    ] {
+        let parameters = fit["parameters"].as_array().unwrap();
+        let found = parameters.iter().find(|parameter| parameter["symbol"] == symbol).unwrap();
+        let value = found["value"].as_f64().unwrap();
+        println!("{symbol}: {value} of {truth}");
+        assert!((value / truth - 1.0).abs() < tolerance, "{symbol}: {value} of {truth}; {found}");
+    }
+    host(folder, &["pull", "--port", port, "-o", "pulled.toml"]);
+    assert!(std::fs::read_to_string(folder.join("pulled.toml")).unwrap().contains(&sensor));
+    let events = board.events();
+    assert_eq!(events.iter().find(|event| event["event"] == "failure"), None);
+}

@@ -1,7 +1,8 @@
 //! The boards' images, streaming: every sample comes once, in order, and shows what the potentiometer showed then.
 #![cfg(unix)]
 
-use shared::wire::{Answer, Command, Settings};
+use shared::sensor::{Encoder, Sensor};
+use shared::wire::{Answer, Command, Frame, NEWEST_PROTOCOL, PROTOCOL, Settings};
 use tests::emulator::{Chip, Emulated, stream};
 use tests::image::Board;
 
@@ -52,6 +53,46 @@ fn the_feather_streams_ten_thousand_samples_a_second_without_a_loss() {
     println!("{gaps:?}, {} permille busy", statistics.health.cpu_permille);
     assert!(gaps.n_samples > 29_000 && gaps.n_missing == 0, "{gaps:?}");
     assert_eq!((statistics.overruns, statistics.paused, statistics.dropped_frames), (0, 0, 0));
+}
+
+/// The first sample of a stream that shows a count, and how many samples there are of each count.
+fn counts(board: &Emulated) -> Vec<u16> {
+    let codes = |frame: &Frame| match frame {
+        Frame::Samples(samples) => samples.codes.to_vec(),
+        _ => Vec::new(),
+    };
+    board.frames.iter().flat_map(codes).collect()
+}
+
+/// An encoder that turns by a count each millisecond: at 1 kHz every sample is one count further, at 4 kHz four show
+/// each, whatever the processor does meanwhile; saving to flash loses none of them.
+#[test]
+fn an_encoder_is_read_at_exact_instants_on_both_boards() {
+    for kind in BOARDS {
+        let mut board = Emulated::turning(&Chip::of(kind));
+        assert_eq!(board.hello().protocol, PROTOCOL);
+        let sensor = Encoder::new(4096).into();
+        let encoder = settings(&mut board).with_sensor(sensor);
+        for (rate_hz, a_count) in [(1000.0, 1), (4000.0, 4)] {
+            board.order(Command::SetSettings(Settings { rate_hz, ..encoder }));
+            board.run(0.1);
+            board.stream(10);
+            board.run(0.6);
+            let counts = counts(&board);
+            assert!(counts.len() as f32 > 0.5 * rate_hz, "{kind:?}: {} samples", counts.len());
+            assert!(counts[0] > Sensor::BEGINS_AT, "{kind:?}: it has turned since power-up");
+            let late = counts.windows(a_count + 1).find(|window| window[a_count] != window[0] + 1);
+            assert_eq!(late, None, "{kind:?} at {rate_hz} Hz");
+        }
+        board.order(Command::Stop);
+        board.order(Command::Save);
+        board.order(Command::Reset);
+        board.run(0.5);
+        assert_eq!(board.hello().protocol, NEWEST_PROTOCOL);
+        assert_eq!(settings(&mut board).sensor, sensor, "{kind:?}: flash keeps which sensor it is");
+        let statistics = board.statistics();
+        assert_eq!((statistics.overruns, statistics.disconnected, board.n_bad), (0, 0, 0), "{kind:?}");
+    }
 }
 
 /// So many that two hours recycle the store several times.

@@ -84,6 +84,61 @@ fn impossible_calibrations_are_refused() {
 }
 
 #[test]
+fn an_encoder_is_calibrated_recorded_and_looked_at_like_a_potentiometer() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = host(folder.path(), "calibrate --port sim:encoder --json");
+    let json: serde_json::Value = serde_json::from_str(run.succeeded()).unwrap();
+    assert_eq!((&json["after"]["kind"], &json["after"]["counts_per_turn"]), (&"encoder".into(), &4096.into()));
+    assert_eq!(json["after"]["zero_code"], 32_768.0);
+    let written = std::fs::read_to_string(folder.path().join("rig.toml")).unwrap();
+    assert!(written.ends_with("[sensor]\nkind = \"encoder\"\ncounts_per_turn = 4096\n"), "{written}");
+
+    assert_eq!(to_look_at(&host(folder.path(), "doctor --port sim:encoder --json")), Vec::<String>::new());
+    let said = host(folder.path(), "doctor --port sim:encoder");
+    assert!(said.succeeded().contains("encoder        stands at 32768"), "{said:?}");
+    assert!(said.succeeded().contains("4096 counts a turn, 1.53398 mrad each"), "{said:?}");
+    host(folder.path(), "doctor --port sim --json").succeeded();
+
+    host(folder.path(), "record --port sim:encoder -o swing.csv").succeeded();
+    let swing = std::fs::read_to_string(folder.path().join("swing.csv")).unwrap();
+    assert!(
+        swing.contains("# sensor: encoder\n") && swing.contains("# radians_per_code: 0.0015339"),
+        "{}",
+        &swing[..400]
+    );
+    let fit = host(folder.path(), "fit swing.csv --json");
+    let fit: serde_json::Value = serde_json::from_str(fit.succeeded()).unwrap();
+    assert_eq!(fit["left"], "noise");
+    // A count, √12 times.
+    assert!((fit["noise"].as_f64().unwrap() / (1.533_98e-3 / 12_f64.sqrt()) - 1.0).abs() < 0.02, "{}", fit["noise"]);
+}
+
+#[test]
+fn what_makes_no_sense_for_an_encoder_is_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let known = ["encoder is known", "4096 counts a turn", "leave --angles"];
+    host(folder.path(), "calibrate --port sim:encoder --angles 45").failed(1, &known);
+    host(folder.path(), "calibrate --port sim:encoder").succeeded();
+    host(folder.path(), "record --port sim:encoder -o swing.csv").succeeded();
+    host(folder.path(), "calibrate --recording swing.csv").failed(1, &known);
+    host(folder.path(), "calibrate --port sim --rig other.toml").succeeded();
+    let other = ["swing.csv was recorded from a sensor of kind encoder"];
+    host(folder.path(), "calibrate --recording swing.csv --rig other.toml").failed(2, &other);
+    host(folder.path(), "calibrate --port sim:encoder --encoder 3").failed(2, &["counts_per_turn of 16 to 32768"]);
+}
+
+#[test]
+fn a_push_changes_the_sensor_and_the_doctor_tells_which_one_is_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "calibrate --port sim:encoder --encoder=-4096").succeeded();
+    let run = host(folder.path(), "push --port sim");
+    assert!(run.stderr.contains("reads a sensor of kind potentiometer, the file means one of kind encoder"), "{run:?}");
+    let pushed = host(folder.path(), "push --port sim --calibration --json");
+    assert!(pushed.succeeded().contains("\"calibration\": true"), "{pushed:?}");
+    assert!(to_look_at(&host(folder.path(), "doctor --port sim --json")).contains(&"sensor in file".to_owned()));
+}
+
+#[test]
 fn an_angle_that_is_off_the_line_is_seen() {
     let folder = tempfile::tempdir().unwrap();
     let run = host(folder.path(), "calibrate --port sim --angles 85.94,-68.75,65");

@@ -10,10 +10,11 @@ use tests::program::{PATIENT, host, path};
 use tests::protocol_page;
 
 /// Pages with code blocks, each run by a test of its own.
-const PAGES: [&str; 21] = [
+const PAGES: [&str; 22] = [
     "README.md",
     "docs/add-a-board.md",
     "docs/add-an-effect.md",
+    "docs/add-a-sensor.md",
     "docs/board-checks.md",
     "docs/board-emulator.md",
     "docs/calibration.md",
@@ -212,8 +213,8 @@ fn run(page: &str) {
             "toml" => drop(RigFile::parse(page, &block.text).unwrap()),
             "csv" => bench.recording(page, &block.text),
             "rust" => quoted(page, &block.text),
-            // A whole effect; `tests/more new-effect` adds it to a copy of the tree.
-            "rust,effect" => {}
+            // A whole effect or sensor; `tests/more new-effect new-sensor` adds it to a copy of the tree.
+            "rust,effect" | "rust,sensor" => {}
             // Runs where the package is built: host/python/tests/test_guide.py.
             "python,package" => {}
             other => panic!("{page}: nobody knows how to run a block of {other:?}"),

@@ -5,10 +5,11 @@ use embassy_futures::select::select;
 use embassy_futures::{block_on, yield_now};
 use embedded_io_async::{ErrorType, Read, Write};
 use firmware::frame_queue::{CAPACITY, Encoded, FrameQueue};
-use firmware::oversampling::{plan, sample};
+use firmware::oversampling::{middle, plan, sample};
 use firmware::ports::{BATCH, Batch, Board, FULL_SCALE, Sampler, System};
 use firmware::ring::{RingReader, Trouble};
 use shared::rig::Rig;
+use shared::sensor::{Encoder, Sensor};
 use shared::units::Code;
 use shared::wire::{
     Answer, Chip, Command, Deframer, Frame, Health, Live, MAX_FRAME, POINTS_PER_FRAME, Point, Refusal,
@@ -228,7 +229,11 @@ impl Sampler for MemorySampler<'_> {
         rate_hz.round()
     }
 
-    fn set_rate(&mut self, _: f32) {}
+    fn can_read(sensor: &Sensor) -> bool {
+        matches!(sensor, Sensor::Potentiometer(_))
+    }
+
+    fn start(&mut self, _: &Sensor, _: f32) {}
 
     async fn next(&mut self) -> Batch {
         yield_now().await;
@@ -411,6 +416,27 @@ fn the_rate_that_is_made_is_told_kept_and_loaded() {
     assert_eq!(given.iter().map(|settings| settings.cutoff_hz).collect::<Vec<_>>(), [50.0, 22.5]);
     let refused = Answer::Refused(Refusal::Setting { index: 0 });
     assert_eq!(answers[answers.len() - 2..], [refused.clone(), refused]);
+}
+
+#[test]
+fn a_board_without_an_input_for_a_sensor_says_so_and_goes_on_with_its_own() {
+    let bench = Bench::default();
+    bench.link_takes.set(true);
+    bench.run(async {
+        let settings = *Rig::new("", FULL_SCALE, Err(StoreState::Empty)).settings();
+        bench.send(Command::SetSettings(settings.with_sensor(Encoder::new(4096).into())));
+        bench.send(Command::GetSettings);
+        bench.pass(20).await;
+    });
+    let refused = Answer::Refused(Refusal::NoSuchSensor);
+    let settings = Settings { rate_hz: 1000.0, ..*Rig::new("", FULL_SCALE, Err(StoreState::Empty)).settings() };
+    assert_eq!(answers(&bench), [refused, Answer::Settings(settings)]);
+}
+
+#[test]
+fn of_counts_the_one_in_the_middle_is_the_sample() {
+    assert_eq!(middle([65_533, 65_534, 65_535, 0].into_iter()), Code(65_535));
+    assert_eq!(middle([7].into_iter()), Code(7));
 }
 
 #[test]

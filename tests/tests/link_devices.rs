@@ -172,6 +172,20 @@ fn a_rig_of_another_protocol() {
 }
 
 #[test]
+fn firmware_that_knows_no_other_sensor_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "calibrate --port sim:encoder").succeeded();
+    // It finds no meaning in the bytes of another sensor, and does not answer.
+    let is_known = |frame: &Frame| match frame {
+        Frame::Command(_, wire::Command::SetSettings(settings)) => settings.sensor.protocol() == wire::PROTOCOL,
+        _ => true,
+    };
+    let device = Device::rig_that_knows("plain", is_known);
+    let run = impatient_host(folder.path(), &format!("push --calibration --port {}", device.port));
+    run.failed(1, &["simulated-rig", "knows no sensor of kind encoder", "update the rig's firmware"]);
+}
+
+#[test]
 fn a_cable_pulled_while_recording_keeps_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let device = Device::rig_until("plain", MID_SWING_S);

@@ -18,6 +18,7 @@ use shared::motion::Pendulum;
 use shared::observer::Observer;
 use shared::parameters::Parameters;
 use shared::rig::{Outcome, Rig};
+use shared::sensor::{Encoder, Potentiometer};
 use shared::units::{Code, Radian};
 use shared::wire::{Answer, Command, Frame, Settings, StoreState, Stream};
 use std::f64::consts::PI;
@@ -158,17 +159,19 @@ fn the_rig_refuses_strange_parameters_or_goes_on_with_finite_numbers() {
 fn the_rig_refuses_strange_settings_or_goes_on_with_finite_numbers() {
     let mut rig = Rig::new("strange", FULL_SCALE, Err(StoreState::Empty));
     let usual = *rig.settings();
-    let places: [fn(&mut Settings) -> &mut f32; 5] = [
-        |s| &mut s.rate_hz,
-        |s| &mut s.cutoff_hz,
-        |s| &mut s.bandwidth_rad_s,
-        |s| &mut s.potentiometer.zero_code,
-        |s| &mut s.potentiometer.radian_per_code,
+    let nominal = Potentiometer::nominal(FULL_SCALE);
+    let changes: [fn(Settings, Potentiometer, f32) -> Settings; 7] = [
+        |s, _, rate_hz| Settings { rate_hz, ..s },
+        |s, _, cutoff_hz| Settings { cutoff_hz, ..s },
+        |s, _, bandwidth_rad_s| Settings { bandwidth_rad_s, ..s },
+        |s, nominal, zero_code| s.with_sensor(Potentiometer { zero_code, ..nominal }.into()),
+        |s, nominal, radian_per_code| s.with_sensor(Potentiometer { radian_per_code, ..nominal }.into()),
+        |s, _, zero_code| s.with_sensor(Encoder { zero_code, ..Encoder::new(4096) }.into()),
+        |s, _, counts| s.with_sensor(Encoder::new(counts as i32).into()),
     ];
     for value in STRANGE.iter().chain(&[100.0, 1e4, 4500.0, 449.0]).map(|value| *value as f32) {
-        for place in places {
-            let mut settings = usual;
-            *place(&mut settings) = value;
+        for change in changes {
+            let settings = change(usual, nominal, value);
             rig.on_frame(Frame::Command(1, Command::SetSettings(settings)));
             exercise(&mut rig, &settings);
             rig.on_frame(Frame::Command(2, Command::CalibrateGain(Radian(value))));

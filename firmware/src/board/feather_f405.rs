@@ -5,12 +5,13 @@
 //! | chip | STM32F405RG, 168 MHz |
 //! | crystal | 12 MHz |
 //! | potentiometer's wiper | A0 = PA4, converter channel 4 |
+//! | encoder's A and B | SCL = PB6 and SDA = PB7, TIM4 |
 //! | link | USB (PA11, PA12), `/dev/ttyACM0`; any baud rate |
 //! | light | red, PC1: blinks when the crystal does not run, without which there is no USB |
 //! | update | `Bootloader` command, then DFU over the same USB |
 
 use super::stm32::usb_endpoints::Careful;
-use super::stm32::{self, Chip, Converter, Input, STORE, Sectors, usb_recovery};
+use super::stm32::{self, Chip, Converter, Input, Inputs, Quadrature, STORE, Sampling, Sectors, usb_recovery};
 use core::convert::Infallible;
 use embassy_executor::Spawner;
 use embassy_stm32::gpio::{Level, Output, Pin, Speed};
@@ -60,7 +61,7 @@ const NAME: &str = "feather-f405";
 pub const IDENTITY: &str = concat!("pendulum-rig firmware ", env!("CARGO_PKG_VERSION"), " for feather-f405;");
 
 /// Brings the board up.
-pub fn start(spawner: Spawner) -> Board<Converter, Receiver, Sender, Sectors, Chip> {
+pub fn start(spawner: Spawner) -> Board<Sampling, Receiver, Sender, Sectors, Chip> {
     let p = embassy_stm32::init(clocks());
     stm32::start_clock();
     if stm32::clock_source() == Clock::Internal {
@@ -75,10 +76,14 @@ pub fn start(spawner: Spawner) -> Board<Converter, Receiver, Sender, Sectors, Ch
     };
     let (device, sender, receiver) = serial_over_usb(driver);
     spawner.spawn(run_usb(device).expect("there is one USB device"));
+    let inputs = Inputs {
+        converter: Converter::new(WIPER, p.PA4, p.ADC1, p.DMA2_CH0),
+        quadrature: Quadrature::new(p.TIM4, p.PB6, p.PB7),
+    };
     Board {
         name: NAME,
         most_points_per_s: MOST_POINTS_PER_S,
-        sampler: Converter::new(WIPER, p.PA4, p.ADC1, p.DMA2_CH0, p.TIM3, p.TIM2),
+        sampler: Sampling::new(inputs, p.TIM3, p.TIM2),
         receiver,
         sender,
         flash: Sectors::new(p.FLASH, Irqs),

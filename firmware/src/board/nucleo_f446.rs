@@ -5,10 +5,11 @@
 //! | chip | STM32F446RE, run at 168 MHz like the Feather's |
 //! | clock | 8 MHz from the ST-Link, bypassing the oscillator |
 //! | potentiometer's wiper | A0 = PA0, converter channel 0 |
+//! | encoder's A and B | PB6 = D10 and PB7 (CN7 pin 21), TIM4 |
 //! | link | USART2 (PA2, PA3) to the ST-Link's serial port, `/dev/ttyACM0` at 921600 baud |
 //! | update | the ST-Link; the bootloader too, over USART1 or USB of the chip |
 
-use super::stm32::{self, Chip, Converter, Input, STORE, Sectors};
+use super::stm32::{self, Chip, Converter, Input, Inputs, Quadrature, STORE, Sampling, Sectors};
 use embassy_executor::Spawner;
 pub use embassy_stm32::pac;
 use embassy_stm32::peripherals::{DMA1_CH5, DMA1_CH6, USART2};
@@ -48,7 +49,7 @@ const NAME: &str = "nucleo-f446";
 pub const IDENTITY: &str = concat!("pendulum-rig firmware ", env!("CARGO_PKG_VERSION"), " for nucleo-f446;");
 
 /// Brings the board up.
-pub fn start(_: Spawner) -> Board<Converter, Receiver, Sender, Sectors, Chip> {
+pub fn start(_: Spawner) -> Board<Sampling, Receiver, Sender, Sectors, Chip> {
     static RING: StaticCell<[u8; RECEIVED]> = StaticCell::new();
     let p = embassy_stm32::init(clocks());
     stm32::start_clock();
@@ -56,10 +57,14 @@ pub fn start(_: Spawner) -> Board<Converter, Receiver, Sender, Sectors, Chip> {
     config.baudrate = BAUD;
     let port = Uart::new(p.USART2, p.PA3, p.PA2, p.DMA1_CH6, p.DMA1_CH5, Irqs, config);
     let (sender, receiver) = port.expect("the baud rate can be made from this clock").split();
+    let inputs = Inputs {
+        converter: Converter::new(WIPER, p.PA0, p.ADC1, p.DMA2_CH0),
+        quadrature: Quadrature::new(p.TIM4, p.PB6, p.PB7),
+    };
     Board {
         name: NAME,
         most_points_per_s: MOST_POINTS_PER_S,
-        sampler: Converter::new(WIPER, p.PA0, p.ADC1, p.DMA2_CH0, p.TIM3, p.TIM2),
+        sampler: Sampling::new(inputs, p.TIM3, p.TIM2),
         receiver: receiver.into_ring_buffered(RING.init([0; RECEIVED])),
         sender,
         flash: Sectors::new(p.FLASH, Irqs),

@@ -1,8 +1,11 @@
-//! What both STM32F4 boards have in common: clocks, converter, flash, watchdog, restarts.
+//! What both STM32F4 boards have in common: clocks, sensors' inputs, flash, watchdog, restarts.
 
 mod bootloader;
 mod clock;
 mod converter;
+mod quadrature;
+mod ring;
+mod sampling;
 mod sectors;
 #[cfg(feature = "board-feather-f405")]
 pub mod usb_endpoints;
@@ -14,6 +17,8 @@ mod watchdog;
 pub use clock::source as clock_source;
 pub use clock::{CLOCK_HZ, clocks, cycles, start as start_clock};
 pub use converter::{Converter, Input};
+pub use quadrature::Quadrature;
+pub use sampling::{Inputs, Sampling};
 pub use sectors::{STORE, Sectors};
 
 use crate::{crash, log, stack, usage};

@@ -241,11 +241,11 @@ pub(crate) fn simulate(
 ) -> PyResult<PyRecording> {
     let prepared = || {
         check_numbers(start_rad, seconds, noise_rad, rate_hz)?;
-        let (parameters, potentiometer) = match (rig, scenario) {
-            (Some(rig), _) => (rig.file.parameters().clone(), rig.file.potentiometer().copied()),
+        let (parameters, sensor) = match (rig, scenario) {
+            (Some(rig), _) => (rig.file.parameters().clone(), rig.file.sensor().copied()),
             (None, name) => (scenario_named(name.unwrap_or_default())?.true_parameters(), None),
         };
-        let converter = potentiometer.unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT));
+        let converter = sensor.unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT).into());
         let converter = (!exact).then_some(converter);
         Ok(Simulation { parameters, start_rad, seconds, noise_rad, seed, rate_hz, converter })
     };

@@ -2,7 +2,7 @@
 
 use crate::doctor::Signal;
 use crate::link::{LinkError, Session};
-use shared::potentiometer::Potentiometer;
+use shared::sensor::Sensor;
 use shared::units::Code;
 use shared::wire::{Frame, Settings};
 use std::collections::VecDeque;
@@ -40,11 +40,13 @@ pub enum HoldError {
         /// `at rest`, or `at a new angle`.
         whereabouts: &'static str,
     },
-    /// The potentiometer has no contact.
-    #[error("the potentiometer reads code {code}, an end of its range")]
+    /// The sensor has no contact.
+    #[error("the {} reads code {code}, an end of its range", sensor.name())]
     Disconnected {
         /// The code.
         code: f64,
+        /// Which sensor.
+        sensor: Sensor,
     },
     /// The link broke.
     #[error(transparent)]
@@ -56,7 +58,7 @@ impl HoldError {
     pub fn next_step(&self) -> String {
         match self {
             Self::Never { .. } => "hold it still for a second at each angle, or wait longer with --wait".to_owned(),
-            Self::Disconnected { .. } => "check the potentiometer's three wires".to_owned(),
+            Self::Disconnected { sensor, .. } => sensor.wires().to_owned(),
             Self::Link(error) => error.next_step(),
         }
     }
@@ -81,11 +83,11 @@ pub fn hold(session: &mut Session, settings: &Settings, before: &[f64], wait_s: 
         let Some(still) = still(&Signal::of_codes(earlier, settings), &Signal::of_codes(later, settings)) else {
             continue;
         };
-        let potentiometer = &settings.potentiometer;
-        if !potentiometer.is_connected(Code(still.code as u16)) {
-            return Err(HoldError::Disconnected { code: still.code });
+        let sensor = settings.sensor;
+        if !sensor.is_connected(Code(still.code as u16)) {
+            return Err(HoldError::Disconnected { code: still.code, sensor });
         }
-        if before.iter().all(|code| apart(potentiometer, *code, still.code)) {
+        if before.iter().all(|code| apart(&sensor, *code, still.code)) {
             return Ok(still);
         }
     }
@@ -99,7 +101,6 @@ fn still(earlier: &Signal, later: &Signal) -> Option<Still> {
     (stays && earlier.is_still() && later.is_still()).then_some(Still { code, spread_codes: later.spread_codes })
 }
 
-fn apart(potentiometer: &Potentiometer, a: f64, b: f64) -> bool {
-    let nominal = f64::from(Potentiometer::nominal(potentiometer.full_scale).radian_per_code);
-    (a - b).abs() * nominal > LEAST_APART_RAD
+fn apart(sensor: &Sensor, a: f64, b: f64) -> bool {
+    (a - b).abs() * f64::from(sensor.nominal_step_rad()) > LEAST_APART_RAD
 }

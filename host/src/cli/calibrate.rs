@@ -4,16 +4,18 @@ use super::number::significant;
 use super::table::table;
 use super::values::positive;
 use super::{output, port, rig};
-use crate::calibrate::{CalibrationError, HoldError, Known, Line, gain_of_swings, hold, line};
+use crate::calibrate::{CalibrationError, HoldError, Known, Line, check_gain, gain_of_swings, hold, line};
 use crate::error::Failure;
 use crate::link::Session;
+use crate::operations::sensor;
 use crate::recording::segment::SegmentOptions;
 use crate::recording::{self, ReadOptions};
 use crate::rigfile::{RigFile, USUAL_NAME};
 use crate::swing::Swing;
 use clap::Args;
 use serde::Serialize;
-use shared::potentiometer::{ELECTRICAL_TRAVEL_RAD, Potentiometer};
+use shared::potentiometer::ELECTRICAL_TRAVEL_RAD;
+use shared::sensor::{Encoder, Sensor};
 use shared::wire::Stream;
 use std::path::{Path, PathBuf};
 
@@ -36,6 +38,11 @@ pub(super) struct Options {
     /// Find the gain from this swing's period against amplitude (may be repeated)
     #[arg(long, value_name = "FILE", conflicts_with = "angles")]
     recording: Vec<PathBuf>,
+    /// Read an incremental encoder with so many counts a turn from now on (four times its lines; negative if it counts
+    /// the other way), and take its zero
+    #[arg(long, value_name = "COUNTS", requires = "port", conflicts_with_all = ["angles", "recording"],
+        allow_negative_numbers = true, value_parser = encoder)]
+    encoder: Option<Sensor>,
     /// Give up if the pendulum is not still within so many seconds
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value = "120")]
     wait: f64,
@@ -49,6 +56,7 @@ Example:
   host calibrate --port /dev/ttyACM0                      the zero: let it hang still
   host calibrate --port /dev/ttyACM0 --angles 45,90,-45   zero, gain and linearity
   host calibrate --port sim --angles 85.94,-68.75,45.84
+  host calibrate --port sim:encoder --encoder 4096        an encoder of 1024 lines
   host calibrate --recording swing.csv --rig rig.toml     the gain, from a wide swing
 
 Nothing is pressed: each angle is taken as soon as the pendulum has been still there for a second.
@@ -62,13 +70,22 @@ fn angle(text: &str) -> Result<f64, String> {
     }
 }
 
+/// An encoder that a board can count.
+fn encoder(text: &str) -> Result<Sensor, String> {
+    let counts = text.trim().parse().map_err(|_| "expected a whole number of counts a turn".to_owned())?;
+    let sensor = Sensor::from(Encoder::new(counts));
+    if sensor.is_valid() { Ok(sensor) } else { Err(sensor.expected().to_owned()) }
+}
+
 #[derive(Serialize)]
 struct Calibrated {
     port: Option<String>,
     #[serde(serialize_with = "output::lossy")]
     file: PathBuf,
-    before: Potentiometer,
-    after: Potentiometer,
+    #[serde(serialize_with = "sensor::as_json")]
+    before: Sensor,
+    #[serde(serialize_with = "sensor::as_json")]
+    after: Sensor,
     known: Vec<Known>,
     line: Option<Line>,
     /// Relative standard deviation of a gain from swings.
@@ -91,7 +108,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if let Some(session) = &mut session {
         session.calibrate(&done.after)?;
     }
-    file.set_potentiometer(done.after);
+    file.set_sensor(done.after);
     file.save(&path)?;
     done.file = path;
     if options.json {
@@ -111,14 +128,14 @@ fn model(path: &Path, session: Option<&mut Session>) -> Result<RigFile, Failure>
 }
 
 fn untouched(file: &RigFile) -> Result<Calibrated, Failure> {
-    let Some(before) = file.potentiometer() else {
+    let Some(before) = file.sensor() else {
         return Err(Failure::wrong_use("the model file has no [sensor] table, so there is no gain to correct")
             .next("add --port, so that the rig's calibration is used"));
     };
     Ok(nothing_done(*before))
 }
 
-fn nothing_done(before: Potentiometer) -> Calibrated {
+fn nothing_done(before: Sensor) -> Calibrated {
     Calibrated {
         port: None,
         file: PathBuf::new(),
@@ -133,13 +150,20 @@ fn nothing_done(before: Potentiometer) -> Calibrated {
 
 /// Zero, and the gain if there are angles.
 fn at_rig(options: &Options, session: &mut Session) -> Result<Calibrated, Failure> {
+    let before = session.settings()?.sensor;
+    if !options.angles.is_empty() {
+        check_gain(&before)?;
+    }
+    if let Some(encoder) = &options.encoder {
+        session.use_sensor(encoder)?;
+    }
     let settings = session.settings()?;
-    let mut done = Calibrated { port: options.port.clone(), ..nothing_done(settings.potentiometer) };
+    let mut done = Calibrated { port: options.port.clone(), after: settings.sensor, ..nothing_done(before) };
     let stream = Stream { raw: true, live_every: 0 };
     output::say("let the pendulum hang still …");
     session.start(stream)?;
     let zero = hold(session, &settings, &[], options.wait)?.code;
-    done.after.zero_code = zero as f32;
+    done.after = done.after.with_zero(zero as f32);
     let mut codes = vec![zero];
     for (idx, degrees) in options.angles.iter().enumerate() {
         output::say(&format!("hold it still at {degrees}° …"));
@@ -152,8 +176,8 @@ fn at_rig(options: &Options, session: &mut Session) -> Result<Calibrated, Failur
     }
     session.stop()?;
     if !done.known.is_empty() {
-        let found = line(zero, &done.known, settings.potentiometer.full_scale)?;
-        done.after.radian_per_code = found.radian_per_code as f32;
+        let found = line(zero, &done.known, f64::from(settings.sensor.nominal_step_rad()))?;
+        done.after = with_gain(done.after, found.radian_per_code)?;
         let worst_rad = found.off_rad.iter().fold(0.0, |worst: f64, off| worst.max(off.abs()));
         let share = worst_rad / f64::from(ELECTRICAL_TRAVEL_RAD);
         done.nonlinearity_percent = (done.known.len() > 1).then_some(100.0 * share);
@@ -164,10 +188,16 @@ fn at_rig(options: &Options, session: &mut Session) -> Result<Calibrated, Failur
 
 /// The gain from swings; each is measured with the gain that its file names, or else the one in use.
 fn by_swings(options: &Options, file: &RigFile, done: &mut Calibrated) -> Result<(), Failure> {
+    check_gain(&done.before)?;
     let mut swings = Vec::new();
-    let mut gain = f64::from(done.before.radian_per_code);
+    let mut gain = f64::from(done.before.line().radian_per_code);
     for path in &options.recording {
         let recording = recording::read(path, &ReadOptions::default()).map_err(Failure::failed)?;
+        if let Some(sensor) = &recording.header().sensor {
+            let what =
+                format!("{} was recorded from a sensor of kind {sensor}, the model file means another", path.display());
+            return Err(Failure::wrong_use(what).next("use recordings of the sensor to be calibrated"));
+        }
         gain = recording.header().calibration.as_ref().map_or(gain, |calibration| calibration.radians_per_code);
         let name = path.display().to_string();
         let (swing, _) = Swing::from_recording(&name, &recording, &SegmentOptions::default())
@@ -176,21 +206,30 @@ fn by_swings(options: &Options, file: &RigFile, done: &mut Calibrated) -> Result
     }
     output::say("fitting the swings with the gain among the unknowns …");
     let (factor, std) = gain_of_swings(&swings, file.parameters())?;
-    done.after.radian_per_code = (gain / factor) as f32;
+    done.after = with_gain(done.after, gain / factor)?;
     done.gain_std = Some(std);
     Ok(())
 }
 
+/// The same sensor with a gain that was measured.
+fn with_gain(sensor: Sensor, radian_per_code: f64) -> Result<Sensor, CalibrationError> {
+    check_gain(&sensor)?;
+    Ok(sensor.with_step(radian_per_code as f32).unwrap_or(sensor))
+}
+
 fn in_words(done: &Calibrated) -> String {
+    if done.after.gain_is_known() {
+        return known_in_words(done);
+    }
     let mut text = Vec::new();
-    let (before, after) = (&done.before, &done.after);
+    let (before, after) = (&done.before.line(), &done.after.line());
     if done.port.is_some() {
         text.push(format!("zero       code {:.2} (was {:.2})", after.zero_code, before.zero_code));
     }
     let relative = done.line.as_ref().and_then(|line| line.std.map(|std| std / line.radian_per_code.abs()));
     let spread =
         done.gain_std.or(relative).map_or(String::new(), |std| format!(" ± {} %", significant(100.0 * std, 2)));
-    let mrad = |potentiometer: &Potentiometer| 1e3 * potentiometer.radian_per_code;
+    let mrad = |line: &shared::sensor::Line| 1e3 * line.radian_per_code;
     text.push(match after.radian_per_code == before.radian_per_code {
         true => format!("gain       {:.5} mrad a code, as before", mrad(after)),
         false => format!("gain       {:.5} mrad a code{spread} (was {:.5})", mrad(after), mrad(before)),
@@ -207,6 +246,19 @@ fn in_words(done: &Calibrated) -> String {
     let saved = if done.port.is_some() { "saved in the rig and read back the same; wrote" } else { "wrote" };
     text.push(format!("{saved} {}", done.file.display()));
     text.join("\n")
+}
+
+fn known_in_words(done: &Calibrated) -> String {
+    let was = if done.before.is_like(&done.after) { String::new() } else { format!(" (was a {})", done.before.name()) };
+    format!(
+        "sensor     {}{was}\n\
+         zero       count {:.2}, until the power goes; then it is where the pendulum hangs when power comes on\n\
+         gain       {}\nsaved in the rig and read back the same; wrote {}",
+        done.after.name(),
+        done.after.line().zero_code,
+        done.after,
+        done.file.display()
+    )
 }
 
 fn linearity(done: &Calibrated) -> String {

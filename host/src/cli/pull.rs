@@ -59,6 +59,6 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 fn updated(options: &Options, session: &mut Session) -> Result<RigFile, Failure> {
     let mut file = RigFile::load(&options.output)?;
     file.take_over(&session.parameters()?, &rig::source(session))?;
-    file.set_potentiometer(session.settings()?.potentiometer);
+    file.set_sensor(session.settings()?.sensor);
     Ok(file)
 }

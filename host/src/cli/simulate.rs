@@ -89,15 +89,15 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         return Err(Failure::wrong_use("no file was named for the swing").next("name one with -o"));
     };
     check(options, path)?;
-    let (model, potentiometer) = match scenario {
+    let (model, sensor) = match scenario {
         Some(scenario) => (scenario.true_parameters(), None),
         None => {
             let file = rig::load(options.rig.as_deref())?;
-            (file.parameters().clone(), file.potentiometer().copied())
+            (file.parameters().clone(), file.sensor().copied())
         }
     };
     let parameters = with(&model, options.effect, &options.with)?;
-    let potentiometer = potentiometer.unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT));
+    let sensor = sensor.unwrap_or(Potentiometer::nominal(FULL_SCALE_12_BIT).into());
     let simulation = Simulation {
         parameters,
         start_rad: options.start,
@@ -105,7 +105,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         noise_rad: options.noise,
         seed: options.seed,
         rate_hz: options.rate,
-        converter: (!options.exact).then_some(potentiometer),
+        converter: (!options.exact).then_some(sensor),
     };
     let simulated = write(options, path, &simulation).map_err(not_written)?;
     if options.json {

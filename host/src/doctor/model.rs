@@ -3,21 +3,13 @@
 use super::Finding;
 use crate::rigfile::{Quantity, RigFile};
 use shared::parameters::Parameters;
-use shared::potentiometer::Potentiometer;
+use shared::sensor::Sensor;
 
-pub(super) fn calibration(in_use: &Potentiometer) -> Finding {
-    let found = format!(
-        "zero at code {:.1} of {}, {:.5} mrad a code",
-        in_use.zero_code,
-        in_use.full_scale,
-        1e3 * in_use.radian_per_code
-    );
-    let nominal = Potentiometer::nominal(in_use.full_scale);
-    let next = "this is the data sheet's, off by a percent and by wherever the shaft was clamped: `host calibrate`";
-    Finding::of("calibration", found, (*in_use == nominal).then_some(next))
+pub(super) fn calibration(in_use: &Sensor) -> Finding {
+    Finding::of("calibration", in_use.to_string(), in_use.complaint())
 }
 
-pub(super) fn parameters(rig: &Parameters<f32>, sensor: &Potentiometer, file: Option<&RigFile>) -> Vec<Finding> {
+pub(super) fn parameters(rig: &Parameters<f32>, sensor: &Sensor, file: Option<&RigFile>) -> Vec<Finding> {
     let Some(file) = file else {
         return vec![Finding::ok("model", "no model file here to compare with; name one with --rig")];
     };
@@ -45,10 +37,15 @@ fn numbers(rig: &Parameters<f32>, file: &RigFile) -> Finding {
     )
 }
 
-fn sensors(rig: &Potentiometer, file: &RigFile) -> Finding {
+fn sensors(rig: &Sensor, file: &RigFile) -> Finding {
     let what = "sensor in file";
-    match file.potentiometer() {
-        Some(ours) if ours == rig => Finding::ok(what, "the calibration is the rig's"),
+    match file.sensor() {
+        Some(ours) if ours.taken_over(rig) == *rig => Finding::ok(what, "the calibration is the rig's"),
+        Some(ours) if !ours.is_like(rig) => Finding::look(
+            what,
+            format!("the file means a sensor of kind {}, the rig reads one of kind {}", ours.name(), rig.name()),
+            "`host push --calibration` makes the rig read the file's, `host pull --force` takes the rig's",
+        ),
         Some(_) => Finding::look(
             what,
             "the file's calibration is not the rig's",

@@ -3,6 +3,7 @@
 use super::Finding;
 use crate::link::{LinkError, Session};
 use serde::Serialize;
+use shared::sensor::Sensor;
 use shared::units::Code;
 use shared::wire::{Frame, Settings, Stream};
 use std::time::Duration;
@@ -84,7 +85,7 @@ impl Signal {
 
     /// What the codes alone tell.
     pub fn of_codes(codes: &[u16], settings: &Settings) -> Self {
-        let n_clipped = codes.iter().filter(|code| !settings.potentiometer.is_connected(Code(**code))).count();
+        let n_clipped = codes.iter().filter(|code| !settings.sensor.is_connected(Code(**code))).count();
         let rate_hz = f64::from(settings.rate_hz);
         let length = ((STILL_S * rate_hz) as usize).max(2);
         let stillest = codes.chunks_exact(length).min_by(|a, b| spread(a).total_cmp(&spread(b)));
@@ -111,7 +112,7 @@ impl Signal {
             let next = "press the rig's reset button and repeat";
             return vec![Finding::look("sampling", "not one sample came", next)];
         }
-        let mut findings = vec![self.sampling(settings), self.contact()];
+        let mut findings = vec![self.sampling(settings), self.contact(&settings.sensor)];
         if findings.iter().all(|finding| finding.ok) {
             findings.extend([self.noise(settings), self.hum()]);
         }
@@ -131,19 +132,23 @@ impl Signal {
         Finding::of("sampling", found, complaint)
     }
 
-    fn contact(&self) -> Finding {
-        let next = "check the potentiometer's three wires; the gap of its track belongs at the top (docs/wiring.md)";
+    fn contact(&self, sensor: &Sensor) -> Finding {
+        let next = format!("{}; see docs/wiring.md", sensor.wires());
+        let stands_still = self.spread_codes < NO_NOISE;
         let found = match self.n_clipped {
-            0 if self.spread_codes < NO_NOISE => "reads one code only, without any noise".to_owned(),
+            0 if stands_still && sensor.is_quiet() => {
+                format!("stands at {:.0}; to see that it is connected, swing the pendulum and repeat", self.mean_code)
+            }
+            0 if stands_still => "reads one code only, without any noise".to_owned(),
             0 => "alive, no reading at an end of its range".to_owned(),
             n_clipped => format!("{n_clipped} of {} readings at an end of the range", self.n_samples),
         };
-        let dead = self.n_clipped > 0 || self.spread_codes < NO_NOISE;
-        Finding::of("potentiometer", found, dead.then_some(next))
+        let dead = self.n_clipped > 0 || (stands_still && !sensor.is_quiet());
+        Finding::of(sensor.name(), found, dead.then_some(&next))
     }
 
     fn noise(&self, settings: &Settings) -> Finding {
-        let mrad = |codes: f64| 1e3 * codes * f64::from(settings.potentiometer.radian_per_code).abs();
+        let mrad = |codes: f64| 1e3 * codes * f64::from(settings.sensor.step_rad());
         if !self.is_still() {
             let next = "let it hang still and repeat: noise can be told at rest only";
             return Finding::look("noise", "the pendulum moves", next);
@@ -194,8 +199,8 @@ mod tests {
     use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
 
     fn settings() -> Settings {
-        let potentiometer = Potentiometer::nominal(FULL_SCALE_12_BIT);
-        Settings { rate_hz: 1000.0, cutoff_hz: 50.0, bandwidth_rad_s: 3.0, potentiometer }
+        let sensor = Potentiometer::nominal(FULL_SCALE_12_BIT).into();
+        Settings { rate_hz: 1000.0, cutoff_hz: 50.0, bandwidth_rad_s: 3.0, sensor }
     }
 
     fn heard(code: impl Fn(usize, f64) -> f64) -> (Signal, Vec<Finding>) {

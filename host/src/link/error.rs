@@ -1,7 +1,7 @@
 //! What can go wrong between the program and the rig.
 
 use crate::error::Failure;
-use shared::wire::{PROTOCOL, Refusal};
+use shared::wire::{NEWEST_PROTOCOL, Refusal};
 use std::io;
 use thiserror::Error;
 
@@ -73,7 +73,7 @@ pub enum LinkError {
         port: String,
     },
     /// A rig of another version.
-    #[error("{name} on {port} (firmware {version}) speaks protocol {theirs}, this program {PROTOCOL}")]
+    #[error("{name} on {port} (firmware {version}) speaks protocol {theirs}, this program {NEWEST_PROTOCOL}")]
     OtherProtocol {
         /// The port.
         port: String,
@@ -141,6 +141,14 @@ pub enum LinkError {
     /// Firmware from before custom formulas.
     #[error("the rig's firmware does not know custom formulas")]
     NoFormulas,
+    /// Its firmware reads a potentiometer and nothing else.
+    #[error("{firmware} knows no sensor of kind {sensor}")]
+    OldSensors {
+        /// Its firmware.
+        firmware: String,
+        /// The sensor.
+        sensor: &'static str,
+    },
     /// Firmware that knows no friction curves.
     #[error("the rig's firmware can't run a friction curve")]
     NoCurves,
@@ -166,7 +174,7 @@ impl LinkError {
             }
             Self::Stranger { .. } => "this may be another device, or another firmware: name the rig's port, or flash the rig",
             Self::Echo { .. } => "take the loop-back wire between its pins away, or name the rig's port",
-            Self::OtherProtocol { theirs, .. } if *theirs > PROTOCOL => "update this program",
+            Self::OtherProtocol { theirs, .. } if *theirs > NEWEST_PROTOCOL => "update this program",
             Self::OtherProtocol { .. } => "update the rig's firmware",
             Self::Restarted { .. } => "repeat the command; `host statistics` tells why the rig last started",
             Self::Lost { .. } => "check the cable, plug it in again and repeat the command",
@@ -175,6 +183,7 @@ impl LinkError {
             }
             Self::Refused { refusal, .. } => return after_refusal(refusal).to_owned(),
             Self::NoFormulas => "update the firmware, or take the formula out: host improve … --remove custom",
+            Self::OldSensors { .. } => "update the rig's firmware: host update --help",
             Self::NoCurves => "push a model without it: host improve … --remove friction-curve; simulations, comparisons and exports \
                                take it as it is",
             Self::UnknownFormula => "update the older of rig and program, or push another model",
@@ -191,7 +200,9 @@ fn after_refusal(refusal: &Refusal) -> &'static str {
         Refusal::Setting { .. } => "choose a value within the range",
         Refusal::NotStill => "hold the pendulum still and repeat the command",
         Refusal::BadAngle => "hold it at a larger, well-known angle and repeat the command",
-        Refusal::SensorDisconnected => "check the potentiometer's three wires",
+        Refusal::SensorDisconnected => "check the sensor's wires",
+        Refusal::GainIsKnown => "leave the angles out: its zero is all there is to measure",
+        Refusal::NoSuchSensor => "use a board with an input for it (docs/wiring.md), or the sensor that this one has",
         Refusal::Flash => "repeat the command; if it stays so, the rig's flash is worn out",
         Refusal::Supply => "give the rig its full supply, 3.3 V on the chip, and repeat the command",
         Refusal::NothingStored => "store something first with `host push`",

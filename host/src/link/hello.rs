@@ -1,7 +1,7 @@
 //! The first words: who is at the other end, or what was heard instead.
 
 use super::LinkError;
-use shared::wire::{Hello, MAGIC, PROTOCOL};
+use shared::wire::{Hello, MAGIC, NEWEST_PROTOCOL, PROTOCOL};
 
 /// What the program calls itself.
 pub(super) const OWN_NAME: &str = "host";
@@ -33,7 +33,7 @@ impl Heard {
             self.echo = true;
             return None;
         }
-        if hello.protocol == PROTOCOL {
+        if (PROTOCOL..=NEWEST_PROTOCOL).contains(&hello.protocol) {
             return Some(Ok(()));
         }
         Some(Err(LinkError::OtherProtocol {

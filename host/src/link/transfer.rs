@@ -7,8 +7,8 @@ use crate::rigfile::{Quantity, RigFile, Source};
 use shared::effect::{Action, CUSTOM_FORMULA_ID};
 use shared::formula::Formula;
 use shared::parameters::Parameters;
-use shared::potentiometer::Potentiometer;
-use shared::wire::{Answer, Chip, Command, Settings, Statistics};
+use shared::sensor::Sensor;
+use shared::wire::{Answer, Chip, Command, PROTOCOL, Settings, Statistics};
 
 impl Session {
     /// The parameters in use.
@@ -53,10 +53,10 @@ impl Session {
     /// As [`Session::ask`], or parameters that this program does not know.
     pub fn model_file(&mut self) -> Result<RigFile, Failure> {
         let parameters = self.parameters()?;
-        let potentiometer = self.settings()?.potentiometer;
+        let sensor = self.settings()?.sensor;
         let source = Source::read_from(&self.rig().name);
         let mut file = RigFile::of_rig(&parameters, &source)?;
-        file.set_potentiometer(potentiometer);
+        file.set_sensor(sensor);
         Ok(file)
     }
 
@@ -117,19 +117,37 @@ impl Session {
         compare(&sent, &got)
     }
 
-    /// Sets the sensor's calibration, saves it to flash with everything else in use, loads it from there and compares.
+    /// Uses this sensor with its calibration from now on. A zero that the rig alone can know stays.
+    ///
+    /// # Errors
+    /// A refusal, no answer, or firmware that does not know the sensor.
+    pub fn use_sensor(&mut self, sensor: &Sensor) -> Result<Sensor, LinkError> {
+        let before = self.settings()?;
+        let sensor = sensor.taken_over(&before.sensor);
+        match self.tell(&Command::SetSettings(before.with_sensor(sensor))) {
+            // Firmware from before there were other sensors cannot even read the command.
+            Err(LinkError::NoAnswer { .. }) if sensor.protocol() != PROTOCOL => {
+                Err(LinkError::OldSensors { firmware: self.firmware(), sensor: sensor.name() })
+            }
+            told => told.map(|()| sensor),
+        }
+    }
+
+    /// Sets sensor and calibration, the zero included, saves them to flash with everything else in use, loads them from
+    /// there and compares.
     ///
     /// # Errors
     /// A refusal, no answer, or a value that came back different.
-    pub fn calibrate(&mut self, potentiometer: &Potentiometer) -> Result<(), LinkError> {
-        let settings = Settings { potentiometer: *potentiometer, ..self.settings()? };
+    pub fn calibrate(&mut self, sensor: &Sensor) -> Result<(), LinkError> {
+        self.use_sensor(sensor)?;
+        let settings = self.settings()?.with_sensor(*sensor);
         self.tell(&Command::SetSettings(settings))?;
         self.tell(&Command::Save)?;
         self.tell(&Command::Load)?;
-        let got = self.settings()?.potentiometer;
-        let numbers = |of: &Potentiometer| [of.zero_code, of.radian_per_code];
+        let got = self.settings()?.sensor;
+        let numbers = |of: &Sensor| [of.line().zero_code, of.line().radian_per_code];
         let names = ["the zero code", "the angle per code"];
-        let pairs = names.into_iter().zip(numbers(potentiometer)).zip(numbers(&got));
+        let pairs = names.into_iter().zip(numbers(sensor)).zip(numbers(&got));
         match pairs.into_iter().find(|((_, sent), got)| sent != got) {
             None => Ok(()),
             Some(((what, sent), got)) => Err(LinkError::NotKept { what: what.to_owned(), sent, got }),

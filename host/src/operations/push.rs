@@ -5,7 +5,6 @@ use crate::error::Failure;
 use crate::link::Session;
 use crate::rigfile::RigFile;
 use serde::Serialize;
-use shared::wire::Command;
 
 /// What the rig has now, as `--json` tells it.
 #[derive(Clone, Debug, Serialize)]
@@ -31,19 +30,24 @@ pub fn push(session: &mut Session, file: &RigFile, calibration: bool, warn: &dyn
 
 /// Sends the calibration if that is wanted; else says when the rig has another one than the file.
 fn calibrate(session: &mut Session, file: &RigFile, wanted: bool, warn: &dyn Fn(&str)) -> Result<bool, Failure> {
-    let Some(potentiometer) = file.potentiometer() else {
+    let Some(sensor) = file.sensor() else {
         let nothing = Failure::wrong_use("the model file has no [sensor] table, so there is no calibration to send")
             .next("leave --calibration out, or take the rig's with `host pull`");
         return if wanted { Err(nothing) } else { Ok(false) };
     };
-    let settings = session.settings()?;
-    if settings.potentiometer == *potentiometer {
+    let in_use = session.settings()?.sensor;
+    if sensor.taken_over(&in_use) == in_use {
         return Ok(false);
     }
     if wanted {
-        session.tell(&Command::SetSettings(shared::wire::Settings { potentiometer: *potentiometer, ..settings }))?;
-    } else {
+        session.use_sensor(sensor)?;
+    } else if sensor.is_like(&in_use) {
         warn("the rig's calibration differs from the file's and stays; --calibration sends the file's");
+    } else {
+        let (ours, rigs) = (sensor.name(), in_use.name());
+        warn(&format!(
+            "the rig reads a sensor of kind {rigs}, the file means one of kind {ours}; --calibration changes the rig's"
+        ));
     }
     Ok(wanted)
 }

@@ -2,13 +2,13 @@
 
 use crate::error::Failure;
 use crate::formula::{self, effect_of};
-use crate::recording::{Calibration, Header};
+use crate::recording::{Calibration, Header, sensor_name};
 use crate::rigfile::Quantity;
 use crate::sim::{Noise, Scenario};
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::model::Model;
 use shared::parameters::Parameters;
-use shared::potentiometer::Potentiometer;
+use shared::sensor::Sensor;
 
 /// The pendulum is held still at the start angle for so long, s.
 const HELD_S: f64 = 0.5;
@@ -35,7 +35,7 @@ pub struct Simulation {
     /// Samples per second.
     pub rate_hz: f64,
     /// The angle goes through this one, if through any.
-    pub converter: Option<Potentiometer>,
+    pub converter: Option<Sensor>,
 }
 
 /// How a simulated swing ended.
@@ -66,7 +66,7 @@ impl Simulation {
                 model.step(&mut state, 1.0 / self.rate_hz);
             }
             let angle_rad = model.read(&state, &mut sensor) + self.noise_rad * noise.normal();
-            let converted = |potentiometer| convert(&potentiometer, angle_rad);
+            let converted = |sensor| convert(&sensor, angle_rad);
             let (angle_rad, code) = self.converter.map_or((angle_rad, None), converted);
             take(sample_idx as f64 / self.rate_hz, angle_rad, code)?;
         }
@@ -75,12 +75,10 @@ impl Simulation {
 
     /// How it was taken.
     pub fn header(&self) -> Header {
-        let calibration = self.converter.map(|potentiometer| Calibration {
-            zero_code: f64::from(potentiometer.zero_code),
-            radians_per_code: f64::from(potentiometer.radian_per_code),
-        });
+        let calibration = self.converter.as_ref().map(Calibration::of);
+        let sensor = self.converter.as_ref().and_then(sensor_name);
         let comment = format!("simulated, noise {} rad, seed {}", self.noise_rad, self.seed);
-        Header { rate_hz: Some(self.rate_hz), calibration, comment: Some(comment), ..Header::default() }
+        Header { rate_hz: Some(self.rate_hz), sensor, calibration, comment: Some(comment), ..Header::default() }
     }
 }
 
@@ -167,8 +165,14 @@ pub fn with(
 }
 
 /// Through the converter and back, as the rig does it.
-fn convert(potentiometer: &Potentiometer, angle_rad: f64) -> (f64, Option<u16>) {
-    let (zero, step) = (f64::from(potentiometer.zero_code), f64::from(potentiometer.radian_per_code));
-    let code = (angle_rad / step + zero).round().clamp(0.0, f64::from(potentiometer.full_scale)) as u16;
-    ((f64::from(code) - zero) * step, Some(code))
+fn convert(sensor: &Sensor, angle_rad: f64) -> (f64, Option<u16>) {
+    let Calibration { zero_code: zero, radians_per_code: step } = Calibration::of(sensor);
+    let exact = (angle_rad / step + zero).round();
+    match sensor.span() {
+        None => {
+            let code = exact.clamp(0.0, f64::from(sensor.full_scale())) as u16;
+            ((f64::from(code) - zero) * step, Some(code))
+        }
+        Some(span) => ((exact - zero) * step, Some(exact.rem_euclid(f64::from(span)) as u16)),
+    }
 }

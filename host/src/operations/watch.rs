@@ -42,9 +42,10 @@ fn is_last(end: &End) -> Result<bool, Failure> {
         End::AtRest | End::TimeLimit => Ok(false),
         End::Stopped => Ok(true),
         End::Lost(error) => Err(Failure::failed(error).next(error.next_step())),
-        End::Disconnected { code } => Err(Failure::failed(format!(
-            "the potentiometer reads code {code}, an end of its range: nothing is said of this swing"
+        End::Disconnected { code, sensor } => Err(Failure::failed(format!(
+            "the {} reads code {code}, an end of its range: nothing is said of this swing",
+            sensor.name()
         ))
-        .next("check the potentiometer's three wires; release from a smaller angle if it left its track")),
+        .next(format!("{}; release from a smaller angle if it left its track", sensor.wires()))),
     }
 }

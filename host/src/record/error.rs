@@ -4,6 +4,7 @@ use crate::error::Failure;
 use crate::files::FileError;
 use crate::link::LinkError;
 use crate::recording::WriteError;
+use shared::sensor::Sensor;
 use thiserror::Error;
 
 /// Nothing was recorded, and why.
@@ -15,13 +16,13 @@ pub enum RecordError {
     /// The file could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The potentiometer reads an end of its range.
-    #[error("the potentiometer reads code {code} of 0 … {full_scale}: an end of its range")]
+    /// The sensor reads an end of its range.
+    #[error("the {} reads code {code} of 0 … {}: an end of its range", sensor.name(), sensor.full_scale())]
     Disconnected {
         /// The code it reads.
         code: u16,
-        /// The converter's largest code.
-        full_scale: u16,
+        /// Which sensor.
+        sensor: Sensor,
     },
     /// Never still.
     #[error("the pendulum did not come to rest within {seconds:.0} s; its angle still varies by {spread_rad:.3} rad")]
@@ -48,8 +49,9 @@ impl From<RecordError> for Failure {
             RecordError::Link(error) => return error.into(),
             RecordError::Write(WriteError::Exists { path }) => return FileError::Exists { path }.into(),
             RecordError::Write(_) => return Self::failed(error),
-            RecordError::Disconnected { .. } => {
-                "check the potentiometer's three wires, and that the pendulum hangs in the middle of its travel"
+            RecordError::Disconnected { sensor, .. } => {
+                let hint = format!("{}, and that the pendulum hangs in the middle of its travel", sensor.wires());
+                return Self::failed(error).next(hint);
             }
             RecordError::NeverStill { .. } => "stop the pendulum by hand, or look for what shakes it, and record again",
             RecordError::NoRelease { .. } => {

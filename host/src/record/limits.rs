@@ -40,7 +40,7 @@ pub(super) fn disconnected(
 ) -> Result<Option<End>, RecordError> {
     match (f64::from(n_in_a_row) > DISCONNECTED_S * f64::from(settings.rate_hz), stage) {
         (false, _) => Ok(None),
-        (true, Stage::Swinging) => Ok(Some(End::Disconnected { code })),
-        (true, _) => Err(RecordError::Disconnected { code, full_scale: settings.potentiometer.full_scale }),
+        (true, Stage::Swinging) => Ok(Some(End::Disconnected { code, sensor: settings.sensor })),
+        (true, _) => Err(RecordError::Disconnected { code, sensor: settings.sensor }),
     }
 }

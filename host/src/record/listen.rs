@@ -7,6 +7,7 @@ use super::limits::{Limits, disconnected};
 use super::recorder::{LEAD_IN_S, LOOK_EVERY, SILENCE};
 use super::{End, RecordError};
 use crate::link::{LinkError, Session, patient};
+use shared::sensor::Reader;
 use shared::units::{Code, Radian};
 use shared::wire::{Frame, Samples, Settings, Stream};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,6 +27,7 @@ pub trait Listener {
 /// One swing while it goes on.
 struct Swing<'a> {
     settings: Settings,
+    reader: Reader,
     limits: Limits,
     detector: Detector,
     lead_in: LeadIn,
@@ -48,9 +50,10 @@ pub fn listen(
     let settings = session.settings()?;
     session.start(Stream { raw: true, live_every: 0 })?;
     let rate_hz = f64::from(settings.rate_hz);
-    let step_rad = f64::from(settings.potentiometer.radian_per_code).abs();
+    let step_rad = f64::from(settings.sensor.step_rad());
     listener.stage(Stage::Settling);
     let mut swing = Swing {
+        reader: Reader::new(settings.sensor),
         settings,
         limits,
         detector: Detector::new(rate_hz, step_rad),
@@ -120,11 +123,7 @@ impl Swing<'_> {
     }
 
     fn take_sample(&mut self, number: u64, code: u16) -> Result<Option<End>, RecordError> {
-        let potentiometer = &self.settings.potentiometer;
-        if !potentiometer.is_connected(Code(code)) {
-            return self.pass_over(code);
-        }
-        let Radian(angle_rad) = potentiometer.angle(Code(code));
+        let Some(Radian(angle_rad)) = self.reader.read(Code(code)) else { return self.pass_over(code) };
         let sample = Sample { number, angle_rad: f64::from(angle_rad), code };
         if std::mem::take(&mut self.n_disconnected) > 0 && self.detector.stage() == Stage::Swinging {
             self.listener.gap();

@@ -5,7 +5,8 @@ use super::lead_in::{LeadIn, Sample};
 use super::limits::{Limits, disconnected};
 use super::{End, Live, Plan, RecordError, Taken, Watch};
 use crate::link::{LinkError, Session, patient};
-use crate::recording::{Calibration, Header, WriteError, Writer};
+use crate::recording::{Calibration, Header, WriteError, Writer, sensor_name};
+use shared::sensor::Reader;
 use shared::units::{Code, Radian};
 use shared::wire::{Frame, Samples, Settings};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,6 +26,7 @@ pub(super) struct Recorder<'a> {
     plan: &'a Plan<'a>,
     header: Header,
     settings: Settings,
+    reader: Reader,
     detector: Detector,
     lead_in: LeadIn,
     writer: Option<Writer>,
@@ -42,10 +44,11 @@ pub(super) struct Recorder<'a> {
 impl<'a> Recorder<'a> {
     pub(super) fn new(plan: &'a Plan<'a>, firmware: &str, settings: Settings) -> Self {
         let rate_hz = f64::from(settings.rate_hz);
-        let step_rad = f64::from(settings.potentiometer.radian_per_code).abs();
+        let step_rad = f64::from(settings.sensor.step_rad());
         Self {
             plan,
             header: header(plan, &settings, firmware),
+            reader: Reader::new(settings.sensor),
             settings,
             detector: Detector::new(rate_hz, step_rad),
             lead_in: LeadIn::new((LEAD_IN_S * rate_hz) as usize),
@@ -121,11 +124,8 @@ impl<'a> Recorder<'a> {
     }
 
     fn take_sample(&mut self, number: u64, code: u16, watch: &mut dyn Watch) -> Result<Option<End>, RecordError> {
-        if !self.settings.potentiometer.is_connected(Code(code)) {
-            return self.pass_over(code);
-        }
+        let Some(Radian(angle_rad)) = self.reader.read(Code(code)) else { return self.pass_over(code) };
         self.n_disconnected = 0;
-        let Radian(angle_rad) = self.settings.potentiometer.angle(Code(code));
         let sample = Sample { number, angle_rad: f64::from(angle_rad), code };
         if let Some(stage) = self.detector.push(sample.angle_rad) {
             self.enter(stage, watch)?;
@@ -225,14 +225,11 @@ impl Drop for Recorder<'_> {
 }
 
 fn header(plan: &Plan, settings: &Settings, firmware: &str) -> Header {
-    let potentiometer = settings.potentiometer;
     Header {
         rate_hz: Some(f64::from(settings.rate_hz)),
         firmware: Some(firmware.to_owned()),
-        calibration: Some(Calibration {
-            zero_code: f64::from(potentiometer.zero_code),
-            radians_per_code: f64::from(potentiometer.radian_per_code),
-        }),
+        sensor: sensor_name(&settings.sensor),
+        calibration: Some(Calibration::of(&settings.sensor)),
         cutoff_hz: Some(f64::from(settings.cutoff_hz)),
         started: plan.started.clone(),
         ..Header::default()

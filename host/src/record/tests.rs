@@ -51,7 +51,7 @@ fn a_broken_wire_is_told_at_once_and_leaves_no_file() {
 #[test]
 fn a_wire_that_comes_off_keeps_what_was_recorded() {
     let (taken, read) = run("sim:loose-wire", |_| ());
-    assert!(matches!(taken.unwrap().end, End::Disconnected { code: 0 }));
+    assert!(matches!(taken.unwrap().end, End::Disconnected { code: 0, .. }));
     assert!(read.unwrap().duration_s() > 8.0);
 }
 

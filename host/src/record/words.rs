@@ -20,11 +20,12 @@ pub fn usable(taken: &Taken) -> Result<Option<String>, Failure> {
         }
         End::Stopped => Err(Failure::failed(format!("stopped before the pendulum had swung twice; {kept}"))
             .next("record again and let it swing to rest")),
-        End::Disconnected { code } => Err(Failure::failed(format!(
-            "the potentiometer reads code {code}, an end of its range, since {:.1} s after the release; {kept}",
+        End::Disconnected { code, sensor } => Err(Failure::failed(format!(
+            "the {} reads code {code}, an end of its range, since {:.1} s after the release; {kept}",
+            sensor.name(),
             taken.swing_s
         ))
-        .next("check the potentiometer's three wires; release from a smaller angle if it left its track")),
+        .next(format!("{}; release from a smaller angle if it left its track", sensor.wires()))),
         End::Lost(error) => Err(Failure::failed(format!("{error}; {kept}")).next(error.next_step())),
     }
 }

@@ -7,6 +7,7 @@
 //! # firmware: 0.1.0
 //! # zero_code: 2048
 //! # radians_per_code: 0.00144874
+//! # sensor: encoder
 //! # cutoff_hz: 10
 //! # started: 2025-03-01T12:00:00Z
 //! # measured: angle
@@ -19,6 +20,7 @@ use std::fmt;
 
 use super::error::Fault;
 use super::measured::Measured;
+use shared::sensor::Sensor;
 
 /// The name in the `format` line.
 pub const FORMAT_NAME: &str = "pendulum-recording";
@@ -35,6 +37,8 @@ pub struct Header {
     pub rate_hz: Option<f64>,
     /// Version of the firmware that took it.
     pub firmware: Option<String>,
+    /// The sensor's name if it is no potentiometer.
+    pub sensor: Option<String>,
     /// From code to angle.
     pub calibration: Option<Calibration>,
     /// Cut-off of the filter that runs on the board, Hz. The recorded angles are not filtered.
@@ -47,7 +51,8 @@ pub struct Header {
     pub comment: Option<String>,
 }
 
-/// The straight line from converter code to angle: `angle = (code − zero_code) · radians_per_code`.
+/// The straight line from code to angle: `angle = (code − zero_code) · radians_per_code`, for a sensor that turns for
+/// ever with as many wraps as there were.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calibration {
     /// Code at which the pendulum hangs; need not be whole.
@@ -57,10 +62,21 @@ pub struct Calibration {
 }
 
 impl Calibration {
+    /// A sensor's.
+    pub fn of(sensor: &Sensor) -> Self {
+        let line = sensor.line();
+        Self { zero_code: f64::from(line.zero_code), radians_per_code: f64::from(line.radian_per_code) }
+    }
+
     /// Angle of a code, rad.
     pub fn angle_rad(&self, code: u16) -> f64 {
         (f64::from(code) - self.zero_code) * self.radians_per_code
     }
+}
+
+/// What [`Header::sensor`] says of a sensor.
+pub fn sensor_name(sensor: &Sensor) -> Option<String> {
+    (!matches!(sensor, Sensor::Potentiometer(_))).then(|| sensor.name().to_owned())
 }
 
 impl fmt::Display for Header {
@@ -68,6 +84,7 @@ impl fmt::Display for Header {
         writeln!(out, "# format: {FORMAT_NAME} {FORMAT_VERSION}")?;
         write_number(out, "rate_hz", self.rate_hz)?;
         write_text(out, "firmware", self.firmware.as_deref())?;
+        write_text(out, "sensor", self.sensor.as_deref())?;
         write_number(out, "zero_code", self.calibration.map(|calibration| calibration.zero_code))?;
         write_number(out, "radians_per_code", self.calibration.map(|calibration| calibration.radians_per_code))?;
         write_number(out, "cutoff_hz", self.cutoff_hz)?;
@@ -103,6 +120,7 @@ impl HeaderReader {
             "cutoff_hz" => self.number(line, &key, value).map(|n| self.header.cutoff_hz = n),
             "zero_code" => self.number(line, &key, value).map(|n| self.zero_code = n),
             "radians_per_code" => self.number(line, &key, value).map(|n| self.radians_per_code = n),
+            "sensor" => set_text(&mut self.header.sensor, value),
             "firmware" => set_text(&mut self.header.firmware, value),
             "started" => set_text(&mut self.header.started, value),
             "measured" => self.measured(line, value),
@@ -203,6 +221,7 @@ mod tests {
             version: Some(FORMAT_VERSION),
             rate_hz: Some(1000.0),
             firmware: Some("0.1.0".to_owned()),
+            sensor: Some("encoder".to_owned()),
             calibration: Some(Calibration { zero_code: 2047.5, radians_per_code: 340f64.to_radians() / 4096.0 }),
             cutoff_hz: Some(10.0),
             started: Some("2025-03-01T12:00:00Z".to_owned()),

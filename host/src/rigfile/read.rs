@@ -7,7 +7,7 @@ use shared::curve::Curve;
 use shared::effect::{CURVE_ID, CURVE_NAME, CUSTOM_FORMULA_NAME, Effect};
 use shared::motion::Pendulum;
 use shared::parameters::{ParameterError, Parameters};
-use shared::potentiometer::Potentiometer;
+use shared::sensor::{Calibration, Number, Potentiometer, Sensor};
 use std::ops::Range;
 use toml_edit::{Document, Item, TableLike};
 
@@ -15,7 +15,8 @@ type Result<T> = std::result::Result<T, RigFileError>;
 
 const TOP_KEYS: [&str; 5] = ["format", "pendulum", "sensor", "effect", "notes"];
 const PENDULUM_KEYS: [&str; 5] = ["mass", "length", "inertia", "gravity", "normalised"];
-const SENSOR_KEYS: [&str; 4] = ["measured", "zero_code", "radians_per_code", "full_scale"];
+/// Beside the numbers of the sensor.
+const SENSOR_KEYS: [&str; 2] = ["measured", "kind"];
 const FORMULA_KEY: &str = "formula";
 const VALUE_KEYS: [&str; 5] = ["value", "std", "method", "recordings", "measured"];
 
@@ -40,9 +41,8 @@ pub(super) fn parse(file: &str, text: &str) -> Result<RigFile> {
     let measured = sensor.map(measured).transpose()?.flatten();
     let is_only_measured =
         |item: &&Item| measured.is_some() && item.as_table_like().is_some_and(|keys| keys.len() == 1);
-    let potentiometer =
-        sensor.filter(|item| !is_only_measured(item)).map(|item| reader.potentiometer(item)).transpose()?;
-    Ok(RigFile { document: document.into_mut(), parameters, knowledge, potentiometer, measured, normalised })
+    let sensor = sensor.filter(|item| !is_only_measured(item)).map(|item| reader.sensor(item)).transpose()?;
+    Ok(RigFile { document: document.into_mut(), parameters, knowledge, sensor, measured, normalised })
 }
 
 struct Reader<'a> {
@@ -198,21 +198,35 @@ impl Reader<'_> {
         value.as_str().and_then(|text| text.parse().ok()).map(Some).ok_or_else(problem)
     }
 
-    fn potentiometer(&self, item: &Item) -> Result<Potentiometer> {
+    /// A file that does not say which sensor it means is from before there was another than the potentiometer.
+    fn sensor(&self, item: &Item) -> Result<Sensor> {
         let table = self.as_table(item, "sensor")?;
-        self.check_keys("sensor", table, &SENSOR_KEYS)?;
-        let number = |key: &str, expected: &str| {
-            let name = joined("sensor", key);
-            let item = table.get(key).ok_or_else(|| self.missing(&name, expected.to_owned()))?;
-            self.number(item, &name)
+        let kind_is_wrong = |item: &Item| {
+            let known = Sensor::NAMES.join("\" or \"");
+            self.bad(item.span(), "sensor.kind", format!("expected \"{known}\""))
         };
-        let potentiometer = Potentiometer {
-            zero_code: number("zero_code", "the code at which the pendulum hangs")? as f32,
-            radian_per_code: number("radians_per_code", "the angle of one code in rad")? as f32,
-            full_scale: number("full_scale", "the converter's largest code, such as 4095")? as u16,
+        let (name, numbers) = match table.get("kind") {
+            None => (Potentiometer::NAME, Potentiometer::NUMBERS),
+            Some(item) => {
+                let name = item.as_str().ok_or_else(|| kind_is_wrong(item))?;
+                (name, Sensor::numbers_of(name).ok_or_else(|| kind_is_wrong(item))?)
+            }
         };
-        let problem = "expected radians_per_code not zero, and zero_code between 0 and full_scale";
-        if potentiometer.is_valid() { Ok(potentiometer) } else { Err(self.bad(item.span(), "sensor", problem.into())) }
+        let keys: Vec<&str> = SENSOR_KEYS.into_iter().chain(numbers.iter().map(|number| number.key)).collect();
+        self.check_keys("sensor", table, &keys)?;
+        let number = |wanted: &'static Number| self.sensor_number(table, wanted);
+        let sensor = Sensor::read(name, number)?.ok_or_else(|| kind_is_wrong(item))?;
+        if sensor.is_valid() { Ok(sensor) } else { Err(self.bad(item.span(), "sensor", sensor.expected().to_owned())) }
+    }
+
+    fn sensor_number(&self, table: &dyn TableLike, wanted: &Number) -> Result<f64> {
+        let name = joined("sensor", wanted.key);
+        let item = table.get(wanted.key).ok_or_else(|| self.missing(&name, wanted.meaning.to_owned()))?;
+        let value = self.number(item, &name)?;
+        if wanted.is_whole && value.fract() != 0.0 {
+            return Err(self.bad(item.span(), &name, format!("{value} is not a whole number")));
+        }
+        Ok(value)
     }
 
     /// The model's own check, told with the line of the value it complains of.

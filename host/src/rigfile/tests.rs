@@ -1,6 +1,7 @@
 use super::*;
 use shared::curve::Curve;
 use shared::parameters::base;
+use shared::sensor::{Encoder, Potentiometer};
 
 fn paper() -> RigFile {
     RigFile::new(Parameters::paper().pendulum).unwrap()
@@ -73,9 +74,23 @@ fn every_effect_can_stand_in_a_file() {
 fn the_sensor_is_written_and_read() {
     let mut file = paper();
     let potentiometer = Potentiometer { zero_code: 2040.25, ..Potentiometer::nominal(4095) };
-    file.set_potentiometer(potentiometer);
-    file.set_potentiometer(potentiometer);
-    assert_eq!(reread(&file).potentiometer(), Some(&potentiometer));
+    file.set_sensor(potentiometer.into());
+    file.set_sensor(potentiometer.into());
+    assert_eq!(reread(&file).sensor(), Some(&potentiometer.into()));
+}
+
+#[test]
+fn another_sensor_takes_the_place_of_the_one_before_and_its_numbers() {
+    let mut file = paper();
+    let potentiometer: Sensor = Potentiometer { zero_code: 2040.25, ..Potentiometer::nominal(4095) }.into();
+    let encoder: Sensor = Encoder::new(-4000).into();
+    for sensor in [encoder, potentiometer, encoder, encoder] {
+        file.set_sensor(sensor);
+        assert_eq!(reread(&file).sensor(), Some(&sensor), "{file}");
+    }
+    let text = file.to_string();
+    let table = &text[text.find("[sensor]").unwrap()..];
+    assert_eq!(table, "[sensor]\nkind = \"encoder\"\ncounts_per_turn = -4000\n");
 }
 
 #[test]
@@ -118,6 +133,20 @@ fn mistakes_are_told_with_line_and_key() {
         (format!("{pendulum}[effect.coulomb]\n"), "effect.coulomb.Mc is missing; expected torque while sliding in N·m"),
         (format!("{pendulum}[effect.coulomb]\nMc = -1e-4\n"), "line 8: effect.coulomb.Mc: -0.0001 cannot be used"),
         (format!("{pendulum}[sensor]\nzero_code = 1\n"), "sensor.radians_per_code is missing"),
+        (
+            format!("{pendulum}[sensor]\nkind = \"sundial\"\n"),
+            "line 8: sensor.kind: expected \"potentiometer\" or \"encoder\"",
+        ),
+        (
+            format!("{pendulum}[sensor]\nkind = \"encoder\"\n"),
+            "sensor.counts_per_turn is missing; expected counts a turn",
+        ),
+        (format!("{pendulum}[sensor]\nkind = \"encoder\"\ncounts_per_turn = 3\n"), "expected counts_per_turn of 16 to"),
+        (format!("{pendulum}[sensor]\nkind = \"encoder\"\ncounts_per_turn = 99.5\n"), "99.5 is not a whole number"),
+        (
+            format!("{pendulum}[sensor]\nkind = \"encoder\"\nzero_code = 3\n"),
+            "line 9: sensor.zero_code: unknown; known are",
+        ),
     ];
     for (text, expected) in cases {
         let complaint = complaint(&text);

@@ -5,7 +5,7 @@ use crate::formula::effect_of;
 use crate::recording::Measured;
 use shared::effect::{Action, CURVE_ID, CURVE_NAME, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
 use shared::parameters::Parameters;
-use shared::potentiometer::Potentiometer;
+use shared::sensor::Sensor;
 use std::fmt::Write;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
 
@@ -116,21 +116,30 @@ pub(super) fn remove_effect(document: &mut DocumentMut, id: u16) {
     }
 }
 
-/// Sets the table of the sensor.
-pub(super) fn set_potentiometer(document: &mut DocumentMut, potentiometer: &Potentiometer) {
+/// Sets the table of the sensor. What another one had there goes; a potentiometer needs no name.
+pub(super) fn set_sensor(document: &mut DocumentMut, sensor: &Sensor) {
     let fresh = || {
         let mut table = Table::new();
-        table.decor_mut().set_prefix("\n# Calibration: angle = (code - zero_code) * radians_per_code\n");
+        let meaning = match sensor {
+            Sensor::Potentiometer(_) => "Calibration: angle = (code - zero_code) * radians_per_code".to_owned(),
+            other => format!("Calibration of the {}", other.name()),
+        };
+        table.decor_mut().set_prefix(format!("\n# {meaning}\n"));
         Item::Table(table)
     };
-    let sensor = document.entry("sensor").or_insert_with(fresh);
-    let entries = [
-        ("zero_code", number(super::exactly(potentiometer.zero_code))),
-        ("radians_per_code", number(super::exactly(potentiometer.radian_per_code))),
-        ("full_scale", Value::from(i64::from(potentiometer.full_scale))),
-    ];
-    for (key, value) in entries {
-        sensor[key] = Item::Value(value);
+    let table = document.entry("sensor").or_insert_with(fresh);
+    let has_other_name = table.get("kind").and_then(Item::as_str).is_some_and(|name| name != sensor.name());
+    if has_other_name || (table.get("kind").is_none() && !matches!(sensor, Sensor::Potentiometer(_))) {
+        let others = Sensor::NAMES.iter().filter_map(|name| Sensor::numbers_of(name)).flatten();
+        let keys = others.map(|number| number.key).chain(["kind"]);
+        keys.for_each(|key| drop(table.as_table_like_mut().and_then(|keys| keys.remove(key))));
+    }
+    if !matches!(sensor, Sensor::Potentiometer(_)) {
+        table["kind"] = Item::Value(Value::from(sensor.name()));
+    }
+    for (known, value) in sensor.numbers() {
+        let value = if known.is_whole { Value::from(value as i64) } else { number(super::exactly(value)) };
+        table[known.key] = Item::Value(value);
     }
 }
 

@@ -1,8 +1,9 @@
-//! The simulated bench: a pendulum, a hand that lifts it and lets go, a potentiometer and a converter.
+//! The simulated bench: a pendulum, a hand that lifts it and lets go, a potentiometer with its converter, an encoder.
 
 use super::{Noise, Scenario};
 use shared::model::{Model, SensorState, State};
 use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
+use shared::sensor::Sensor;
 use shared::units::Code;
 
 /// The pendulum hangs still for so long after the set-up.
@@ -54,10 +55,27 @@ impl Bench {
         self.sensor = self.model.sensor_at_rest(&self.state);
     }
 
-    /// Lets `dt_s` pass and gives what the converter reads.
-    pub(super) fn sample(&mut self, dt_s: f64) -> Code {
+    /// Lets `dt_s` pass and gives what the sensor in use reads.
+    pub(super) fn sample(&mut self, in_use: &Sensor, dt_s: f64) -> Code {
         self.advance(dt_s);
         let reading_rad = self.model.read(&self.state, &mut self.sensor);
+        match in_use {
+            Sensor::Potentiometer(_) => self.convert(reading_rad),
+            other => self.step(other, reading_rad),
+        }
+    }
+
+    /// The last of a sensor's steps that was passed; where the bench has no such sensor, none ever is.
+    fn step(&self, in_use: &Sensor, reading_rad: f64) -> Code {
+        let built_in = self.scenario.sensor.filter(|sensor| sensor.is_like(in_use));
+        let line = built_in.unwrap_or(*in_use).at_power_up().line();
+        let seen_rad = if built_in.is_some() { reading_rad } else { 0.0 };
+        let passed = (seen_rad / f64::from(line.radian_per_code) + f64::from(line.zero_code)).floor();
+        let span = in_use.span().map_or(f64::INFINITY, f64::from);
+        Code(passed.rem_euclid(span) as u16)
+    }
+
+    fn convert(&mut self, reading_rad: f64) -> Code {
         let noise = self.scenario.noise_codes * self.noise.normal();
         if self.scenario.breaks_after_s.is_some_and(|breaks_s| self.since_set_up_s > breaks_s) {
             return Code(0);
@@ -99,7 +117,7 @@ mod tests {
         bench.set_up_next_swing();
         (0..(seconds * 1000.0) as usize)
             .map(|_| {
-                let code = bench.sample(1e-3);
+                let code = bench.sample(&bench.potentiometer.into(), 1e-3);
                 f64::from(bench.potentiometer.angle(code).0)
             })
             .collect()
@@ -119,6 +137,6 @@ mod tests {
     #[test]
     fn a_broken_wire_reads_zero() {
         let mut bench = Bench::new(Scenario::by_name("broken-wire").unwrap(), 1);
-        assert_eq!(bench.sample(1e-3), Code(0));
+        assert_eq!(bench.sample(&bench.potentiometer.into(), 1e-3), Code(0));
     }
 }

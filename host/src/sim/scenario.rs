@@ -3,6 +3,7 @@
 use crate::rigfile::Quantity;
 use shared::effect::Effect;
 use shared::parameters::Parameters;
+use shared::sensor::{Encoder, Sensor};
 
 /// A bench to practise on.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +18,8 @@ pub struct Scenario {
     pub releases_rad: &'static [f64],
     /// Standard deviation of the converter's noise before rounding, codes.
     pub noise_codes: f64,
+    /// Beside the potentiometer there is this sensor, without noise, and the rig reads that one.
+    pub sensor: Option<Sensor>,
     /// The wiper loses contact so many seconds after the set-up.
     pub breaks_after_s: Option<f64>,
 }
@@ -33,6 +36,7 @@ const PLAIN: Scenario = Scenario {
     truth: &[],
     releases_rad: RELEASES_RAD,
     noise_codes: NOISE_CODES,
+    sensor: None,
     breaks_after_s: None,
 };
 
@@ -66,6 +70,12 @@ impl Scenario {
             "mystery-9",
             &[("quadratic-drag.Cq", 1e-4), ("sensor-nonlinearity.q2", 0.03), ("sensor-nonlinearity.q3", 0.015)],
         ),
+        Self {
+            name: "encoder",
+            summary: "an incremental encoder of 1024 lines instead of the potentiometer",
+            sensor: Some(Sensor::Encoder(Encoder::new(4096))),
+            ..PLAIN
+        },
         Self { name: "broken-wire", summary: "the potentiometer's wire is broken", breaks_after_s: Some(0.0), ..PLAIN },
         Self {
             name: "loose-wire",

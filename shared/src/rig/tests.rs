@@ -1,6 +1,8 @@
 use super::*;
 use crate::effect::Effect;
 use crate::parameters::ParameterError;
+use crate::sensor::Encoder;
+use crate::wire::NEWEST_PROTOCOL;
 
 fn rig() -> Rig {
     Rig::new("test", 4095, Err(StoreState::Empty))
@@ -190,10 +192,10 @@ fn zero_and_gain_are_calibrated_only_while_still() {
     assert_eq!(ask(&mut rig, Command::ZeroHere), Answer::Refused(Refusal::NotStill));
     feed(&mut rig, 2000, 5000);
     assert_eq!(ask(&mut rig, Command::ZeroHere), Answer::Done);
-    assert!((rig.settings().potentiometer.zero_code - 2000.0).abs() < 0.02);
+    assert!((rig.settings().sensor.line().zero_code - 2000.0).abs() < 0.02);
     feed(&mut rig, 3000, 5000);
     assert_eq!(ask(&mut rig, Command::CalibrateGain(Radian(1.5))), Answer::Done);
-    assert!((rig.settings().potentiometer.angle(Code(3000)).0 - 1.5).abs() < 1e-4);
+    assert!((rig.settings().sensor.angle_at(3000).0 - 1.5).abs() < 1e-4);
     assert_eq!(ask(&mut rig, Command::CalibrateGain(Radian(9.0))), Answer::Refused(Refusal::BadAngle));
 }
 
@@ -218,7 +220,7 @@ fn settings_outside_their_range_are_refused_by_position() {
         Settings { rate_hz: 49.0, ..good },
         Settings { cutoff_hz: 480.0, ..good },
         Settings { bandwidth_rad_s: f32::NAN, ..good },
-        Settings { potentiometer: Potentiometer { radian_per_code: 0.0, ..good.potentiometer }, ..good },
+        good.with_sensor(Potentiometer { radian_per_code: 0.0, ..Potentiometer::nominal(4095) }.into()),
     ]
     .into_iter()
     .enumerate()
@@ -227,4 +229,53 @@ fn settings_outside_their_range_are_refused_by_position() {
         assert_eq!(ask(&mut rig, Command::SetSettings(bad)), refused);
     }
     assert_eq!(*rig.settings(), good);
+}
+
+/// A rig with an encoder in use.
+fn with_encoder(counts_per_turn: i32) -> Rig {
+    let mut rig = rig();
+    let settings = rig.settings().with_sensor(Encoder::new(counts_per_turn).into());
+    let outcome = rig.on_frame(Frame::Command(1, Command::SetSettings(settings)));
+    assert_eq!(outcome, Outcome::Do(1, Request::SetRate(settings.rate_hz)), "the board has to read another input");
+    rig
+}
+
+#[test]
+fn another_sensor_is_said_in_the_greeting_and_kept_in_flash_without_its_zero() {
+    let mut rig = with_encoder(4096);
+    let greeting = |rig: &mut Rig| match rig.on_frame(Frame::Hello(Hello::new("host"))) {
+        Outcome::Send(Frame::Hello(hello)) => hello.protocol,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(greeting(&mut rig), NEWEST_PROTOCOL);
+    feed(&mut rig, 33_000, 5000);
+    assert_eq!(ask(&mut rig, Command::ZeroHere), Answer::Done);
+    assert!((rig.settings().sensor.line().zero_code - 33_000.0).abs() < 0.02);
+    let stored = Stored { parameters: rig.parameters().clone(), settings: *rig.settings() };
+    rig.finished(2, Finished::Loaded(stored.clone()));
+    assert!((rig.settings().sensor.line().zero_code - 33_000.0).abs() < 0.02, "the power stayed on");
+    let mut restarted = Rig::new("test", 4095, Ok(stored));
+    assert_eq!(restarted.settings().sensor, Encoder::new(4096).into());
+    assert_eq!(greeting(&mut restarted), NEWEST_PROTOCOL);
+    assert!(matches!(restarted.on_frame(Frame::Command(3, Command::Defaults)), Outcome::Do(3, Request::SetRate(_))));
+    assert_eq!(greeting(&mut restarted), PROTOCOL);
+}
+
+#[test]
+fn an_encoder_is_never_disconnected_turns_for_ever_and_has_no_gain_to_measure() {
+    let mut rig = with_encoder(1000);
+    ask(&mut rig, Command::Start(Stream { raw: false, live_every: 1 }));
+    // Ninety turns, one a second: the counter begins again on the way.
+    let counts = (0..90_000_u32).map(|count| (32_768 + count) as u16);
+    let mut last_rad = 0.0;
+    for code in counts {
+        for frame in feed(&mut rig, code, 1) {
+            let Frame::Live(live) = frame else { panic!("only live points were asked for") };
+            assert_eq!(live.status, 0);
+            last_rad = live.points.last().unwrap().filtered_rad;
+        }
+    }
+    assert!((last_rad / core::f32::consts::TAU - 90.0).abs() < 0.05, "{last_rad}");
+    feed(&mut rig, 10_000, 5000);
+    assert_eq!(ask(&mut rig, Command::CalibrateGain(Radian(1.0))), Answer::Refused(Refusal::GainIsKnown));
 }

@@ -10,8 +10,8 @@ fn full_parameters() -> Parameters<f32> {
 }
 
 fn settings() -> Settings {
-    let potentiometer = Potentiometer::nominal(4095);
-    Settings { rate_hz: 1000.0, cutoff_hz: 50.0, bandwidth_rad_s: 3.0, potentiometer }
+    let sensor = crate::sensor::Potentiometer::nominal(4095).into();
+    Settings { rate_hz: 1000.0, cutoff_hz: 50.0, bandwidth_rad_s: 3.0, sensor }
 }
 
 fn examples() -> [Frame; 8] {

@@ -23,12 +23,13 @@ impl Terminal {
         let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
         let socket = folder.path().join("pendulum");
         let listener = UnixListener::bind(&socket).map_err(|error| error.to_string())?;
+        let input = if scenario.edges_per_turn.is_some() { "--encoder" } else { "--wiper" };
         let pendulum = std::thread::spawn(move || {
             if let Ok((line, _)) = listener.accept() {
                 let _ = swing(line, Plant::new(scenario));
             }
         });
-        let mut process = Process::start(chip, &["--terminal", "--wiper", &socket.to_string_lossy()])?;
+        let mut process = Process::start(chip, &["--terminal", input, &socket.to_string_lossy()])?;
         let port = loop {
             if let Some(port) = process.hear()?["terminal"].as_str() {
                 break port.to_owned();

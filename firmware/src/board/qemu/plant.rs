@@ -7,6 +7,7 @@
 use super::usart::{Receiver, Sender};
 use embedded_io_async::{Read, Write};
 use firmware::ports::{BATCH, Batch, Sampler};
+use shared::sensor::Sensor;
 use shared::units::Code;
 
 /// Samples acknowledged by one byte.
@@ -47,7 +48,12 @@ impl Sampler for Plant {
         rate_hz
     }
 
-    fn set_rate(&mut self, _: f32) {}
+    /// Fourteen bits of a code come through, enough for a potentiometer.
+    fn can_read(sensor: &Sensor) -> bool {
+        matches!(sensor, Sensor::Potentiometer(_))
+    }
+
+    fn start(&mut self, _: &Sensor, _: f32) {}
 
     async fn next(&mut self) -> Batch {
         if !self.has_started {

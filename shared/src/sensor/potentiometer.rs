@@ -2,7 +2,10 @@
 //!
 //! Vishay Spectrol 157 data sheet: electrical angle 340° ± 4°, linearity ± 2 %, end voltage at most 0.5 %.
 
+use super::{Calibration, Line, MAX_NUMBERS, Number};
 use crate::units::{Code, Radian};
+use core::fmt;
+use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// Electrical travel of the Vishay 157 in radians (340°).
@@ -16,6 +19,9 @@ const END_SHARE: f32 = 0.004;
 
 /// A converter this coarse shows no swing.
 const MOST_RADIAN_PER_CODE: f32 = 1.0;
+
+/// The pendulum counts as still while its codes spread less than this share of full scale (about 2.5 codes of 4096).
+const STILL_SPREAD: f32 = 6e-4;
 
 /// Calibration of the potentiometer: angle = (code − zero) · gain.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,11 +59,83 @@ impl Potentiometer {
         code > margin && code < f32::from(self.full_scale) - margin
     }
 
-    /// Is this a calibration to compute with? Gain not zero and at most a radian a code, zero within the converter's range.
+    /// Is this a calibration to compute with? Gain not zero and at most a radian a code, zero within the converter's
+    /// range.
     pub fn is_valid(&self) -> bool {
         self.radian_per_code.is_normal()
             && self.radian_per_code.abs() <= MOST_RADIAN_PER_CODE
             && (0.0..=f32::from(self.full_scale)).contains(&self.zero_code)
+    }
+}
+
+impl Calibration for Potentiometer {
+    const NAME: &'static str = "potentiometer";
+    const NUMBERS: &'static [Number] = &[
+        Number { key: "zero_code", meaning: "the code at which the pendulum hangs", is_whole: false },
+        Number { key: "radians_per_code", meaning: "the angle of one code in rad", is_whole: false },
+        Number { key: "full_scale", meaning: "the converter's largest code, such as 4095", is_whole: true },
+    ];
+    const KEEPS_ZERO: bool = true;
+    const IS_QUIET: bool = false;
+    const EXPECTED: &'static str = "expected radians_per_code not zero, and zero_code between 0 and full_scale";
+    const WIRES: &'static str = "check the potentiometer's three wires";
+
+    fn of_numbers(numbers: &[f64]) -> Self {
+        let number = |index: usize| numbers.get(index).copied().unwrap_or_default();
+        Self { zero_code: number(0) as f32, radian_per_code: number(1) as f32, full_scale: number(2) as u16 }
+    }
+
+    fn numbers(&self) -> Vec<f32, MAX_NUMBERS> {
+        [self.zero_code, self.radian_per_code, self.full_scale.into()].into_iter().collect()
+    }
+
+    fn is_valid(&self) -> bool {
+        self.is_valid()
+    }
+
+    fn line(&self) -> Line {
+        Line { zero_code: self.zero_code, radian_per_code: self.radian_per_code }
+    }
+
+    fn with_zero(self, zero_code: f32) -> Self {
+        Self { zero_code, ..self }
+    }
+
+    fn with_step(self, radian_per_code: f32) -> Option<Self> {
+        Some(Self { radian_per_code, ..self })
+    }
+
+    fn is_connected(&self, code: Code) -> bool {
+        self.is_connected(code)
+    }
+
+    fn span(&self) -> Option<u32> {
+        None
+    }
+
+    fn full_scale(&self) -> u16 {
+        self.full_scale
+    }
+
+    fn still_codes(&self) -> f32 {
+        STILL_SPREAD * f32::from(self.full_scale)
+    }
+
+    fn nominal_step_rad(&self) -> f32 {
+        Self::nominal(self.full_scale).radian_per_code
+    }
+
+    fn complaint(&self) -> Option<&'static str> {
+        let nominal =
+            "this is the data sheet's, off by a percent and by wherever the shaft was clamped: `host calibrate`";
+        (*self == Self::nominal(self.full_scale)).then_some(nominal)
+    }
+}
+
+impl fmt::Display for Potentiometer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mrad = 1e3 * self.radian_per_code;
+        write!(f, "zero at code {:.1} of {}, {mrad:.5} mrad a code", self.zero_code, self.full_scale)
     }
 }
 

@@ -1,0 +1,66 @@
+//! Readings at exact instants: a stream of the DMA carries a peripheral's register into a ring, one reading a request,
+//! and begins again at its end.
+
+use core::sync::atomic::{AtomicU16, Ordering};
+use embassy_stm32::pac::dma::Dma;
+use embassy_stm32::pac::dma::vals::{Dir, Pl, Size};
+
+/// Readings in the ring.
+pub const RING: usize = 2048;
+
+static READINGS: [AtomicU16; RING] = [const { AtomicU16::new(0) }; RING];
+
+/// What stands at a place of the ring.
+pub fn reading(place: usize) -> u16 {
+    READINGS[place].load(Ordering::Relaxed)
+}
+
+/// A stream of the DMA; only one may fill the ring at a time.
+pub struct Stream {
+    /// Which controller.
+    pub dma: Dma,
+    /// Its stream.
+    pub number: usize,
+    /// Whose requests the stream answers.
+    pub channel: u8,
+}
+
+impl Stream {
+    /// Nothing is written any more.
+    pub fn stop(&self) {
+        let stream = self.dma.st(self.number);
+        stream.cr().modify(|w| w.set_en(false));
+        while stream.cr().read().en() {}
+        let place = self.number % 4;
+        self.dma.ifcr(self.number / 4).write(|w| {
+            w.set_tcif(place, true);
+            w.set_htif(place, true);
+            w.set_teif(place, true);
+            w.set_dmeif(place, true);
+            w.set_feif(place, true);
+        });
+    }
+
+    /// From the ring's first place on, at each request 16 bits of the register at `from`. The stream must stand still.
+    pub fn fill(&self, from: *mut ()) {
+        let stream = self.dma.st(self.number);
+        stream.par().write_value(from as u32);
+        stream.m0ar().write_value(READINGS.as_ptr() as u32);
+        stream.ndtr().write(|w| w.set_ndt(RING as u16));
+        stream.cr().write(|w| {
+            w.set_chsel(self.channel);
+            w.set_dir(Dir::PERIPHERAL_TO_MEMORY);
+            w.set_psize(Size::BITS16);
+            w.set_msize(Size::BITS16);
+            w.set_minc(true);
+            w.set_circ(true);
+            w.set_pl(Pl::VERY_HIGH);
+        });
+        stream.cr().modify(|w| w.set_en(true));
+    }
+
+    /// The place that is written next.
+    pub fn writes_to(&self) -> u32 {
+        (RING as u32 - u32::from(self.dma.st(self.number).ndtr().read().ndt())) % RING as u32
+    }
+}

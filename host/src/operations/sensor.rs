@@ -1,0 +1,28 @@
+//! A sensor as `--json` tells it.
+
+use serde::Serializer;
+use serde::ser::SerializeMap;
+use shared::sensor::Sensor;
+
+/// For `#[serde(serialize_with = …)]`. A potentiometer's fields are those that there were before there was another
+/// sensor; any other one says its kind, and the numbers that model files have of it.
+///
+/// # Errors
+/// Those of the serializer.
+pub fn as_json<S: Serializer>(sensor: &Sensor, serializer: S) -> Result<S::Ok, S::Error> {
+    let line = sensor.line();
+    let mut map = serializer.serialize_map(None)?;
+    map.serialize_entry("zero_code", &line.zero_code)?;
+    map.serialize_entry("radian_per_code", &line.radian_per_code)?;
+    map.serialize_entry("full_scale", &sensor.full_scale())?;
+    if !matches!(sensor, Sensor::Potentiometer(_)) {
+        map.serialize_entry("kind", sensor.name())?;
+        for (known, value) in sensor.numbers() {
+            match known.is_whole {
+                true => map.serialize_entry(known.key, &(value as i64))?,
+                false => map.serialize_entry(known.key, &value)?,
+            }
+        }
+    }
+    map.end()
+}
