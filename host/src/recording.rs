@@ -16,6 +16,7 @@ mod error;
 mod foreign;
 mod header;
 mod look;
+mod lost;
 mod measured;
 mod number;
 pub mod plausible;

@@ -1,6 +1,7 @@
 //! Which column is what: by what the user said, the header, the names, and at last the place.
 
 use super::angle::Angles;
+use super::circle::Circle;
 use super::columns::{AngleUnit, ColumnRef, Columns, RateUnit, TimeUnit};
 use super::error::Fault;
 use super::header::Header;
@@ -12,6 +13,7 @@ use super::samples::{MOST_COLUMNS, Samples};
 use super::table::Table;
 use super::words::{Meaning, is_size, meaning};
 use super::{MIN_SAMPLES, clock, median_step_s};
+use std::f64::consts::FRAC_PI_2;
 
 /// Steps of unstated unit beyond this are refused: at 2 Hz a laboratory pendulum cannot be followed.
 pub(super) const LONGEST_STEP_S: f64 = 0.5;
@@ -113,6 +115,9 @@ impl Sources {
         let reading_idx = reading.as_ref().ok().and_then(ReadingSource::first_idx);
         let time = choose_time(table, header, options, &asked, reading_idx, notes)?;
         let reading = reading?;
+        if let (ReadingSource::Point { x, y }, None, None) = (&reading, &asked.x, &table.names) {
+            notes.push(format!("columns {x} and {y} lie on a circle: read as x and y of a point"));
+        }
         if time.column().is_some_and(|idx| reading.first_idx() == Some(idx)) {
             return Err(Fault::NoAngleColumn { available: table.available() });
         }
@@ -326,8 +331,8 @@ fn rate_columns(table: &Table) -> Vec<usize> {
         .collect()
 }
 
-/// A named angle column, or x and y of a point; without names the first one that is not taken; none at all is fine when
-/// there are codes.
+/// A named angle column, or x and y of a point; without names the first one that is not taken, and the next one with it
+/// where both lie on a circle; none at all is fine when there are codes.
 fn choose_angle(
     table: &Table,
     asked: &Columns,
@@ -356,16 +361,28 @@ fn choose_angle(
     let time_idx = time_idx.or((0..table.n_columns).find(is_clock)).or(first);
     let is_free = |idx: &usize| Some(*idx) != time_idx && Some(*idx) != code_idx;
     let is_number = |idx: &usize| fields.get(*idx).is_some_and(|field| Numerals::new().read(field) != Cell::Text);
-    let unnamed = (0..table.n_columns).find(|idx| is_free(idx) && is_number(idx));
+    let mut unnamed = (0..table.n_columns).filter(|idx| is_free(idx) && is_number(idx));
+    let (unnamed, next) = (unnamed.next(), unnamed.next());
     match (named, named_so(Meaning::X), named_so(Meaning::Y), unnamed) {
         (Some((idx, unit)), ..) => Ok(ReadingSource::Angle { idx, unit }),
         (None, Some(x), Some(y), _) => Ok(ReadingSource::Point { x, y }),
         (None, ..) if code_idx.is_some() => Ok(ReadingSource::Codes),
         (None, _, _, Some(idx)) if table.names.is_none() || table.n_columns == 1 => {
-            Ok(ReadingSource::Angle { idx, unit: None })
+            let y = next.filter(|y| table.names.is_none() && lie_on_circle(table, idx, *y));
+            Ok(y.map_or(ReadingSource::Angle { idx, unit: None }, |y| ReadingSource::Point { x: idx, y }))
         }
         _ => Err(Fault::NoAngleColumn { available: table.available() }),
     }
+}
+
+/// Are two columns x and y of a point that swings? Angle and rate of a slow pendulum may lie on a circle too, but they go
+/// round it.
+fn lie_on_circle(table: &Table, x: usize, y: usize) -> bool {
+    let (x, y) = (table.first_numbers(x), table.first_numbers(y));
+    let n = x.len().min(y.len());
+    let Some(circle) = Circle::through(&x[..n], &y[..n], None).ok().filter(|_| n >= MIN_SAMPLES) else { return false };
+    let angles_rad = circle.angles_rad(&x[..n], &y[..n]);
+    angles_rad.iter().all(|angle_rad| angle_rad.abs() < FRAC_PI_2)
 }
 
 fn angle_unit_in_name(table: &Table, idx: usize) -> Option<AngleUnit> {

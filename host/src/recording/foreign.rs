@@ -5,6 +5,7 @@
 
 mod json;
 mod labview;
+mod mat5;
 mod matlab;
 mod zipped;
 

@@ -13,6 +13,7 @@ use super::choose::Sources;
 use super::columns::{AngleUnit, Columns};
 use super::error::{Fault, ReadError};
 use super::header::{Header, HeaderReader};
+use super::lost;
 use super::measured::Measured;
 use super::samples::Samples;
 use super::source::Lines;
@@ -90,8 +91,12 @@ fn parse(reader: impl BufRead, options: &ReadOptions) -> Result<Recording, Fault
     let sources = Sources::choose(&table, &header, options, &mut notes)?;
     let is_ours = header.version.is_some();
     let samples = Samples::collect(&mut table, &sources, is_ours, &mut notes)?;
-    let times_s = sources.times_s(&samples, &mut notes)?;
+    let mut times_s = sources.times_s(&samples, &mut notes)?;
     let mut readings = sources.readings(&table, &samples, &times_s, &header, options, &mut notes)?;
+    // Rigs of ours count their samples, and rows that are counted have no times to be wrong.
+    if !is_ours && samples.codes.is_empty() && !sources.counts_rows() {
+        lost::set_right(&mut times_s, &mut readings, &mut notes);
+    }
     if options.mirrored {
         readings.iter_mut().for_each(|reading| *reading = -*reading);
     }

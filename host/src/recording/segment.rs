@@ -117,7 +117,8 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
         None if options.to_s.is_some() => asked.end,
         None => stretch.end,
     };
-    let free = start.free_idx..end.max(start.free_idx);
+    let begin = if options.from_s.is_some() { start.free_idx } else { cut.fallen(start.free_idx, end) };
+    let free = begin..end.max(begin);
     let n_turning_points = cut.count_turns(&free);
     let duration_s = cut.duration_s(&free);
     if duration_s > LONGEST_S {
@@ -224,19 +225,25 @@ fn notes(
 ) -> Vec<String> {
     let first_s = cut.times_s()[cut.asked.start];
     let mut notes = Vec::new();
-    let before_s = cut.times_s()[free.start] - first_s;
+    let before_s = cut.times_s()[start.free_idx] - first_s;
     match (&start.lead_in, options.from_s) {
         (_, Some(from_s)) => notes.push(format!("free swing taken from {from_s} s on, as told")),
         (_, None) if start.was_held => {
             notes.push(format!("cut {before_s:.2} s held still before the release at {:.3} s", start.release_s));
         }
-        (Some(still), None) if free.start > cut.asked.start => {
+        (Some(still), None) if start.free_idx > cut.asked.start => {
             notes.push(format!("cut {before_s:.2} s: still for {:.2} s, then moved by hand", cut.duration_s(still)))
         }
-        (None, None) if free.start > cut.asked.start => {
+        (None, None) if start.free_idx > cut.asked.start => {
             notes.push(format!("cut the first {before_s:.2} s: a hand was still moving it"));
         }
         _ => {}
+    }
+    if free.start > start.free_idx {
+        let more_s = cut.times_s()[free.start] - cut.times_s()[start.free_idx];
+        notes.push(format!(
+            "cut {more_s:.2} s more near upright, where the least push decides when it falls; --from begins earlier"
+        ));
     }
     match (rest, options.to_s) {
         (_, Some(to_s)) => notes.push(format!("free swing taken up to {to_s} s, as told")),

@@ -121,6 +121,16 @@ impl<'a> Table<'a> {
         self.held.front().map(|line| split(&line.text, self.separator)).unwrap_or_default()
     }
 
+    /// The numbers of a column in the first rows, as far as they are some, before any row was read.
+    pub(super) fn first_numbers(&self, idx: usize) -> Vec<f64> {
+        let mut numerals = self.numerals.clone();
+        let mut number = |line: &Line| match numerals.read(split(&line.text, self.separator).get(idx)?) {
+            Cell::Number(number) => Some(number),
+            _ => None,
+        };
+        self.held.iter().map_while(&mut number).collect()
+    }
+
     /// What a message calls column `idx`.
     pub(super) fn column_name(&self, idx: usize) -> String {
         match self.names.as_ref().and_then(|names| names.get(idx)) {

@@ -91,6 +91,7 @@ def archive(name, files):
 def tracker():
     length = 0.25
     table("tracker_xy.txt", "mass_A\nt\tx\ty\n", lambda t, a, w: f"{t:.9E}\t{length * math.sin(a):.9E}\t{-length * math.cos(a):.9E}")
+    table("xy_bare.txt", "", lambda t, a, w: f"{t:.9E}\t{length * math.sin(a):.9E}\t{-length * math.cos(a):.9E}")
     table("tracker_theta.txt", "mass_A\nt\tx\ty\tθ\n", lambda t, a, w: f"{t:.4f}\t{0.25 * math.sin(a):.6f}\t{-0.25 * math.cos(a):.6f}\t{a - math.pi / 2:.6f}")
     table("tracker_multi.txt", "#multi:\n\tmass A\t\t\n t\tθ_{r}\tv\t\n".replace(" t", "t"), lambda t, a, w: f"{t:.4f}\t{a:.6f}\t{'' if t == 0 else abs(w * 0.25):.6}\t")
     pixels = lambda t, a, w: f"{t:.4f},{320 + 180 * math.sin(a):.2f},{60 + 180 * math.cos(a):.2f}"
@@ -138,8 +139,39 @@ def matlab():
         data = zlib.compress(part)
         packed += struct.pack("<II", 15, len(data)) + data
     (HERE / "matlab_v7.mat").write_bytes(head + packed)
+    (HERE / "simulink.mat").write_bytes(head + simulink(element, matrix, times, angles))
     newer = b"MATLAB 7.3 MAT-file, Platform: GLNXA64, HDF5 schema 1.00 .".ljust(512) + b"\x89HDF\r\n\x1a\n" + bytes(100)
     (HERE / "matlab_v73.mat").write_bytes(newer)
+
+
+def simulink(element, matrix, times, angles):
+    """What a scope logs as "Structure With Time": time, and for each signal its values and label."""
+
+    def letters(name, text):
+        parts = [
+            element(6, struct.pack("<II", 4, 0)),
+            element(5, struct.pack("<ii", 1, len(text))),
+            element(1, name.encode()),
+            element(4, text.encode("utf-16-le")),
+        ]
+        return element(14, b"".join(parts))
+
+    def structure(name, fields, entries):
+        longest = 16
+        parts = [
+            element(6, struct.pack("<II", 2, 0)),
+            element(5, struct.pack("<ii", 1, len(entries))),
+            element(1, name.encode()),
+            struct.pack("<HHi", 5, 4, longest),
+            element(1, b"".join(field.encode().ljust(longest, b"\0") for field in fields)),
+        ]
+        return element(14, b"".join(parts) + b"".join(value for entry in entries for value in entry))
+
+    def signal(values, label):
+        return [matrix("", [values]), matrix("", [[1.0]]), letters("", label)]
+
+    signals = structure("", ["values", "dimensions", "label"], [signal(angles, "theta"), signal([0.0] * len(times), "cart")])
+    return structure("swing", ["time", "signals", "blockName"], [[matrix("", [times]), signals, letters("", "rig/Scope")]])
 
 
 def json_files():

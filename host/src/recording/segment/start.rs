@@ -21,6 +21,12 @@ const RELEASE_FALL_NOISE: f64 = 30.0;
 /// over three widths is less than 0.2 ms.
 const MAX_RELEASES_TRIED: usize = 4000;
 
+/// So near to upright a pendulum balances rather than swings, rad: there what it lacks to upright grows e-fold in 1/ω0,
+/// and with it whatever is not known of its first angle, so that no fit finds the way from there (a release 0.013 rad from
+/// upright was left at 0.9 rad). With half of it the unknown is twice as large as here, with twice of it half as large, and
+/// 0.7/ω0 more of the swing is lost.
+const BALANCED_RAD: f64 = 0.2;
+
 /// How the free swing begins.
 pub(super) struct Start {
     pub(super) lead_in: Option<Range<usize>>,
@@ -53,6 +59,15 @@ impl Cut<'_> {
                 Start { lead_in, free_idx, release_s: free_s, was_held: false }
             }
         }
+    }
+
+    /// The first sample from this one on at which it has left upright; this one where it never does.
+    pub(super) fn fallen(&self, from: usize, end: usize) -> usize {
+        if self.recording.measured() == Measured::Rate {
+            return from;
+        }
+        let is_balanced = |idx: &usize| self.angles_rad()[*idx].cos() < -BALANCED_RAD.cos();
+        (from..end).find(|idx| !is_balanced(idx)).unwrap_or(from)
     }
 
     /// The still part at the beginning, if there is one.

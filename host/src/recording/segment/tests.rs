@@ -45,6 +45,18 @@ fn a_held_pendulum_is_free_just_after_its_release() {
 }
 
 #[test]
+fn a_swing_begins_where_it_has_left_upright() {
+    let angle_rad = 3.13;
+    let whole = [vec![angle_rad; 100], swing(angle_rad, 20.0)].concat();
+    let segments = find(&whole);
+    let left = std::f64::consts::PI - whole[segments.free.start];
+    assert!((0.19..0.3).contains(&left), "{left} {segments:?}");
+    assert!(segments.notes[1].contains("near upright"), "{segments:?}");
+    let asked = SegmentOptions { from_s: Some(0.6), to_s: None };
+    assert_eq!(segment(&noisy(&whole), &asked).unwrap().free.start, 120);
+}
+
+#[test]
 fn a_recording_that_begins_with_the_release_is_kept_whole() {
     let segments = find(&swing(1.0, 8.0));
     assert_eq!(segments.free, 0..1600);
