@@ -87,7 +87,7 @@ impl Measurement {
 }
 
 fn sensor_noise(recording: &Recording, segments: &Segments) -> SensorNoise {
-    let of_neighbours = noise::estimate(recording);
+    let of_neighbours = &segments.noise;
     let total_rms = of_neighbours.total_rms;
     // A hand may tremble before the release: the stillest stretch decides.
     let stretches = [segments.lead_in.clone(), segments.rest.clone()].into_iter().flatten();

@@ -75,7 +75,7 @@ fn slips(times_s: &[f64], readings: &[f64], step_s: f64) -> Vec<Slip> {
     }
     let parts = || readings.windows(window.length());
     let steps: Vec<f64> = parts().map(|part| window.step(part)).collect();
-    let quiet = (noise::spread_of(&steps) / window.step_noise).max(lsb.unwrap_or(0.0) / 12f64.sqrt());
+    let quiet = (noise::robust_spread(&steps) / window.step_noise).max(lsb.unwrap_or(0.0) / 12f64.sqrt());
     // Few are worth a look at their own scatter.
     let sure = |(part, step): (&[f64], &f64)| match step / (window.step_noise * quiet) {
         at_most if at_most.abs() > SURE => step / (window.step_noise * window.scatter(part, *step).max(quiet)),

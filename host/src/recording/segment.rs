@@ -54,7 +54,7 @@ pub struct Segments {
     pub n_turning_points: usize,
     /// A typical half swing, s.
     pub half_swing_s: f64,
-    /// Noise of the whole recording.
+    /// Noise of the free range.
     pub noise: Noise,
     /// What was cut and why, in words.
     pub notes: Vec<String>,
@@ -127,9 +127,10 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
     if n_turning_points < MIN_TURNING_POINTS {
         return Err(SegmentError::TooFewSwings { n_turning_points, duration_s });
     }
-    log::debug!("noise {:.3e} rad from {}; free swing {free:?}", cut.noise.total_rms, cut.noise.method);
+    log::debug!("noise {:.3e} rad from {}; free swing {free:?}", cut.noise_rms_rad, cut.noise_method);
     let notes = notes(&cut, options, &start, &free, rest.as_ref());
-    let (lead_in, release_s, half_swing_s, noise) = (start.lead_in, start.release_s, cut.half_swing_s, cut.noise);
+    let noise = noise::of_part(recording, free.clone());
+    let (lead_in, release_s, half_swing_s) = (start.lead_in, start.release_s, cut.half_swing_s);
     Ok(Segments { lead_in, free, rest, release_s, n_turning_points, half_swing_s, noise, notes })
 }
 
@@ -149,7 +150,7 @@ fn asked_range(recording: &Recording, options: &SegmentOptions) -> Result<Range<
 struct Cut<'a> {
     recording: &'a Recording,
     asked: Range<usize>,
-    noise: Noise,
+    noise_method: String,
     noise_rms_rad: f64,
     width_s: f64,
     half_swing_s: f64,
@@ -174,7 +175,7 @@ impl<'a> Cut<'a> {
         let mut cut = Self {
             recording,
             asked,
-            noise,
+            noise_method: noise.method,
             noise_rms_rad,
             width_s,
             half_swing_s,

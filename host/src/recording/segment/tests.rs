@@ -57,6 +57,13 @@ fn a_swing_begins_where_it_has_left_upright() {
 }
 
 #[test]
+fn what_jumps_before_the_release_is_no_noise_of_the_swing() {
+    let put_down = [vec![1.7; 60], vec![0.0; 60], vec![0.9; 100], swing(0.9, 20.0)].concat();
+    let segments = find(&put_down);
+    assert!((segments.noise.total_rms / 1e-3 - 1.0).abs() < 0.05, "{segments:?}");
+}
+
+#[test]
 fn a_recording_that_begins_with_the_release_is_kept_whole() {
     let segments = find(&swing(1.0, 8.0));
     assert_eq!(segments.free, 0..1600);
