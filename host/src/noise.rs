@@ -57,7 +57,12 @@ pub fn of_part(recording: &Recording, part: Range<usize>) -> Noise {
 
 /// Smallest step of a recording's sensor, rad.
 fn lsb(recording: &Recording) -> Option<f64> {
-    match (recording.codes(), recording.header().calibration) {
+    let header = recording.header();
+    if let (Some(_), Some(calibration)) = (&header.sensor, header.calibration) {
+        // It counts, so that a code is a step, however few of them there are.
+        return Some(calibration.radians_per_code.abs());
+    }
+    match (recording.codes(), header.calibration) {
         (Some(codes), Some(calibration)) => {
             let codes: Vec<f64> = codes.iter().map(|code| f64::from(*code)).collect();
             smallest_step(&codes).map(|step| step * calibration.radians_per_code.abs())

@@ -82,6 +82,8 @@ pub struct Swing {
     pub angles_rad: Vec<f64>,
     /// Total rms noise of the readings, in their unit.
     pub noise_rad: f64,
+    /// Is that the rounding to a count, which comes again with every swing, instead of noise?
+    pub is_counted: bool,
     /// A reading of so much is an amplitude of a radian: 1, or for rates the angular frequency of small swings.
     reading_per_rad: f64,
     /// How slowly the pendulum swings.
@@ -122,7 +124,8 @@ impl Swing {
 
     /// Other readings of the same sensor on the same pendulum.
     pub fn like(&self, times_s: &[f64], readings: &[f64]) -> Self {
-        Self::build(&self.name, self.measured, self.reading_per_rad, times_s, readings, self.noise_rad)
+        let other = Self::build(&self.name, self.measured, self.reading_per_rad, times_s, readings, self.noise_rad);
+        Self { is_counted: self.is_counted, ..other }
     }
 
     fn build(
@@ -151,6 +154,7 @@ impl Swing {
             times_s,
             pace,
             noise_rad,
+            is_counted: false,
             longest_step_s,
         }
     }
@@ -191,7 +195,8 @@ impl Swing {
         };
         let part = recording.part(range)?;
         let noise = segments.noise.total_rms;
-        Ok((Self::of(name, recording.measured(), part.times_s(), part.angles_rad(), noise), segments))
+        let swing = Self::of(name, recording.measured(), part.times_s(), part.angles_rad(), noise);
+        Ok((Self { is_counted: recording.header().sensor.is_some(), ..swing }, segments))
     }
 
     /// How to step through the times with this model.

@@ -113,6 +113,30 @@ fn an_encoder_is_calibrated_recorded_and_looked_at_like_a_potentiometer() {
     assert!((fit["noise"].as_f64().unwrap() / (1.533_98e-3 / 12_f64.sqrt()) - 1.0).abs() < 0.02, "{}", fit["noise"]);
 }
 
+/// Counts are no noise: where the pendulum turns and rests they are wrong alike, sample for sample and swing for swing.
+#[test]
+fn the_stated_uncertainty_of_counts_holds_the_truth() {
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "init --mass 0.1466084 --length 0.1562177 --inertia 0.0026975").succeeded();
+    let model = std::fs::read_to_string(folder.path().join("rig.toml")).unwrap();
+    let truth = [("Mw", 5.4e-4), ("Mc", 7.1e-4), ("I", 0.002_697_5)];
+    for (counts, start) in [(400, 1.01), (4000, 1.01), (4000, 1.23), (20_000, 1.12)] {
+        let sensor = format!("\n[sensor]\nkind = \"encoder\"\ncounts_per_turn = {counts}\n");
+        std::fs::write(folder.path().join("rig.toml"), format!("{model}{sensor}")).unwrap();
+        let simulate = format!("simulate --start {start} --seconds 40 --noise 0 -o swing.csv --force");
+        host(folder.path(), &format!("{simulate} --with Mw=5.4e-4 --with Mc=7.1e-4")).succeeded();
+        let fit = host(folder.path(), "fit swing.csv -o fitted.toml --force --json");
+        let fit: serde_json::Value = serde_json::from_str(fit.succeeded()).unwrap();
+        for (symbol, truth) in truth {
+            let found = fit["parameters"].as_array().unwrap().iter().find(|number| number["symbol"] == symbol).unwrap();
+            let (value, std) = (found["value"].as_f64().unwrap(), found["std"].as_f64().unwrap());
+            assert!((value - truth).abs() < 2.5 * std, "{counts} counts, {start} rad: {symbol} {value} ± {std}");
+            println!("{counts} counts, {start} rad: {symbol} {value} ± {std}");
+            assert!(std < 0.25 * truth, "{counts} counts, {start} rad: {symbol} ± {std} says nothing");
+        }
+    }
+}
+
 #[test]
 fn what_makes_no_sense_for_an_encoder_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();

@@ -9,7 +9,7 @@ use crate::error::Failure;
 use crate::link::Session;
 use crate::operations::sensor;
 use crate::recording::segment::SegmentOptions;
-use crate::recording::{self, ReadOptions};
+use crate::recording::{self, ReadOptions, sensor_name};
 use crate::rigfile::{RigFile, USUAL_NAME};
 use crate::swing::Swing;
 use clap::Args;
@@ -193,7 +193,9 @@ fn by_swings(options: &Options, file: &RigFile, done: &mut Calibrated) -> Result
     let mut gain = f64::from(done.before.line().radian_per_code);
     for path in &options.recording {
         let recording = recording::read(path, &ReadOptions::default()).map_err(Failure::failed)?;
-        if let Some(sensor) = &recording.header().sensor {
+        let of_another =
+            recording.header().sensor.clone().filter(|_| recording.header().sensor != sensor_name(&done.before));
+        if let Some(sensor) = of_another {
             let what =
                 format!("{} was recorded from a sensor of kind {sensor}, the model file means another", path.display());
             return Err(Failure::wrong_use(what).next("use recordings of the sensor to be calibrated"));

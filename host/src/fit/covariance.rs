@@ -3,7 +3,8 @@
 //! For white residuals the covariance is s²·(JᵀJ)⁻¹. Real residuals are correlated from sample to sample, so the
 //! covariance S of the scores stands in the middle: (JᵀJ)⁻¹·S·(JᵀJ)⁻¹, with S from sums over blocks that are longer than
 //! the residuals' memory. A model that lacks physics errs coherently over the whole decay: there no number is taken to
-//! be surer than its scatter over the [`super::clusters`], and than what these would move it by.
+//! be surer than its scatter over the [`super::clusters`], and than what these would move it by. The same goes for counts of
+//! an encoder: where the pendulum turns they are wrong alike for many swings, and there is no noise that would mix them.
 //! Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980) 817, for the sandwich.
 
 use super::arrow::Arrow;
@@ -46,6 +47,11 @@ const SINGULAR: f64 = 1e-13;
 
 /// The covariance at a linearisation; a column without effect has an infinite variance. `None` if rounding spoils all.
 pub fn covariance(linear: &Linear) -> Option<Covariance> {
+    with_memory(linear, 0)
+}
+
+/// The same where residuals stay alike for so many samples at least, whatever their correlation says.
+fn with_memory(linear: &Linear, least: usize) -> Option<Covariance> {
     let equations = &linear.equations;
     let size = equations.gradient.len();
     let normal = equations.normal.dense();
@@ -59,7 +65,7 @@ pub fn covariance(linear: &Linear) -> Option<Covariance> {
     });
     let inverse = unit.cholesky()?.inverse();
     let dof = equations.n_samples.saturating_sub(size).max(1) as f64;
-    let memory = linear.each(|_, swing| memory(swing)).into_iter().max().unwrap_or(0);
+    let memory = linear.each(|_, swing| memory(swing)).into_iter().fold(least, usize::max);
     let middle = if memory == 0 {
         &inverse * (equations.cost / dof)
     } else {
@@ -84,15 +90,17 @@ pub fn covariance(linear: &Linear) -> Option<Covariance> {
 
 /// The covariance at a linearisation of swings that began thus, with the error of the model in it where it shows.
 pub fn with_model_error(on: &Problem, linear: &Linear, starts: &[Start]) -> Option<Covariance> {
-    let covariance = covariance(linear)?;
-    if !covariance.coloured {
+    let is_counted = on.swings.iter().any(|swing| swing.is_counted);
+    let runs = on.swings.iter().filter(|swing| swing.is_counted).map(|swing| longest_run(&swing.angles_rad));
+    let covariance = with_memory(linear, runs.max().unwrap_or(0).div_ceil(BLOCK_OF_MEMORIES))?;
+    if !covariance.coloured && !is_counted {
         return Some(covariance);
     }
     let comes_again = |swing_idx: usize, swing: &SwingLinear| {
         let crossings = upward_crossings(on, swing, swing_idx, starts[swing_idx].offset_rad);
         comes_again(swing, &crossings)
     };
-    if !linear.each(comes_again).contains(&true) {
+    if !is_counted && !linear.each(comes_again).contains(&true) {
         return Some(covariance);
     }
     let Some(spread) = spread(&clusters(on, linear, starts, |_| true)) else { return Some(covariance) };
@@ -104,6 +112,11 @@ pub fn with_model_error(on: &Problem, linear: &Linear, starts: &[Start]) -> Opti
         least[(place(j), place(j))] = variance;
     }
     Some(Covariance { matrix: larger_diagonal(covariance.matrix, &least), ..covariance })
+}
+
+/// Samples for which a counted angle stays the same, and with it how much it is rounded: at rest, and where it turns.
+fn longest_run(angles_rad: &[f64]) -> usize {
+    angles_rad.chunk_by(|a, b| a == b).map(<[f64]>::len).max().unwrap_or(0)
 }
 
 /// Are residuals a period apart alike? An error of the model comes again with every swing; noise that a filter has coloured

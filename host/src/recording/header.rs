@@ -120,7 +120,8 @@ impl HeaderReader {
             "cutoff_hz" => self.number(line, &key, value).map(|n| self.header.cutoff_hz = n),
             "zero_code" => self.number(line, &key, value).map(|n| self.zero_code = n),
             "radians_per_code" => self.number(line, &key, value).map(|n| self.radians_per_code = n),
-            "sensor" => set_text(&mut self.header.sensor, value),
+            // In files of others it may be any sensor's name, with steps that nobody knows.
+            "sensor" if self.header.version.is_some() => set_text(&mut self.header.sensor, value),
             "firmware" => set_text(&mut self.header.firmware, value),
             "started" => set_text(&mut self.header.started, value),
             "measured" => self.measured(line, value),
