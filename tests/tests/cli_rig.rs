@@ -120,7 +120,7 @@ fn the_stated_uncertainty_of_counts_holds_the_truth() {
     host(folder.path(), "init --mass 0.1466084 --length 0.1562177 --inertia 0.0026975").succeeded();
     let model = std::fs::read_to_string(folder.path().join("rig.toml")).unwrap();
     let truth = [("Mw", 5.4e-4), ("Mc", 7.1e-4), ("I", 0.002_697_5)];
-    for (counts, start) in [(400, 1.01), (4000, 1.01), (4000, 1.23), (20_000, 1.12)] {
+    for (counts, start) in [(400, 1.01), (4000, 1.23)] {
         let sensor = format!("\n[sensor]\nkind = \"encoder\"\ncounts_per_turn = {counts}\n");
         std::fs::write(folder.path().join("rig.toml"), format!("{model}{sensor}")).unwrap();
         let simulate = format!("simulate --start {start} --seconds 40 --noise 0 -o swing.csv --force");
