@@ -27,6 +27,11 @@ const MIN_TURNING_POINTS: usize = 4;
 /// Stillness is doubted when the mean over a short window leaves the start by this many of its standard deviations.
 const STILL_SPREADS: f64 = 5.0;
 
+/// A noise found from n samples is known to about 1/√n of itself; beyond so many times this, it is another noise. Among
+/// 10,000 samples a jump of 60 noises is noticed; with half of it one of 40, with twice of it one of 90, and with half of it
+/// chance would now and then take the noise of the free swing, which is known less well.
+const NOISE_SPREADS: f64 = 5.0;
+
 /// A free swing of ten hours; a simulation of more would want more memory than there is.
 const LONGEST_S: f64 = 36_000.0;
 
@@ -54,7 +59,7 @@ pub struct Segments {
     pub n_turning_points: usize,
     /// A typical half swing, s.
     pub half_swing_s: f64,
-    /// Noise of the free range.
+    /// Noise of the whole recording, or of the free range alone where something else jumps.
     pub noise: Noise,
     /// What was cut and why, in words.
     pub notes: Vec<String>,
@@ -127,9 +132,9 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
     if n_turning_points < MIN_TURNING_POINTS {
         return Err(SegmentError::TooFewSwings { n_turning_points, duration_s });
     }
-    log::debug!("noise {:.3e} rad from {}; free swing {free:?}", cut.noise_rms_rad, cut.noise_method);
     let notes = notes(&cut, options, &start, &free, rest.as_ref());
-    let noise = noise::of_part(recording, free.clone());
+    let noise = cut.noise(&free);
+    log::debug!("noise {:.3e} rad from {}; free swing {free:?}", noise.total_rms, noise.method);
     let (lead_in, release_s, half_swing_s) = (start.lead_in, start.release_s, cut.half_swing_s);
     Ok(Segments { lead_in, free, rest, release_s, n_turning_points, half_swing_s, noise, notes })
 }
@@ -150,7 +155,7 @@ fn asked_range(recording: &Recording, options: &SegmentOptions) -> Result<Range<
 struct Cut<'a> {
     recording: &'a Recording,
     asked: Range<usize>,
-    noise_method: String,
+    whole_noise: Noise,
     noise_rms_rad: f64,
     width_s: f64,
     half_swing_s: f64,
@@ -175,7 +180,7 @@ impl<'a> Cut<'a> {
         let mut cut = Self {
             recording,
             asked,
-            noise_method: noise.method,
+            whole_noise: noise,
             noise_rms_rad,
             width_s,
             half_swing_s,
@@ -186,6 +191,14 @@ impl<'a> Cut<'a> {
         };
         cut.find_disturbances().ok_or(too_few)?;
         Ok(cut)
+    }
+
+    /// Of the whole recording, which tells it best, unless that is larger than chance makes it beside the free swing:
+    /// where a pendulum is put down or let go, the angle may jump.
+    fn noise(&self, free: &Range<usize>) -> Noise {
+        let of_free = noise::of_part(self.recording, free.clone());
+        let chance = NOISE_SPREADS / (free.len() as f64).sqrt();
+        if self.whole_noise.total_rms > of_free.total_rms * (1.0 + chance) { of_free } else { self.whole_noise.clone() }
     }
 
     fn times_s(&self) -> &'a [f64] {

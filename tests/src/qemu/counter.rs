@@ -45,14 +45,15 @@ fn replace(line: &mut UnixStream, last: u64, new: u64) -> Result<u64, String> {
             }
         }
     }
-    places.retain(|_, places| places.len() == 2 && places[1] - places[0] < MOST_APART);
-    let (was, found) = places.first_key_value().ok_or("the sample counter was not found in the memory")?;
-    if places.len() > 1 {
-        return Err(format!("the sample counter could be any of {places:x?}"));
-    }
+    // A copy of it may be left further away, in a batch that was read.
+    let pairs = places.iter().flat_map(|(word, places)| places.windows(2).map(|pair| (*word, [pair[0], pair[1]])));
+    let near: Vec<(u64, [u64; 2])> = pairs.filter(|(_, pair)| pair[1] - pair[0] < MOST_APART).collect();
+    let [(was, found)] = near[..] else {
+        return Err(format!("the sample counter was not found once in the memory, but {near:x?}"));
+    };
     let bytes: String = new.to_le_bytes().iter().map(|byte| format!("{byte:02x}")).collect();
     found.iter().try_for_each(|place| ask(line, &format!("M{place:x},8:{bytes}")).map(|_| ()))?;
-    Ok(*was)
+    Ok(was)
 }
 
 /// Numbers of 64 bits from `start` on; none from the stack's guard, which nobody may read.
