@@ -30,6 +30,9 @@ const BLOCK: usize = 32;
 /// Fewer still samples than this give no noise of their own.
 const MIN_STILL: usize = 20;
 
+/// The median size of what is normally distributed, in standard deviations.
+const MEDIAN_SIZE: f64 = 0.6745;
+
 /// Noise of a recording; all rms values in rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Noise {
@@ -134,9 +137,6 @@ pub(crate) fn robust_spread(values: &[f64]) -> f64 {
     let middle = sizes.len() / 2;
     if sizes.is_empty() { 0.0 } else { *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN_SIZE }
 }
-
-/// The median size of what is normally distributed, in standard deviations.
-const MEDIAN_SIZE: f64 = 0.6745;
 
 /// The divided difference of a window, scaled so that white noise keeps its variance.
 fn difference(times_s: &[f64], angles_rad: &[f64]) -> f64 {

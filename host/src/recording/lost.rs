@@ -17,8 +17,8 @@ const BESIDE: usize = 12;
 /// … and so many next to it are left out, because a late sample is often followed by one that catches up.
 const SKIPPED: usize = 2;
 
-/// A window spans at most this share of a half swing: a sine is a cubic there to 1e-5 of its amplitude. Half of it would
-/// leave 1 kHz for a pendulum of a second, twice of it 200 Hz with 1e-4.
+/// A window spans at most this share of a half swing, which takes 224 samples a period: a sine then makes a step of 2e-5 of
+/// its amplitude at most. Half of it would take 448 samples and make 6e-7, twice of it 112 and 6e-4.
 const WIDEST: f64 = 0.25;
 
 /// A step is believed from so many of its standard deviations on, by the scatter of its own window. On ten real
@@ -30,7 +30,8 @@ const SURE: f64 = 8.0;
 /// the true ones are missed; with 6 a sensor that slips by what the pendulum moves in half a sample passes.
 const CLEAN: f64 = 3.0;
 
-/// More samples than this share of a half swing are no hole that a cubic spans.
+/// More samples than this share of a half swing are no hole that a cubic spans. Half of it would leave holes of a
+/// sixteenth of a period and less, with twice of it the hole is longer than what the fifth power of the motion allows.
 const LONGEST: f64 = 0.25;
 
 /// What a clock lost (positive) or counted twice (negative) between two samples.
@@ -159,7 +160,9 @@ impl Window {
             return None;
         }
         let reach = 1 + (about.abs() / 3.0) as isize;
-        let tried = (about as isize - reach..=about as isize + reach).filter(|n| *n != 0);
+        // More that stand there twice would reach beyond the window, and into the next one.
+        let least = (about as isize - reach).max(-(BESIDE as isize));
+        let tried = (least..=about as isize + reach).filter(|n| *n != 0);
         let closed = tried.filter_map(|n_samples| Some((n_samples, self.closed(part, n_samples)?)));
         let (n_samples, left) = closed.min_by(|a, b| a.1.step.abs().total_cmp(&b.1.step.abs()))?;
         let is_clean = left.step.abs() < CLEAN * left.scatter.max(quiet) * left.step_noise;
@@ -232,6 +235,14 @@ mod tests {
             times_s.iter().zip(&ticks).filter(|pair| !is_right(*pair)).map(|(_, tick)| *tick).collect();
         assert!(wrong.len() <= 4 * SKIPPED, "{} {notes:?}", wrong.len());
         assert!(notes[0].contains("4 places") && notes[0].contains("+2, +1, +20, -1 samples"), "{notes:?}");
+    }
+
+    #[test]
+    fn a_motion_that_goes_back_further_than_a_window_is_left_alone() {
+        let mut readings = seen((0..12_300).chain(12_260..12_276));
+        let (mut times_s, mut notes) = (nominal(readings.len()), Vec::new());
+        set_right(&mut times_s, &mut readings, &mut notes);
+        assert_eq!((times_s.len(), readings.len(), notes.len()), (12_316, 12_316, 0), "{notes:?}");
     }
 
     #[test]

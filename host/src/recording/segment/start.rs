@@ -22,9 +22,9 @@ const RELEASE_FALL_NOISE: f64 = 30.0;
 const MAX_RELEASES_TRIED: usize = 4000;
 
 /// So near to upright a pendulum balances rather than swings, rad: there what it lacks to upright grows e-fold in 1/ω0,
-/// and with it whatever is not known of its first angle, so that no fit finds the way from there (a release 0.013 rad from
-/// upright was left at 0.9 rad). With half of it the unknown is twice as large as here, with twice of it half as large, and
-/// 0.7/ω0 more of the swing is lost.
+/// and with it whatever is not known of its first angle, so that growing windows of least squares do not find the way (a
+/// release 0.013 rad from upright was left at 0.9 rad, with response surfaces before them at 0.025). With half of it the
+/// unknown is twice as large as here, with twice of it half as large, and 0.7/ω0 more of the swing is lost.
 const BALANCED_RAD: f64 = 0.2;
 
 /// How the free swing begins.
