@@ -13,6 +13,8 @@ use embassy_futures::select::{Either, select};
 use embassy_futures::yield_now;
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
+use shared::bank::keeper::Keeper;
+use shared::bank::order::Order;
 use shared::rig::{Finished, Outcome, Request, Rig, Stored};
 use shared::sensor::Sensor;
 use shared::wire::{Answer, Chip, Command, Cycles, Deframer, Frame, Health, Refusal, StoreState, Stream};
@@ -25,6 +27,9 @@ const LAST_BYTES_MS: u32 = 50;
 
 /// After an erase samples come again within so long, even at 50 Hz; then the watchdog has been fed, too.
 const AFTER_ERASE_MS: u32 = 50;
+
+/// The light blinks so often while something is named, Hz.
+const BLINKS_HZ: f32 = 2.0;
 
 /// Sampling goes on between two erases.
 struct Sampling<Y>(PhantomData<Y>);
@@ -68,6 +73,14 @@ struct Shared<Y> {
     saving: Cell<bool>,
     saved: Cell<bool>,
     stages: RefCell<Stages>,
+    keeper: RefCell<Keeper>,
+    /// [`Rig::n_models`] of the model that was looked at last.
+    n_models: Cell<u32>,
+    /// Somebody records, and looks wait.
+    is_recorded: Cell<bool>,
+    /// Samples since the light was last switched.
+    unswitched: Cell<u32>,
+    is_lit: Cell<bool>,
 }
 
 /// What the stages of the work took.
@@ -82,18 +95,21 @@ struct Stages {
 /// Runs the rig on a board, for ever.
 pub async fn run<S: Sampler, R: Read, W: Write, F: NorFlash, Y: System>(board: Board<S, R, W, F, Y>) -> ! {
     let mut store = Store::pausing(board.flash, board.store);
-    let rig = start(board.name, board.most_points_per_s, Input::of::<S>(), &mut store, board.system).await;
+    let mut system = board.system;
+    let loaded = load(&mut store, &mut system).await;
+    let rig = start(board.name, board.most_points_per_s, Input::of::<S>(), loaded, system);
     join3(rig.sample(board.sampler), rig.send(board.sender), rig.listen(board.receiver, store)).await.0
 }
 
-async fn start<F: NorFlash, Y: System>(
+/// Never inlined: what it builds on the stack would stay on that of the tasks, which is the deepest.
+#[inline(never)]
+fn start<Y: System>(
     name: &str,
     most_points_per_s: f32,
     input: Input,
-    store: &mut Store<F, Sampling<Y>>,
+    mut loaded: Result<Stored, StoreState>,
     mut system: Y,
 ) -> Shared<Y> {
-    let mut loaded = load(store, &mut system).await;
     if let Ok(stored) = &mut loaded
         && !input.takes(stored)
     {
@@ -102,8 +118,14 @@ async fn start<F: NorFlash, Y: System>(
     let mut rig = Rig::new(name, FULL_SCALE, loaded);
     let store_state = rig.health().store;
     *rig.health() = Health { store: store_state, ..system.since_power_up() };
+    let settings = *rig.settings();
     Shared {
         new_sampling: Cell::new(Some((rig.settings().sensor, rig.settings().rate_hz))),
+        keeper: RefCell::new(Keeper::new(settings.rate_hz, settings.sensor)),
+        n_models: Cell::new(rig.n_models()),
+        is_recorded: Cell::new(false),
+        unswitched: Cell::new(0),
+        is_lit: Cell::new(false),
         rig: RefCell::new(rig),
         system: RefCell::new(system),
         queue: FrameQueue::new(),
@@ -138,7 +160,75 @@ impl<Y: System> Shared<Y> {
             }
             let batch = sampler.next().await;
             self.take_batch(&batch);
+            self.watch(&batch);
             yield_now().await;
+        }
+    }
+
+    /// Keeps releases, orders a look when one has ended, and blinks while something is named. Never inlined, like what
+    /// it calls: a task's stack holds all that is, however seldom it runs.
+    #[inline(never)]
+    fn watch(&self, batch: &Batch) {
+        if self.has_ended(batch) {
+            self.order_look();
+        }
+        self.blink(batch.codes.len() as u32);
+    }
+
+    fn has_ended(&self, batch: &Batch) -> bool {
+        let (mut keeper, system) = (self.keeper.borrow_mut(), self.system.borrow());
+        let tape = system.spare().tape();
+        let mut has_ended = batch.lost > 0 && keeper.miss(tape);
+        for code in &batch.codes {
+            has_ended |= keeper.take(*code, tape);
+        }
+        has_ended
+    }
+
+    #[inline(never)]
+    fn order_look(&self) {
+        let (keeper, rig, system) = (self.keeper.borrow(), self.rig.borrow(), self.system.borrow());
+        let releases = keeper.releases(system.spare().tape());
+        if !releases.is_empty() {
+            let (interval_s, radian_per_step) = (keeper.interval_s(), keeper.radian_per_step());
+            system.spare().order(Order { parameters: rig.parameters().clone(), radian_per_step, interval_s, releases });
+        }
+    }
+
+    /// A model that was changed is looked at anew; releases that were measured otherwise are forgotten.
+    #[inline(never)]
+    fn notice_changes(&self) {
+        let (n_models, settings) = (self.rig.borrow().n_models(), *self.rig.borrow().settings());
+        let is_measured_alike = self.keeper.borrow().is_for(settings.rate_hz, &settings.sensor);
+        if is_measured_alike && self.n_models.get() == n_models {
+            return;
+        }
+        self.n_models.set(n_models);
+        self.system.borrow().spare().forget();
+        if is_measured_alike {
+            self.order_look();
+        } else {
+            *self.keeper.borrow_mut() = Keeper::new(settings.rate_hz, settings.sensor);
+        }
+    }
+
+    /// Looks wait while somebody records.
+    fn notice_recording(&self) {
+        let is_recorded = self.rig.borrow().is_streaming();
+        if self.is_recorded.replace(is_recorded) != is_recorded {
+            self.system.borrow().spare().hold(is_recorded);
+        }
+    }
+
+    fn blink(&self, n_samples: u32) {
+        let names = self.system.borrow().spare().names();
+        let n = self.unswitched.get() + n_samples;
+        self.unswitched.set(n);
+        let half = self.rig.borrow().settings().rate_hz / (2.0 * BLINKS_HZ);
+        if n as f32 >= half || (self.is_lit.get() && !names) {
+            self.is_lit.set(names && !self.is_lit.get());
+            self.unswitched.set(0);
+            self.system.borrow_mut().light(self.is_lit.get());
         }
     }
 
@@ -232,6 +322,8 @@ impl<Y: System> Shared<Y> {
                 self.answer(&frame);
             }
         }
+        self.notice_changes();
+        self.notice_recording();
     }
 
     fn chip(&self) -> Chip {
@@ -278,6 +370,11 @@ impl<Y: System> Shared<Y> {
                 let rate_hz = (self.input.nearest_rate)(rate_hz);
                 self.new_sampling.set(Some((self.rig.borrow().settings().sensor, rate_hz)));
                 Finished::Sampling(rate_hz)
+            }
+            Request::Suspects => {
+                let system = self.system.borrow();
+                system.spare().hold(false);
+                Finished::Suspects(system.spare().found())
             }
             Request::Reset => self.system.borrow_mut().reset(),
             Request::Bootloader => self.system.borrow_mut().bootloader(),

@@ -1,5 +1,10 @@
 //! The board, chosen by feature. One file each; nothing outside knows a pin, a clock or an interrupt.
 
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_time::Instant;
+use firmware::spare::Spare;
+use shared::bank::tape::Tape;
+
 #[cfg(feature = "board-feather-f405")]
 mod feather_f405;
 #[cfg(feature = "board-feather-f405")]
@@ -19,6 +24,16 @@ pub use qemu::{CLOCK_HZ, IDENTITY, cycles, pac, start};
 mod stm32;
 #[cfg(feature = "stm32")]
 pub use stm32::{CLOCK_HZ, cycles};
+
+static TAPE: Tape = Tape::new();
+
+/// What `main` does when nothing else is to be done.
+pub static SPARE: Spare<CriticalSectionRawMutex> = Spare::new(&TAPE);
+
+/// Cycles by the clock, sleep included.
+pub fn cycles_since_start() -> u64 {
+    Instant::now().as_micros() * u64::from(CLOCK_HZ / 1_000_000)
+}
 
 /// What must happen before anything else runs.
 pub fn before_all() {

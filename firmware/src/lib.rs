@@ -14,4 +14,5 @@ pub mod oversampling;
 mod patient_flash;
 pub mod ports;
 pub mod ring;
+pub mod spare;
 pub mod store;

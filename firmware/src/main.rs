@@ -12,18 +12,20 @@ mod usage;
 
 use board::pac::interrupt;
 use embassy_executor::{InterruptExecutor, Spawner};
+use shared::bank::findings::Room;
 
-/// Tasks run in an interrupt that nothing else uses, below all others, so that `main` is left to sleep and to measure
-/// how long it slept.
+/// Tasks run in an interrupt that nothing else uses, below all others, so that `main` is left to look at the last
+/// releases, to sleep, and to measure how long it slept.
 static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
+    static mut ROOM: Room<f32> = Room::empty(0.0);
     board::before_all();
     stack::prepare();
     board::lowest_priority(interrupt::CAN1_TX);
     EXECUTOR.start(interrupt::CAN1_TX).spawn(application().expect("there is one application"));
-    usage::sleep()
+    usage::spend(|| board::SPARE.work(ROOM, board::cycles_since_start))
 }
 
 #[allow(unsafe_code, reason = "a task may only spawn others on its own executor")]
@@ -38,5 +40,5 @@ async fn application() {
 #[interrupt]
 fn CAN1_TX() {
     // SAFETY: called from this handler only, and the interrupt is enabled by `start` only.
-    unsafe { EXECUTOR.on_interrupt() }
+    usage::counted(|| unsafe { EXECUTOR.on_interrupt() });
 }

@@ -1,5 +1,7 @@
 //! What the application asks of a board: samples in, bytes in and out, flash, and the chip's own business.
 
+use crate::spare::Spare;
+use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
 use embedded_storage_async::nor_flash::NorFlash;
 use heapless::Vec;
@@ -39,6 +41,8 @@ pub trait Sampler {
 
 /// The chip's own business.
 pub trait System {
+    /// What keeps the spare time's work and the application apart while one of them is at their desk.
+    type Lock: RawMutex;
     /// Is there a bootloader to restart into?
     const HAS_BOOTLOADER: bool;
     /// Why it started, where the last fault was, how many restarts.
@@ -53,6 +57,10 @@ pub trait System {
     fn can_save(&self) -> bool;
     /// Called when samples have arrived, and only then: a rig that stopped sampling is restarted.
     fn feed_watchdog(&mut self);
+    /// What is done in spare time.
+    fn spare(&self) -> &Spare<Self::Lock>;
+    /// Switches the light that people see on or off.
+    fn light(&mut self, is_on: bool);
     /// Lets milliseconds pass.
     async fn pause(milliseconds: u32);
     /// Restarts.

@@ -13,39 +13,60 @@ use shared::wire::Health;
 #[derive(Clone, Copy)]
 struct Awake {
     cycles: u64,
-    /// The counter when it woke.
-    woke: u32,
+    /// The counter when counting went on; `None` while it stands still.
+    counts_from: Option<u32>,
     /// When counting began.
     since_us: u64,
 }
 
 impl Awake {
-    /// Up to now.
-    fn counted(self) -> Self {
+    /// Up to now; then counting goes on or stands still.
+    fn counted(self, goes_on: bool) -> Self {
         let now = board::cycles();
-        Self { cycles: self.cycles + u64::from(now.wrapping_sub(self.woke)), woke: now, ..self }
+        let more = self.counts_from.map_or(0, |from| now.wrapping_sub(from));
+        Self { cycles: self.cycles + u64::from(more), counts_from: goes_on.then_some(now), ..self }
     }
 }
 
 static AWAKE: Mutex<CriticalSectionRawMutex, Cell<Awake>> =
-    Mutex::new(Cell::new(Awake { cycles: 0, woke: 0, since_us: 0 }));
+    Mutex::new(Cell::new(Awake { cycles: 0, counts_from: Some(0), since_us: 0 }));
 
-/// Sleeps whenever nothing is to be done.
-pub fn sleep() -> ! {
+/// Counts up to now; gives whether it had stood still.
+fn count(goes_on: bool) -> bool {
+    AWAKE.lock(|awake| {
+        let stood_still = awake.get().counts_from.is_none();
+        awake.set(awake.get().counted(goes_on));
+        stood_still
+    })
+}
+
+/// Works, in time that nobody else wants, as long as there is something to do; then sleeps. That work counts as sleep.
+pub fn spend(mut work: impl FnMut() -> bool) -> ! {
     loop {
+        count(false);
+        while work() {}
+        count(true);
         cortex_m::interrupt::free(|_| {
-            AWAKE.lock(|awake| awake.set(awake.get().counted()));
+            count(false);
             cortex_m::asm::wfi();
-            AWAKE.lock(|awake| awake.set(Awake { woke: board::cycles(), ..awake.get() }));
+            count(true);
         });
     }
+}
+
+/// Runs tasks, which count even where they interrupt that work.
+pub fn counted(run: impl FnOnce()) {
+    let stood_still = count(true);
+    run();
+    count(!stood_still);
 }
 
 /// The share since the last call.
 pub fn measure(health: &mut Health) {
     let since_us = Instant::now().as_micros();
     let awake = AWAKE.lock(|awake| {
-        let counted = awake.get().counted();
+        let goes_on = awake.get().counts_from.is_some();
+        let counted = awake.get().counted(goes_on);
         awake.set(Awake { cycles: 0, since_us, ..counted });
         counted
     });

@@ -142,6 +142,8 @@ impl SimulatedRig {
                 Ok(stored) => Finished::Loaded(stored),
                 Err(_) => Finished::Failed(Refusal::NothingStored),
             },
+            // What it sends is looked at by the program.
+            Request::Suspects => Finished::Failed(Refusal::NotHere),
             Request::SetRate(_) | Request::Reset | Request::Bootloader => Finished::Done,
         }
     }

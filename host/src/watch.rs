@@ -2,7 +2,11 @@
 //!
 //! Readings are gathered at about 250 a second, releases one after the other, and the bank ([`shared::bank`]) looks at
 //! all of them now and then. A swing has an error of one in a thousand to spend: half of it on the last look, when the
-//! pendulum rests, the other half on the looks before, less on each.
+//! pendulum rests, the other half on the looks before, less on each. A rig that looks by itself has the last word.
+
+mod by_rig;
+
+pub use by_rig::wait_for_look;
 
 use crate::record::{Listener, Stage};
 use serde::Serialize;
@@ -52,6 +56,16 @@ pub struct Candidate {
     pub tied: bool,
 }
 
+/// Who looked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Judge {
+    /// The rig itself.
+    Rig,
+    /// This program, by what the rig sent.
+    Program,
+}
+
 /// What a look says.
 #[derive(Clone, Debug, Serialize)]
 pub struct Look {
@@ -70,6 +84,8 @@ pub struct Look {
     pub excess: [f64; 2],
     /// The same with what is named in the model.
     pub left: Option<f64>,
+    /// Who says so.
+    pub judge: Judge,
 }
 
 /// The words for why nothing is named.
@@ -111,6 +127,8 @@ pub enum Event<'a> {
     Stage(Stage),
     /// The bank has looked.
     Looked(&'a Look),
+    /// The rig itself looks now.
+    RigLooks,
 }
 
 impl<'a> Watcher<'a> {
@@ -141,6 +159,11 @@ impl<'a> Watcher<'a> {
         (self.tell)(Event::Looked(&look));
         self.last = Some(look.clone());
         look
+    }
+
+    /// Says that the rig's own look is waited for.
+    pub fn waits_for_rig(&mut self) {
+        (self.tell)(Event::RigLooks);
     }
 
     fn interval_s(&self) -> f64 {
@@ -212,6 +235,7 @@ fn said(findings: &Findings<f64>, swings: usize) -> Look {
         noise_rad: findings.noise_rad,
         excess: findings.excess,
         left: findings.left,
+        judge: Judge::Program,
     }
 }
 

@@ -14,7 +14,7 @@
 //! 6. each candidate is judged by what it gains and by whether all clusters agree ([`judge`], [`chance`]), and named
 //!    or not ([`findings`]).
 //!
-//! How a board would keep the last releases ([`tape`], [`keeper`]) and look at them ([`order`]); no firmware does yet.
+//! A board keeps the last releases ([`tape`], [`keeper`]) and looks at them in its spare time ([`order`]).
 //!
 //! No allocation, generic over the number. The list of effects is the only source of candidates.
 

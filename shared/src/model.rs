@@ -200,6 +200,13 @@ impl<R: Real> Model<R> {
         self.trial_to_change(state, self.trial(state, dt_s), dt_s)
     }
 
+    /// Where it would come to within `dt_s` if its contact stayed as it is.
+    pub fn unchanged(&self, state: &State<R>, dt_s: R) -> State<R> {
+        let mut reached = *state;
+        self.accept(&mut reached, self.trial(state, dt_s), dt_s);
+        reached
+    }
+
     /// The same for the step that `trial` is.
     fn trial_to_change(&self, state: &mut State<R>, trial: Phase<R>, dt_s: R) -> R {
         let before = state.contact;
@@ -434,6 +441,11 @@ impl<R: Real> Model<R> {
         let kinetic = R::of(0.5) * v * v / self.inverse_inertia;
         let half_sine = (R::of(0.5) * state.angle_rad).sin();
         kinetic + self.gravity_nm * R::of(2.0) * half_sine * half_sine
+    }
+
+    /// dω/dt in rad/s² with the contact and the memories of a state, but elsewhere and at another time: zero at rest.
+    pub fn acceleration_rad_s2(&self, state: &State<R>, angle_rad: R, velocity_rad_s: R, time_s: R) -> R {
+        self.acceleration(&self.regime(&state.contact), angle_rad, velocity_rad_s, time_s, &state.memories)
     }
 
     /// Torque in N·m of friction and all added effects at present; what the bearing holds while at rest.

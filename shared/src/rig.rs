@@ -13,7 +13,7 @@ use crate::sensor::{NoGain, Potentiometer, Reader, Sensor};
 use crate::units::{Code, Radian};
 use crate::wire::{
     Answer, Chip, Command, Frame, Health, Hello, Live, PROTOCOL, Point, Refusal, Samples, Settings, Statistics,
-    StoreState, Stream, status,
+    StoreState, Stream, Suspects, status,
 };
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -102,6 +102,8 @@ pub enum Request {
     Load,
     /// Sample at this rate, and with the sensor of the settings, from now on.
     SetRate(f32),
+    /// Say what was found missing in the model.
+    Suspects,
     /// Restart.
     Reset,
     /// Restart into the chip's bootloader.
@@ -117,6 +119,8 @@ pub enum Finished {
     Sampling(f32),
     /// Flash held this.
     Loaded(Stored),
+    /// This was found.
+    Suspects(Suspects),
     /// Not done.
     Failed(Refusal),
 }
@@ -159,6 +163,7 @@ pub struct Rig {
     refused_protocol: Option<u16>,
     statistics: Statistics,
     chip: Chip,
+    n_models: u32,
 }
 
 impl Rig {
@@ -192,6 +197,7 @@ impl Rig {
             refused_protocol: None,
             statistics,
             chip: Chip::default(),
+            n_models: 0,
         };
         rig.use_settings(settings);
         rig
@@ -215,6 +221,16 @@ impl Rig {
     /// What only the board can say of its chip.
     pub fn chip(&mut self) -> &mut Chip {
         &mut self.chip
+    }
+
+    /// Does somebody listen to samples or points?
+    pub fn is_streaming(&self) -> bool {
+        self.stream.is_some()
+    }
+
+    /// How often other parameters came into use.
+    pub fn n_models(&self) -> u32 {
+        self.n_models
     }
 
     /// Makes the sample counter start elsewhere, to test its limits.
@@ -438,8 +454,7 @@ impl Rig {
             }),
             Command::Statistics => answer(number, Answer::Statistics(self.statistics_now())),
             Command::Chip => answer(number, Answer::Chip(self.chip.clone())),
-            // No board looks for itself yet.
-            Command::Suspects => refuse(number, Refusal::NotHere),
+            Command::Suspects => Outcome::Do(number, Request::Suspects),
             Command::Reset => Outcome::SendThenDo(Frame::Answer(number, Answer::Done), Request::Reset),
             Command::Bootloader => Outcome::SendThenDo(Frame::Answer(number, Answer::Done), Request::Bootloader),
         }
@@ -454,6 +469,7 @@ impl Rig {
                 Answer::Done
             }
             Finished::Failed(refusal) => Answer::Refused(refusal),
+            Finished::Suspects(suspects) => Answer::Suspects(suspects),
             Finished::Loaded(stored) => {
                 self.formula.clone_from(&stored.parameters.formula);
                 self.use_parameters(stored.parameters);
@@ -475,6 +491,7 @@ impl Rig {
     fn use_parameters(&mut self, parameters: Parameters<f32>) {
         self.observer.set_parameters(&parameters);
         self.parameters = parameters;
+        self.n_models = self.n_models.wrapping_add(1);
     }
 
     fn set_settings(&mut self, number: u16, settings: Settings) -> Outcome {

@@ -157,15 +157,27 @@ fn changes<R: Real, const N: usize>(matrix: &[[R; N]; N], column: usize) -> bool
 /// elsewhere. `None` if a column depends on the others. By Gauss–Jordan steps on
 /// the matrix scaled to a diagonal of one, so that units do not matter.
 pub(crate) fn inverted<R: Real, const N: usize>(matrix: &[[R; N]; N], from: usize, to: usize) -> Option<[[R; N]; N]> {
+    let mut inverse = [[R::zero(); N]; N];
+    invert(matrix, from, to, &mut inverse).then_some(inverse)
+}
+
+/// The same where there is a place for it already; true if there is an inverse.
+#[inline(never)]
+pub(crate) fn invert<R: Real, const N: usize>(
+    matrix: &[[R; N]; N],
+    from: usize,
+    to: usize,
+    inverse: &mut [[R; N]; N],
+) -> bool {
     let live = |i: &usize| changes(matrix, *i);
     let scale: [R; N] = core::array::from_fn(|i| if live(&i) { R::one() / matrix[i][i].sqrt() } else { R::zero() });
     let mut rest: [[R; N]; N] = core::array::from_fn(|i| core::array::from_fn(|j| matrix[i][j] * scale[i] * scale[j]));
-    let mut inverse = [[R::zero(); N]; N];
+    inverse.as_flattened_mut().fill(R::zero());
     (from..to).filter(live).for_each(|i| inverse[i][i] = R::one());
     for pivot in (from..to).filter(live) {
         let weight = rest[pivot][pivot];
         if !R::of(DEPENDENT).lt(weight).all() {
-            return None;
+            return false;
         }
         for j in from..to {
             rest[pivot][j] = rest[pivot][j] / weight;
@@ -182,7 +194,7 @@ pub(crate) fn inverted<R: Real, const N: usize>(matrix: &[[R; N]; N], from: usiz
     for i in from..to {
         (from..to).for_each(|j| inverse[i][j] = inverse[i][j] * scale[i] * scale[j]);
     }
-    Some(inverse)
+    true
 }
 
 #[cfg(test)]

@@ -1,11 +1,13 @@
 //! Every column of the bank against dual numbers, which carry the derivatives through the whole model.
 
 use shared::bank::column::{Column, Columns, N_BASE, N_STARTS};
-use shared::bank::follow::Follower;
+use shared::bank::follow::{Follower, Track};
+use shared::bank::sums::Block;
 use shared::dual::Dual;
 use shared::effect::Effect;
 use shared::model::Model;
 use shared::parameters::{Parameters, base};
+use shared::real::Real;
 
 /// As on a board that looks at every fourth sample, and finer.
 const STEPS_S: [f64; 2] = [4e-3, 8e-4];
@@ -21,6 +23,11 @@ const VELOCITY_RAD_S: f64 = 9.0;
 
 /// Starts and base columns, whatever the step.
 const EXACT: f64 = 1e-6;
+
+/// A look takes at least 40 steps a period: over 10 s the columns are then off by 1.2e-4, most of it by Runge and Kutta's
+/// rule.
+const LOOK_STEP_S: f64 = 24e-3;
+const BY_LOOK: f64 = 2e-4;
 
 /// Candidates, at the finer step.
 const TOLERANCE: f64 = 1e-4;
@@ -60,17 +67,25 @@ fn by_dual(parameters: &Parameters<Dual<f64, 1>>, start: [Dual<f64, 1>; 2], step
 
 /// All columns along the same swing, the candidates' behind the known ones.
 fn by_bank(parameters: &Parameters<f64>, columns: &Columns<f64>, step_s: f64) -> Vec<Vec<f64>> {
-    let mut follower = Follower::new(parameters, columns, true);
+    let mut track = Track::empty(0.0);
+    let mut follower = Follower::new(&mut track, parameters, columns, true);
     follower.start(ANGLE_RAD, VELOCITY_RAD_S, 0.0);
+    let ((n_known, n_added), mut block) = (follower.n_columns(), Block::empty(0.0));
     let mut rows = Vec::new();
     for i in 0..=n_steps(step_s) {
         if i > 0 {
             follower.advance(step_s);
         }
-        let prediction = follower.read();
-        rows.push([prediction.known, prediction.added].concat());
+        follower.read(&mut block);
+        rows.push((0..n_known + n_added).map(|column| block.written(column)).collect());
     }
     rows
+}
+
+fn columns_of<R: Real<Mask = bool>>(parameters: &Parameters<R>) -> Columns<R> {
+    let mut columns = Columns::empty();
+    columns.fill(parameters, false);
+    columns
 }
 
 fn n_steps(step_s: f64) -> usize {
@@ -89,8 +104,8 @@ fn dual_start() -> [Dual<f64, 1>; 2] {
     [ANGLE_RAD, VELOCITY_RAD_S].map(Dual::constant)
 }
 
-fn base_columns_agree(case: usize, parameters: &Parameters<f64>, step_s: f64) {
-    let columns = Columns::new(parameters, false);
+fn base_columns_agree(case: usize, parameters: &Parameters<f64>, step_s: f64, tolerance: f64) {
+    let columns = columns_of(parameters);
     let rows = by_bank(parameters, &columns, step_s);
     let constant = parameters.map(Dual::<f64, 1>::constant);
     let variable = |value: f64| Dual::variable(value, 0);
@@ -116,34 +131,35 @@ fn base_columns_agree(case: usize, parameters: &Parameters<f64>, step_s: f64) {
     }
     for (column, expected) in places.into_iter().zip(expected) {
         let apart = disagreement(&rows, column, &expected);
-        assert!(apart < EXACT, "rig {case}, column {column}, {step_s} s: {apart:e}");
+        assert!(apart < tolerance, "rig {case}, column {column}, {step_s} s: {apart:e}");
     }
 }
 
 #[test]
 fn starts_friction_inertia_and_band_are_the_derivatives_until_rest() {
     for (case, parameters) in rigs().iter().enumerate() {
-        STEPS_S.iter().for_each(|step_s| base_columns_agree(case, parameters, *step_s));
+        STEPS_S.iter().for_each(|step_s| base_columns_agree(case, parameters, *step_s, EXACT));
     }
+    base_columns_agree(0, &rigs()[0], LOOK_STEP_S, BY_LOOK);
 }
 
 /// How far the columns of all candidates are from the derivatives of a model with the effect at no strength.
 fn candidates_apart(case: usize, parameters: &Parameters<f64>, step_s: f64) -> Vec<(f64, String)> {
-    let columns = Columns::new(parameters, false);
+    let columns = columns_of(parameters);
     let rows = by_bank(parameters, &columns, step_s);
     let mut apart = Vec::new();
     for candidate in columns.candidates.iter().filter(|candidate| !candidate.effect.is_base()) {
         for (place, index) in candidate.strengths.iter().enumerate() {
-            let column = candidate.first + place;
+            let column = usize::from(candidate.first) + place;
             if matches!(columns.added[column], Column::Law { units, .. } if units != 1.0) {
                 continue;
             }
             let mut dual = parameters.map(Dual::<f64, 1>::constant);
-            let mut values = candidate.start.map(Dual::constant);
+            let mut values = candidate.start().map(Dual::constant);
             values[usize::from(*index)] = Dual::variable(0.0, 0);
             dual.set(candidate.effect.id, &values[..candidate.effect.parameters.len()]).unwrap();
             let expected = by_dual(&dual, dual_start(), step_s);
-            let name = format!("rig {case}, {} {:?}, number {index}", candidate.effect.name, candidate.start);
+            let name = format!("rig {case}, {} {:?}, number {index}", candidate.effect.name, candidate.start());
             apart.push((disagreement(&rows, N_STARTS + N_BASE + column, &expected), name));
         }
     }
@@ -166,7 +182,7 @@ fn every_candidate_is_the_derivative_by_its_strength_until_rest() {
 /// What has no room would never be suspected.
 #[test]
 fn there_is_room_for_every_start_of_every_effect() {
-    let columns = Columns::new(&Parameters::paper().map(|value| value as f32), false);
+    let columns = columns_of(&Parameters::paper().map(|value| value as f32));
     println!("{} columns of {} candidates", columns.added.len(), columns.candidates.len());
     assert!(!columns.added.is_full() && !columns.candidates.is_full());
 }

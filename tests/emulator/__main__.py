@@ -47,7 +47,7 @@ def arguments():
     parser.add_argument("--seed", type=int, default=1, help="of what memory holds at power-up")
     parser.add_argument("--leave", action="store_true", help="started by the bootloader instead of by power")
     parser.add_argument("--flash", help="what flash holds before the image, from its first byte on")
-    parser.add_argument("--wiper", default="ramp", help="ramp, still, or the path of a pendulum's socket")
+    parser.add_argument("--wiper", default="ramp", help="ramp, still, swing, or the path of a pendulum's socket")
     parser.add_argument("--encoder", default="still", help="still, ramp, or the path of a pendulum's socket")
     parser.add_argument("--terminal", action="store_true", help="the link is a pseudo terminal")
     return parser.parse_args()
@@ -63,7 +63,7 @@ def build(options):
         seed=options.seed,
         unique_id=options.unique_id,
     )
-    sources = {"ramp": wiper.ramp, "still": wiper.still}
+    sources = {"ramp": wiper.ramp, "still": wiper.still, "swing": wiper.swing}
     wiper_shows, encoder_shows = (sources.get(name) or Plant(name) for name in (options.wiper, options.encoder))
     chip = Chip(options.board, settings, wiper_shows, encoder_shows, say)
     if options.flash:

@@ -1,8 +1,10 @@
-"""What the potentiometer's wiper shows: codes of 14 bits, one a millisecond, from a pendulum or a ramp.
+"""What the potentiometer's wiper shows: codes of 14 bits, one a millisecond, from a pendulum or a rule.
 
 The firmware averages conversions of 12 bits to codes of 14. So a code is spread over conversions such that any four of
 them in a row have just that mean: what the firmware sends can be compared with what the pendulum did.
 """
+
+import math
 
 from clock import TICKS_PER_S
 
@@ -19,6 +21,23 @@ def ramp(first, n):
 def still(first, n):
     """A pendulum at rest."""
     return [FULL_SCALE // 2] * n
+
+
+REST_S, LIFT_S, SWING_S = 0.5, 0.5, 11.0
+OUTERMOST, PERIOD_S, FADES_S = 2800, 1.0, 2.5
+
+
+def swing(first, n):
+    """Hangs, is lifted by about a radian and let go, over and over: a cosine that fades."""
+    return [FULL_SCALE // 2 + round(OUTERMOST * displaced((first + i) / 1000)) for i in range(n)]
+
+
+def displaced(seconds):
+    since_lift = seconds % (REST_S + LIFT_S + SWING_S) - REST_S
+    if since_lift < LIFT_S:
+        return max(since_lift, 0) / LIFT_S
+    since = since_lift - LIFT_S
+    return math.exp(-since / FADES_S) * math.cos(2 * math.pi * since / PERIOD_S)
 
 
 class Codes:

@@ -162,6 +162,12 @@ impl Emulated {
         Self::with(chip, &["--wiper", "still", "--encoder", "ramp"])
     }
 
+    /// Powers a board whose pendulum is lifted and let go every 12 s, and swings for 8 of them.
+    #[track_caller]
+    pub fn swinging(chip: &Chip) -> Self {
+        Self::with(chip, &["--wiper", "swing"])
+    }
+
     #[track_caller]
     fn with(chip: &Chip, more: &[&str]) -> Self {
         let process = Process::start(chip, more).unwrap();

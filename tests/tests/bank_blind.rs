@@ -6,12 +6,14 @@
 //! Some fifty rigs in the usual run, with bounds that rates as good as measured break once in a thousand;
 //! `cargo test -p tests --test bank_blind -- --ignored --nocapture` takes ROUNDS (8) of them, FROM a round (0).
 
+use shared::bank::findings::Room;
 use shared::bank::keeper::Keeper;
 use shared::bank::order::Order;
 use shared::bank::tape::Tape;
 use shared::effect::Effect;
 use shared::parameters::{Parameters, base};
-use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
+use shared::sensor::Potentiometer;
+use shared::sensor::potentiometer::FULL_SCALE_12_BIT;
 use shared::units::{Code, Radian};
 use shared::wire::Suspects;
 use tests::hidden::{LSB_RAD, Random, Rig};
@@ -119,7 +121,7 @@ fn given(rig: &Rig) -> Parameters<f64> {
 /// What a board says of all releases that it keeps.
 fn found(rig: &Rig) -> Suspects {
     let potentiometer = Potentiometer::nominal(FULL_SCALE_12_BIT);
-    let (tape, mut keeper) = (Box::new(Tape::new()), Keeper::new(rig.rate_hz as f32, potentiometer));
+    let (tape, mut keeper) = (Box::new(Tape::new()), Keeper::new(rig.rate_hz as f32, potentiometer.into()));
     for index in 0..rig.releases_rad.len() {
         for angle_rad in rig.recording(index).angles_rad() {
             let code = potentiometer.code(Radian(*angle_rad as f32));
@@ -130,8 +132,10 @@ fn found(rig: &Rig) -> Suspects {
     if releases.is_empty() {
         return Suspects::none();
     }
-    let (parameters, interval_s) = (given(rig).map(|value| value as f32), keeper.interval_s(rig.rate_hz as f32));
-    Order { parameters, potentiometer, interval_s, releases }.carry_out(&tape).unwrap()
+    let (parameters, interval_s) = (given(rig).map(|value| value as f32), keeper.interval_s());
+    Order { parameters, radian_per_step: keeper.radian_per_step(), interval_s, releases }
+        .carry_out(&tape, &mut Room::empty(0.0))
+        .unwrap()
 }
 
 /// What is named: the first suspect and those that can't be told from it.

@@ -45,6 +45,14 @@ fn works_on(kind: Board) {
     println!("{statistics}");
     println!("{}", host(folder, &["doctor", "--port", port]));
     println!("{}", host(folder, &["fit", "--port", port, "-o", "rig.toml"]));
+    // The rig has looked at its swing meanwhile: what it lost, and the stack that is left.
+    let statistics = host(folder, &["statistics", "--port", port]);
+    println!("{statistics}");
+    let number = |place: &str| {
+        statistics.pointer(place).and_then(Value::as_u64).unwrap_or_else(|| panic!("no {place} in {statistics}"))
+    };
+    assert_eq!(number("/overruns"), 0);
+    assert!(4 * number("/health/stack_used") <= 3 * number("/health/stack_size"), "{statistics}");
     host(folder, &["restart", "--port", port]);
     host(folder, &["pull", "--port", port, "-o", "pulled.toml"]);
     let (fitted, pulled) = (rig(&folder.join("rig.toml")), rig(&folder.join("pulled.toml")));

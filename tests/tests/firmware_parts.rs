@@ -3,11 +3,14 @@
 
 use embassy_futures::select::select;
 use embassy_futures::{block_on, yield_now};
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embedded_io_async::{ErrorType, Read, Write};
 use firmware::frame_queue::{CAPACITY, Encoded, FrameQueue};
 use firmware::oversampling::{middle, plan, sample};
 use firmware::ports::{BATCH, Batch, Board, FULL_SCALE, Sampler, System};
 use firmware::ring::{RingReader, Trouble};
+use firmware::spare::Spare;
+use shared::bank::tape::Tape;
 use shared::rig::Rig;
 use shared::sensor::{Encoder, Sensor};
 use shared::units::Code;
@@ -219,6 +222,16 @@ struct Bench {
     n_batches: Cell<u64>,
     n_fed: Cell<u64>,
     supply_is_low: Cell<bool>,
+    spare: NoSpareTime,
+}
+
+/// Nobody carries out what is ordered here.
+struct NoSpareTime(Spare<NoopRawMutex>);
+
+impl Default for NoSpareTime {
+    fn default() -> Self {
+        Self(Spare::new(Box::leak(Box::new(Tape::new()))))
+    }
 }
 
 struct MemorySampler<'b>(&'b Bench);
@@ -275,6 +288,7 @@ impl Write for MemoryLink<'_> {
 struct MemoryChip<'b>(&'b Bench);
 
 impl System for MemoryChip<'_> {
+    type Lock = NoopRawMutex;
     const HAS_BOOTLOADER: bool = false;
 
     fn since_power_up(&mut self) -> Health {
@@ -298,6 +312,12 @@ impl System for MemoryChip<'_> {
     fn feed_watchdog(&mut self) {
         self.0.n_fed.set(self.0.n_fed.get() + 1);
     }
+
+    fn spare(&self) -> &Spare<NoopRawMutex> {
+        &self.0.spare.0
+    }
+
+    fn light(&mut self, _: bool) {}
 
     async fn pause(_: u32) {}
 

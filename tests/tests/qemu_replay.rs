@@ -102,7 +102,8 @@ fn write_table(of: &impl Fn(&str) -> u32) {
          instructions, not cycles: a real chip adds flash wait states and long divisions, two cycles per instruction is\n\
          a safe guess. At 168 MHz and 1 kHz there are 168,000 cycles for each sample.\n\n\
          The whole chain is averaged over a second of swing. Twice in a swing sliding ends and begins again within a\n\
-         step; that one sample takes the longer step of the table.\n\n\
+         step; that one sample takes the longer step of the table. What a look at the last releases takes is in\n\
+         [Diagnosis](diagnosis.md).\n\n\
          | stage | instructions | limit |\n|---|---:|---:|\n",
     );
     for (name, meaning) in STAGES {

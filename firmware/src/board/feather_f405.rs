@@ -7,7 +7,7 @@
 //! | potentiometer's wiper | A0 = PA4, converter channel 4 |
 //! | encoder's A and B | SCL = PB6 and SDA = PB7, TIM4 |
 //! | link | USB (PA11, PA12), `/dev/ttyACM0`; any baud rate |
-//! | light | red, PC1: blinks when the crystal does not run, without which there is no USB |
+//! | light | red, PC1: 2 Hz while an effect is named; faster without a crystal, and then there is no USB |
 //! | update | `Bootloader` command, then DFU over the same USB |
 
 use super::stm32::usb_endpoints::Careful;
@@ -64,8 +64,9 @@ pub const IDENTITY: &str = concat!("pendulum-rig firmware ", env!("CARGO_PKG_VER
 pub fn start(spawner: Spawner) -> Board<Sampling, Receiver, Sender, Sectors, Chip> {
     let p = embassy_stm32::init(clocks());
     stm32::start_clock();
+    let light = p.PC1;
     if stm32::clock_source() == Clock::Internal {
-        blink_and_try_again(p.PC1);
+        blink_and_try_again(light);
     }
     let driver = {
         static OUT: StaticCell<[u8; 256]> = StaticCell::new();
@@ -88,7 +89,7 @@ pub fn start(spawner: Spawner) -> Board<Sampling, Receiver, Sender, Sectors, Chi
         sender,
         flash: Sectors::new(p.FLASH, Irqs),
         store: STORE,
-        system: Chip,
+        system: Chip::new(light),
     }
 }
 

@@ -7,6 +7,7 @@
 //! | potentiometer's wiper | A0 = PA0, converter channel 0 |
 //! | encoder's A and B | PB6 = D10 and PB7 (CN7 pin 21), TIM4 |
 //! | link | USART2 (PA2, PA3) to the ST-Link's serial port, `/dev/ttyACM0` at 921600 baud |
+//! | light | green, PA5: 2 Hz while an effect is named |
 //! | update | the ST-Link; the bootloader too, over USART1 or USB of the chip |
 
 use super::stm32::{self, Chip, Converter, Input, Inputs, Quadrature, STORE, Sampling, Sectors};
@@ -69,7 +70,7 @@ pub fn start(_: Spawner) -> Board<Sampling, Receiver, Sender, Sectors, Chip> {
         sender,
         flash: Sectors::new(p.FLASH, Irqs),
         store: STORE,
-        system: Chip,
+        system: Chip::new(p.PA5),
     }
 }
 

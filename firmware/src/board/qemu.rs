@@ -4,7 +4,7 @@
 //! |---|---|
 //! | link | USART1, the first `-serial` |
 //! | samples | USART2, the second `-serial`: see [`plant`] |
-//! | flash | 48 KB of SRAM that survives a restart: see [`ram_flash`] |
+//! | flash | 12 KB of SRAM that survives a restart: see [`ram_flash`] |
 //! | time | SysTick at 168 MHz: see [`systick`] |
 //! | log | defmt by semihosting, on QEMU's standard output |
 
@@ -13,11 +13,13 @@ mod ram_flash;
 mod systick;
 mod usart;
 
-use crate::{crash, log, stack, usage};
+use crate::{board, crash, log, stack, usage};
 use defmt_semihosting as _;
 use embassy_executor::Spawner;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_time::{Instant, Timer};
 use firmware::ports::{Board, System};
+use firmware::spare::Spare;
 use plant::Plant;
 use ram_flash::RamFlash;
 use shared::wire::{Chip, Health, ResetCause};
@@ -59,10 +61,11 @@ pub fn start(_: Spawner) -> Board<Plant, Receiver, Sender, RamFlash, Machine> {
     }
 }
 
-/// The simulated chip. It has no watchdog and no bootloader.
+/// The simulated chip. It has no watchdog, no bootloader and no light.
 pub struct Machine;
 
 impl System for Machine {
+    type Lock = CriticalSectionRawMutex;
     const HAS_BOOTLOADER: bool = false;
 
     fn since_power_up(&mut self) -> Health {
@@ -93,6 +96,12 @@ impl System for Machine {
     }
 
     fn feed_watchdog(&mut self) {}
+
+    fn spare(&self) -> &Spare<CriticalSectionRawMutex> {
+        &board::SPARE
+    }
+
+    fn light(&mut self, _: bool) {}
 
     async fn pause(milliseconds: u32) {
         Timer::after_millis(u64::from(milliseconds)).await;

@@ -21,12 +21,16 @@ pub use quadrature::Quadrature;
 pub use sampling::{Inputs, Sampling};
 pub use sectors::{STORE, Sectors};
 
-use crate::{crash, log, stack, usage};
+use crate::{board, crash, log, stack, usage};
 use core::fmt::Write;
 use defmt_rtt as _;
+use embassy_stm32::Peri;
+use embassy_stm32::gpio::{Level, Output, Pin, Speed};
 use embassy_stm32::pac::{RCC, UID};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_time::Timer;
 use firmware::ports::System;
+use firmware::spare::Spare;
 use heapless::String;
 use shared::wire::{Chip as Description, Health, ResetCause};
 
@@ -49,10 +53,20 @@ pub fn serial() -> String<12> {
     serial
 }
 
-/// The chip.
-pub struct Chip;
+/// The chip, and the light on its board.
+pub struct Chip {
+    light: Output<'static>,
+}
+
+impl Chip {
+    /// With a light that shines when its pin is high.
+    pub fn new(light: Peri<'static, impl Pin>) -> Self {
+        Self { light: Output::new(light, Level::Low, Speed::Low) }
+    }
+}
 
 impl System for Chip {
+    type Lock = CriticalSectionRawMutex;
     const HAS_BOOTLOADER: bool = true;
 
     fn since_power_up(&mut self) -> Health {
@@ -90,6 +104,14 @@ impl System for Chip {
 
     fn feed_watchdog(&mut self) {
         watchdog::feed();
+    }
+
+    fn spare(&self) -> &Spare<CriticalSectionRawMutex> {
+        &board::SPARE
+    }
+
+    fn light(&mut self, is_on: bool) {
+        self.light.set_level(is_on.into());
     }
 
     async fn pause(milliseconds: u32) {

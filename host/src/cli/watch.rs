@@ -6,7 +6,7 @@ use super::{interrupt, output, port};
 use crate::error::Failure;
 use crate::operations::watch::watch;
 use crate::record::{Limits, Stage};
-use crate::watch::{Candidate, Event, Look};
+use crate::watch::{Candidate, Event, Judge, Look};
 use clap::Args;
 use std::io::Write;
 
@@ -46,8 +46,8 @@ Example:
   host watch --port sim:mystery-1 --json
 
 Friction and inertia of the rig's model are put right first, so that wrong numbers accuse no
-effect. One release says little, three say most. Nothing on the rig is changed; `host diagnose` on
-recordings is the thorough answer.";
+effect. One release says little, three say most. A rig whose firmware looks by itself has the last
+word. Nothing on the rig is changed; `host diagnose` on recordings is the thorough answer.";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut session = port::connect(&options.port)?;
@@ -89,7 +89,8 @@ fn sentence(look: &Look) -> String {
         names => format!(" These swings can't tell it from {}.", names.join(" or ")),
     };
     let more = if look.left.is_some_and(|left| left > MORE) { " More than noise is left with it." } else { "" };
-    format!("Missing: {} ({}), after {}.{tied}{more}", first.name, numbers(first), releases(look.swings))
+    let who = if look.judge == Judge::Rig { "The rig itself names what is missing" } else { "Missing" };
+    format!("{who}: {} ({}), after {}.{tied}{more}", first.name, numbers(first), releases(look.swings))
 }
 
 fn releases(n: usize) -> String {
@@ -135,6 +136,7 @@ impl Screen {
         match event {
             Event::Stage(stage) => self.stage(*stage),
             Event::Looked(look) => self.looked(look),
+            Event::RigLooks => output::say("the rig itself looks …"),
         }
     }
 

@@ -8,7 +8,7 @@ use shared::effect::{Action, CUSTOM_FORMULA_ID};
 use shared::formula::Formula;
 use shared::parameters::Parameters;
 use shared::sensor::Sensor;
-use shared::wire::{Answer, Chip, Command, PROTOCOL, Settings, Statistics};
+use shared::wire::{Answer, Chip, Command, PROTOCOL, Refusal, SUSPECTS, Settings, Statistics, Suspects};
 
 impl Session {
     /// The parameters in use.
@@ -80,6 +80,20 @@ impl Session {
             Ok(Answer::Chip(chip)) => Ok(Some(chip)),
             Ok(_) => Err(LinkError::WrongAnswer { command: "describe its chip" }),
             Err(LinkError::NoAnswer { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// What the rig itself found missing in its model; `None` from firmware that does not look, or says it in another
+    /// version.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn suspects(&mut self) -> Result<Option<Suspects>, LinkError> {
+        match self.ask(&Command::Suspects) {
+            Ok(Answer::Suspects(suspects)) => Ok(Some(suspects).filter(|suspects| suspects.version == SUSPECTS)),
+            Ok(_) => Err(LinkError::WrongAnswer { command: "say what it found missing" }),
+            Err(LinkError::NoAnswer { .. } | LinkError::Refused { refusal: Refusal::NotHere, .. }) => Ok(None),
             Err(error) => Err(error),
         }
     }

@@ -1,9 +1,9 @@
-//! Watching a rig, release after release, until something is named.
+//! Watching a rig, release after release, until something is named. A rig that looks by itself has the last word.
 
 use crate::error::Failure;
 use crate::link::{SIMULATED, Session};
 use crate::record::{End, Limits, listen};
-use crate::watch::{Event, Look, Watcher};
+use crate::watch::{Event, Look, Watcher, wait_for_look};
 use std::sync::atomic::AtomicBool;
 
 /// Simulated pendulums let go by themselves, at most so often.
@@ -25,9 +25,16 @@ pub fn watch(
     let is_simulated = session.port().split(':').next() == Some(SIMULATED);
     let mut watcher = Watcher::new(parameters, rate_hz, tell);
     let mut last = None;
+    let mut n_looks = session.suspects()?.map(|said| said.n_looks);
     for _ in 0..n_swings.unwrap_or(if is_simulated { SIMULATED_SWINGS } else { 1 }) {
         let end = listen(session, limits, &mut watcher, stop)?;
-        let look = last.insert(watcher.rests());
+        let mut look = watcher.rests();
+        if let (Some(n_before), End::AtRest | End::TimeLimit) = (n_looks, &end) {
+            watcher.waits_for_rig();
+            look = wait_for_look(session, n_before)?.unwrap_or(look);
+            n_looks = session.suspects()?.map(|said| said.n_looks);
+        }
+        let look = last.insert(look);
         let is_enough = n_swings.is_none() && !look.named.is_empty();
         if is_last(&end)? || is_enough {
             break;

@@ -1,43 +1,70 @@
 //! The windows of a look as at most so many clusters of much the same weight.
 
+use super::column::{MAX_COLUMNS, MAX_JUDGED};
 use crate::real::Real;
 use heapless::Vec;
 
 /// More clusters than this tell no more of how they scatter.
 pub const MAX_CLUSTERS: usize = 14;
 
-/// What is kept of a window, or of neighbours that became one.
-pub trait Part {
-    /// The number it is written in.
-    type Number: Real<Mask = bool>;
+/// What is kept of a window, or of neighbours that became one: numbers that add up.
+pub struct Share<R> {
     /// How much it says of what is asked.
-    fn weight(&self) -> Self::Number;
-    /// Takes in the next one.
-    fn join(&mut self, next: &Self);
+    pub weight: R,
+    /// One number a column.
+    pub columns: [R; MAX_COLUMNS],
+    /// One number a candidate that is judged.
+    pub candidates: [R; MAX_JUDGED],
 }
 
 /// Clusters of windows, in their order.
-pub struct Clusters<P> {
-    /// The clusters.
-    pub list: Vec<P, { MAX_CLUSTERS + 1 }>,
+pub struct Clusters<R> {
+    list: Vec<Share<R>, { MAX_CLUSTERS + 1 }>,
 }
 
-impl<P> Default for Clusters<P> {
-    fn default() -> Self {
+impl<R> Clusters<R> {
+    /// None yet.
+    pub const fn empty() -> Self {
         Self { list: Vec::new() }
+    }
+
+    /// The clusters.
+    pub fn list(&self) -> &[Share<R>] {
+        &self.list
     }
 }
 
-impl<P: Part> Clusters<P> {
-    /// Takes in a window; where that is one too many, the two neighbours that say least become one.
-    pub fn add(&mut self, window: P) {
-        let _ = self.list.push(window);
+impl<R: Real<Mask = bool>> Share<R> {
+    fn join(&mut self, next: &Self) {
+        self.weight = self.weight + next.weight;
+        let add = |sums: &mut [R], more: &[R]| sums.iter_mut().zip(more).for_each(|(sum, more)| *sum = *sum + *more);
+        add(&mut self.columns, &next.columns);
+        add(&mut self.candidates, &next.candidates);
+    }
+}
+
+impl<R: Real<Mask = bool>> Clusters<R> {
+    /// None again.
+    pub fn clear(&mut self) {
+        self.list.clear();
+    }
+
+    /// Takes in a window, whose numbers are written where they will stand; where that is one too many, the two
+    /// neighbours that say least become one.
+    pub fn add(&mut self, write: impl FnOnce(&mut Share<R>)) {
+        let zero = R::zero();
+        let _ = self.list.push(Share { weight: zero, columns: [zero; MAX_COLUMNS], candidates: [zero; MAX_JUDGED] });
+        if let Some(share) = self.list.last_mut() {
+            write(share);
+        }
         if self.list.len() <= MAX_CLUSTERS {
             return;
         }
-        let pair = |first: usize| self.list[first].weight() + self.list[first + 1].weight();
+        let pair = |first: usize| self.list[first].weight + self.list[first + 1].weight;
         let merged = (1..MAX_CLUSTERS).fold(0, |best, first| if pair(first).lt(pair(best)) { first } else { best });
-        let next = self.list.remove(merged + 1);
-        self.list[merged].join(&next);
+        if let Some((one, next)) = self.list[merged..].split_first_mut() {
+            one.join(&next[0]);
+        }
+        self.list.remove(merged + 1);
     }
 }

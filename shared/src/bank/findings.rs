@@ -7,10 +7,9 @@
 
 use super::chance::upper_tail;
 use super::clusters::Clusters;
-use super::column::{Candidate, Columns, MAX_STRENGTHS, N_BASE, N_STARTS};
-use super::judge::{Evidence, Known, KnownShare, Share, jackknife};
-use super::refit::{Refitted, Releases};
-use super::sums::Sums;
+use super::column::{Candidate, Columns, MAX_JUDGED, MAX_STRENGTHS, N_BASE, N_STARTS, Strengths};
+use super::judge::{Evidence, Sizes, jackknife, share_of_known};
+use super::refit::{Bench, Refitted, Releases};
 use super::window::Readings;
 use crate::effect::{Effect, MAX_VALUES};
 use crate::parameters::{Parameters, base};
@@ -19,7 +18,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// How many suspects are told.
-pub const MAX_SUSPECTS: usize = 8;
+pub const MAX_SUSPECTS: usize = MAX_JUDGED;
 
 /// Fewer clusters say nothing.
 pub const MIN_CLUSTERS: usize = 8;
@@ -54,7 +53,7 @@ pub struct Suspect<R: 'static> {
     /// Its values at the size found, the shape that of its start.
     pub values: [R; MAX_VALUES],
     /// Which of them were found …
-    pub strengths: Vec<u8, MAX_STRENGTHS>,
+    pub strengths: Strengths,
     /// … and how it was judged.
     pub evidence: Evidence<R>,
     /// By how much it lowers the squares, in squares of the noise.
@@ -90,8 +89,6 @@ pub struct Findings<R: 'static> {
     pub suspects: Vec<Suspect<R>, MAX_SUSPECTS>,
     /// Why none is named; `None` if the first one is.
     pub reason: Option<Reason>,
-    /// The model put right, without the suspects.
-    pub model: Option<Refitted<R>>,
     /// How many windows there were, in how many clusters.
     pub n_windows: usize,
     /// K.
@@ -104,10 +101,27 @@ pub struct Findings<R: 'static> {
     pub left: Option<R>,
 }
 
+impl<R: Copy> Findings<R> {
+    /// Before there were any swings, given zero.
+    pub const fn empty(zero: R) -> Self {
+        Self {
+            suspects: Vec::new(),
+            reason: Some(Reason::TooFewSwings),
+            n_windows: 0,
+            n_clusters: 0,
+            noise_rad: zero,
+            excess: [zero; 2],
+            left: None,
+        }
+    }
+}
+
 impl<R: Real<Mask = bool>> Findings<R> {
-    fn nothing(reason: Reason, noise_rad: R) -> Self {
-        let (suspects, excess) = (Vec::new(), [R::zero(); 2]);
-        Self { suspects, reason: Some(reason), model: None, n_windows: 0, n_clusters: 0, noise_rad, excess, left: None }
+    fn begin(&mut self, noise_rad: R) {
+        self.suspects.clear();
+        (self.reason, self.left) = (Some(Reason::TooFewSwings), None);
+        (self.n_windows, self.n_clusters) = (0, 0);
+        (self.noise_rad, self.excess) = (noise_rad, [R::zero(); 2]);
     }
 
     /// What is named: the first suspect and those that can't be told from it.
@@ -121,137 +135,214 @@ impl<R: Real<Mask = bool>> Findings<R> {
     }
 }
 
+/// The memory of a look, far too large for a board's stack; and what it found.
+pub struct Room<R: 'static> {
+    /// What was found.
+    pub findings: Findings<R>,
+    model: Refitted<R>,
+    larger: Refitted<R>,
+    bench: Bench<R>,
+    clusters: Clusters<R>,
+}
+
+impl<R: Copy> Room<R> {
+    /// Empty, given zero.
+    pub const fn empty(zero: R) -> Self {
+        Self {
+            findings: Findings::empty(zero),
+            model: Refitted::empty(zero),
+            larger: Refitted::empty(zero),
+            bench: Bench::empty(zero),
+            clusters: Clusters::empty(),
+        }
+    }
+}
+
 /// Looks at releases with a model, and spends at most this error on naming something that is not there.
 pub fn look<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
     parameters: &Parameters<R>,
     on: &Releases<R, D>,
     error: R,
 ) -> Findings<R> {
-    let given = Refitted::new(parameters);
-    if on.readings.is_empty() || given.n_windows(on, 1) == 0 {
-        return Findings::nothing(Reason::TooFewSwings, on.noise_rad);
-    }
-    let Some(model) = given.clone().without_band().settled(on) else {
-        return Findings::nothing(Reason::NotThisPendulum, on.noise_rad);
-    };
-    let as_given = square_as_given(&given, on);
-    let findings = judge(model, as_given, on, error);
-    let has_band = findings.reason == Some(Reason::FrictionAboutRest);
-    let with_band = findings.model.as_ref().filter(|_| has_band).and_then(|model| model.with_band(on));
-    match with_band {
-        Some(model) => judge(model, as_given, on, error),
-        None => findings,
-    }
+    let mut room = Room::empty(R::zero());
+    room.look(parameters, on, error);
+    room.findings
 }
 
-/// Judges all candidates beside a model that was put right. What is done one after the other is called one by one, so
-/// that a board's stack never holds two such steps.
-fn judge<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
-    model: Refitted<R>,
-    as_given: R,
-    on: &Releases<R, D>,
-    error: R,
-) -> Findings<R> {
-    let mut findings = Findings::nothing(Reason::TooFewSwings, on.noise_rad);
-    let Some(free) = suspect_all(&model, as_given, on, error, &mut findings) else { return findings };
-    if findings.reason.is_none() {
-        let first = findings.suspects.first_mut();
-        let left = first.and_then(|first| settle(first, &model, on));
-        findings.left = left.map(|square| excess(square, free, on.noise_rad));
+impl<R: Real<Mask = bool>> Room<R> {
+    /// The same in this room. What is done one after the other is called one by one, so that a board's stack never holds
+    /// two such steps.
+    pub fn look<D: Readings<R> + ?Sized>(&mut self, parameters: &Parameters<R>, on: &Releases<R, D>, error: R) {
+        self.findings.begin(on.noise_rad);
+        self.model.begin(parameters);
+        if on.readings.is_empty() || self.model.n_windows(on, 1) == 0 {
+            return;
+        }
+        let as_given = self.square_as_given(on);
+        let is_near = self.model.is_near(&mut self.bench);
+        self.model.take_band_out();
+        if !self.model.settle(on, is_near, &mut self.bench) {
+            self.findings.reason = Some(Reason::NotThisPendulum);
+            return;
+        }
+        self.judge(as_given, on, error);
+        if self.findings.reason == Some(Reason::FrictionAboutRest) {
+            self.larger.copy(&self.model);
+            if self.larger.settle_band(on, &mut self.bench) {
+                self.model.copy(&self.larger);
+                self.judge(as_given, on, error);
+            }
+        }
     }
-    findings.model = Some(model);
-    findings
+
+    /// Judges all candidates beside a model that was put right.
+    fn judge<D: Readings<R> + ?Sized>(&mut self, as_given: R, on: &Releases<R, D>, error: R) {
+        self.findings.begin(on.noise_rad);
+        let Some(free) = self.suspect_all(as_given, on, error) else { return };
+        if self.findings.reason.is_none() {
+            let left = self.settle_first(on);
+            self.findings.left = left.map(|square| excess(square, free, on.noise_rad));
+        }
+    }
+
+    /// Finds the suspects, and whether one is to be named; gives how many readings more there are than free numbers.
+    #[inline(never)]
+    fn suspect_all<D: Readings<R> + ?Sized>(&mut self, as_given: R, on: &Releases<R, D>, error: R) -> Option<R> {
+        let n_windows = self.sum_up(on)?;
+        let n_effects = n_effects(&self.bench.columns);
+        self.pick_out();
+        self.gather(on);
+        let Self { findings, bench, clusters, .. } = self;
+        let n = bench.all.n;
+        let n_numbers = N_STARTS * n_windows + N_BASE;
+        let free = (n - R::of(n_numbers as f64)).max(R::one());
+        (findings.n_windows, findings.n_clusters) = (n_windows, clusters.list().len());
+        findings.excess = [as_given, bench.known.square].map(|square| excess(square, free, on.noise_rad));
+        findings.find_suspects(bench, clusters);
+        mark_ties(findings, n);
+        findings.reason = reason(findings, n_effects, n, error).or_else(|| one_release_is_too_few(findings, on));
+        Some(free)
+    }
+
+    /// Follows all windows for the steps that all of them together ask for. Gives how many there are.
+    #[inline(never)]
+    fn sum_up<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>) -> Option<usize> {
+        let Self { model, bench, .. } = self;
+        let mut n_windows = 0;
+        bench.columns.fill(&model.parameters, model.has_band);
+        bench.all.clear();
+        model.each_window(on, true, model.n_periods(on), bench, &mut |window, all, _, _| {
+            all.add(window);
+            n_windows += 1;
+        });
+        bench.known.solve(&bench.all, bench.columns.known.len()).then_some(n_windows)
+    }
+
+    /// Leaves the candidates that promise most, of each effect the best start whose sizes are physical: by what they
+    /// gain they are ordered, and all others need not be followed again.
+    #[inline(never)]
+    fn pick_out(&mut self) {
+        let Bench { columns, all, known, .. } = &mut self.bench;
+        let mut best: Vec<Promise<R>, MAX_JUDGED> = Vec::new();
+        for (place, candidate) in columns.candidates.iter().enumerate() {
+            let Some((sizes, gain)) = known.promise(all, candidate) else { continue };
+            if is_physical(candidate, &sizes) {
+                let chi_square = gain / (self.findings.noise_rad * self.findings.noise_rad);
+                let rank = rank(chi_square, candidate.strengths.len(), all.n);
+                take_in(&mut best, Promise { effect: candidate.effect.id, place, rank });
+            }
+        }
+        let is_kept = |place: usize| best.iter().any(|promise| promise.place == place);
+        all.keep(&columns.candidates, &is_kept);
+        columns.keep(&is_kept);
+    }
+
+    /// Follows all windows again, for what each has of the candidates that are left.
+    #[inline(never)]
+    fn gather<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>) {
+        let Self { model, bench, clusters, .. } = self;
+        clusters.clear();
+        model.each_window(on, true, model.n_periods(on), bench, &mut |window, all, columns, known| {
+            clusters.add(|share| known.share(all, window, &columns.candidates, share));
+        });
+    }
+
+    /// What the model leaves as it was given, each window begun where it is best and the zero free, rad².
+    #[inline(never)]
+    fn square_as_given<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>) -> R {
+        let Self { model, bench, .. } = self;
+        bench.columns.fill(&model.parameters, model.has_band);
+        bench.all.clear();
+        model.each_window(on, false, model.n_periods(on), bench, &mut |window, all, _, _| all.add(window));
+        let all = &bench.all;
+        let (weight, score) = (all.known[N_STARTS][N_STARTS], all.known_score[N_STARTS]);
+        if R::zero().lt(weight) { all.square - score * score / weight } else { all.square }
+    }
+
+    /// The sizes of what is named, with the effect in the model: a single step is too short for a large one. Gives the
+    /// squares that are left then.
+    fn settle_first<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>) -> Option<R> {
+        let Self { findings, model, larger, bench, clusters } = self;
+        let suspect = findings.suspects.first_mut()?;
+        let n_values = suspect.effect.parameters.len();
+        let effect = (suspect.effect.id, &suspect.values[..n_values]);
+        larger.copy(model);
+        let has_settled = larger.settle_with(on, effect, &suspect.evidence.known_step, bench);
+        if has_settled { measure(suspect, larger, on, bench, clusters) } else { None }
+    }
 }
 
 fn excess<R: Real<Mask = bool>>(square: R, free: R, noise_rad: R) -> R {
     square / (free * noise_rad * noise_rad) - R::one()
 }
 
-/// Finds the suspects, and whether one is to be named; gives how many readings more there are than free numbers.
-#[inline(never)]
-fn suspect_all<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
-    model: &Refitted<R>,
-    as_given: R,
-    on: &Releases<R, D>,
-    error: R,
-    findings: &mut Findings<R>,
-) -> Option<R> {
-    let columns = model.columns();
-    let (mut all, mut clusters) = (Sums::default(), Clusters::default());
-    let (known, n_windows) = gather(model, on, &columns, &mut all, &mut clusters)?;
-    let n_numbers = N_STARTS * n_windows + N_BASE;
-    let free = (all.n - R::of(n_numbers as f64)).max(R::one());
-    (findings.n_windows, findings.n_clusters) = (n_windows, clusters.list.len());
-    findings.excess = [as_given, known.square].map(|square| excess(square, free, on.noise_rad));
-    find_suspects(&known, &clusters, &all, &columns, findings);
-    mark_ties(findings, all.n);
-    findings.reason = reason(findings, &columns, all.n, error).or_else(|| one_release_is_too_few(findings, on));
-    Some(free)
-}
-
-/// Follows all windows twice: for the steps that all together ask for, then for what each has of them.
-#[inline(never)]
-fn gather<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
-    model: &Refitted<R>,
-    on: &Releases<R, D>,
-    columns: &Columns<R>,
-    all: &mut Sums<R>,
-    clusters: &mut Clusters<Share<R>>,
-) -> Option<(Known<R>, usize)> {
-    let (n_periods, mut n_windows) = (model.n_periods(on), 0);
-    model.each_window(on, n_periods, columns, true, &mut |window| {
-        all.add(window);
-        n_windows += 1;
-    });
-    let known = Known::new(all, columns.known.len())?;
-    model.each_window(on, n_periods, columns, true, &mut |window| {
-        clusters.add(known.share(all, window, &columns.candidates));
-    });
-    Some((known, n_windows))
-}
-
-/// What the model leaves as it was given, each window begun where it is best and the zero free, rad².
-#[inline(never)]
-fn square_as_given<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(given: &Refitted<R>, on: &Releases<R, D>) -> R {
-    let columns = given.columns();
-    let mut all = Sums::default();
-    given.each_window(on, given.n_periods(on), &columns, false, &mut |window| all.add(window));
-    let (weight, score) = (all.known[N_STARTS][N_STARTS], all.known_score[N_STARTS]);
-    if R::zero().lt(weight) { all.square - score * score / weight } else { all.square }
-}
-
-/// The best start of every effect whose sizes are physical, the likeliest first.
-#[inline(never)]
-fn find_suspects<R: Real<Mask = bool>>(
-    known: &Known<R>,
-    clusters: &Clusters<Share<R>>,
-    all: &Sums<R>,
-    columns: &Columns<R>,
-    findings: &mut Findings<R>,
-) {
-    let best = &mut findings.suspects;
-    for (index, candidate) in columns.candidates.iter().enumerate() {
-        let evidence = known.evidence(clusters, all, index, candidate);
-        let Some(evidence) = evidence.filter(|evidence| is_physical(candidate, evidence)) else { continue };
-        let suspect = suspect(candidate, evidence, (clusters.list.len(), all.n), findings.noise_rad);
-        if let Some(place) = best.iter().position(|other| other.effect == suspect.effect) {
-            if !best[place].rank.lt(suspect.rank) {
-                continue;
-            }
-            best.remove(place);
+impl<R: Real<Mask = bool>> Findings<R> {
+    /// The candidates that were picked out, the likeliest first.
+    #[inline(never)]
+    fn find_suspects(&mut self, bench: &Bench<R>, clusters: &Clusters<R>) {
+        let Bench { columns, all, known, .. } = bench;
+        for (index, candidate) in columns.candidates.iter().enumerate() {
+            let Some(evidence) = known.evidence(clusters, all, index, candidate) else { continue };
+            let suspect = suspect(candidate, evidence, (clusters.list().len(), all.n), self.noise_rad);
+            let place = self.suspects.iter().position(|other| other.rank.lt(suspect.rank));
+            let _ = self.suspects.insert(place.unwrap_or(self.suspects.len()), suspect);
         }
-        let place = best.iter().position(|other| other.rank.lt(suspect.rank)).unwrap_or(best.len());
-        if best.is_full() && place < best.len() {
-            best.pop();
-        }
-        // One that is less likely than all that have a place has none.
-        let _ = best.insert(place, suspect);
     }
 }
 
+/// What a candidate promises.
+struct Promise<R> {
+    effect: u16,
+    place: usize,
+    rank: R,
+}
+
+/// One of each effect, the likeliest first.
+#[inline(never)]
+fn take_in<R: Real<Mask = bool>>(best: &mut Vec<Promise<R>, MAX_JUDGED>, promise: Promise<R>) {
+    if let Some(place) = best.iter().position(|other| other.effect == promise.effect) {
+        if !best[place].rank.lt(promise.rank) {
+            return;
+        }
+        best.remove(place);
+    }
+    let place = best.iter().position(|other| other.rank.lt(promise.rank)).unwrap_or(best.len());
+    if best.is_full() && place < best.len() {
+        best.pop();
+    }
+    // One that promises less than all that have a place has none.
+    let _ = best.insert(place, promise);
+}
+
+/// By what candidates are ordered: the gain, less for each of so many numbers that share in it, on so many readings.
+fn rank<R: Real<Mask = bool>>(chi_square: R, n_numbers: usize, n: R) -> R {
+    let q = R::of(n_numbers as f64);
+    chi_square * (R::one() - R::of(SHARE_A_NUMBER) * q) - q * n.ln()
+}
+
 /// No strength is below what its parameter allows.
-fn is_physical<R: Real<Mask = bool>>(candidate: &Candidate<R>, evidence: &Evidence<R>) -> bool {
-    candidate.strengths.iter().zip(&evidence.sizes).all(|(index, size)| {
+fn is_physical<R: Real<Mask = bool>>(candidate: &Candidate<R>, sizes: &Sizes<R>) -> bool {
+    candidate.strengths.iter().zip(sizes).all(|(index, size)| {
         let parameter = &candidate.effect.parameters[usize::from(*index)];
         parameter.low < 0.0 || R::zero().lt(*size)
     })
@@ -263,9 +354,8 @@ fn suspect<R: Real<Mask = bool>>(
     (n_clusters, n): (usize, R),
     noise_rad: R,
 ) -> Suspect<R> {
-    let q = R::of(evidence.n_tested as f64);
     let chi_square = evidence.gain / (noise_rad * noise_rad);
-    let mut values = candidate.start;
+    let mut values = candidate.start();
     candidate.strengths.iter().zip(&evidence.sizes).for_each(|(index, size)| values[usize::from(*index)] = *size);
     Suspect {
         effect: candidate.effect,
@@ -273,7 +363,7 @@ fn suspect<R: Real<Mask = bool>>(
         strengths: candidate.strengths.clone(),
         chi_square,
         p: upper_tail(evidence.f, evidence.n_tested, n_clusters - evidence.n_tested),
-        rank: chi_square * (R::one() - R::of(SHARE_A_NUMBER) * q) - q * n.ln(),
+        rank: rank(chi_square, evidence.n_tested, n),
         is_tied: false,
         evidence,
     }
@@ -298,12 +388,12 @@ fn prefers<R: Real<Mask = bool>>(first: &Evidence<R>, second: &Evidence<R>) -> b
     R::of(TIE_SPREAD).lt(sum / (count * spread / (count - R::one())).sqrt())
 }
 
-fn reason<R: Real<Mask = bool>>(findings: &Findings<R>, columns: &Columns<R>, n: R, error: R) -> Option<Reason> {
+fn reason<R: Real<Mask = bool>>(findings: &Findings<R>, n_effects: usize, n: R, error: R) -> Option<Reason> {
     if findings.n_clusters < MIN_CLUSTERS {
         return Some(Reason::TooFewSwings);
     }
     let least = R::of(LEAST_CHI_SQUARE).max(R::of(LEAST_GAIN) * n);
-    let allowed = error / R::of(n_effects(columns) as f64);
+    let allowed = error / R::of(n_effects as f64);
     match findings.suspects.first() {
         Some(first) if first.p.lt(allowed) && least.lt(first.chi_square) => {
             base::has(first.effect.id).then_some(Reason::FrictionAboutRest)
@@ -334,36 +424,26 @@ fn n_effects<R: Real<Mask = bool>>(columns: &Columns<R>) -> usize {
     n.max(1)
 }
 
-/// The sizes of what is named, with the effect in the model: a single step is too short for a large one. Gives the
-/// squares that are left then.
-fn settle<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
-    suspect: &mut Suspect<R>,
-    model: &Refitted<R>,
-    on: &Releases<R, D>,
-) -> Option<R> {
-    let n_values = suspect.effect.parameters.len();
-    let effect = (suspect.effect.id, &suspect.values[..n_values]);
-    let larger = model.with(on, effect, &suspect.evidence.known_step)?;
-    measure(suspect, &larger, on)
-}
-
 /// The sizes in a model that has the effect, and what it leaves.
 #[inline(never)]
 fn measure<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
     suspect: &mut Suspect<R>,
     larger: &Refitted<R>,
     on: &Releases<R, D>,
+    bench: &mut Bench<R>,
+    clusters: &mut Clusters<R>,
 ) -> Option<R> {
-    let columns = larger.columns();
+    bench.columns.fill(&larger.parameters, larger.has_band);
     let is_own = |(id, _): &(u16, u8)| *id == suspect.effect.id;
-    let column = N_STARTS + N_BASE + columns.present.iter().position(is_own)?;
-    let (mut square, mut clusters) = (R::zero(), Clusters::default());
-    larger.each_window(on, larger.n_periods(on), &columns, false, &mut |window| {
+    let column = N_STARTS + N_BASE + bench.columns.present.iter().position(is_own)?;
+    let mut square = R::zero();
+    clusters.clear();
+    larger.each_window(on, false, larger.n_periods(on), bench, &mut |window, _, _, _| {
         square = square + window.square;
-        clusters.add(KnownShare::new(window, column));
+        clusters.add(|share| share_of_known(window, column, share));
     });
-    let (step, stds, gain) = jackknife(&clusters, columns.known.len())?;
-    let own = columns.present.iter().enumerate().filter(|(_, present)| is_own(present));
+    let (step, stds, gain) = jackknife(clusters, bench.columns.known.len())?;
+    let own = bench.columns.present.iter().enumerate().filter(|(_, present)| is_own(present));
     for ((place, (id, index)), c) in own.zip(0..MAX_STRENGTHS) {
         let column = N_STARTS + N_BASE + place;
         let value = larger.parameters.values(*id).and_then(|values| values.get(usize::from(*index)));

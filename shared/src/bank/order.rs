@@ -1,10 +1,9 @@
 //! A look as a board does it: what it is asked to look at, and what it answers.
 
-use super::findings::{Findings, Suspect, look};
+use super::findings::{Findings, Room, Suspect};
 use super::refit::{MAX_RELEASES, Releases};
 use super::tape::{Span, Tape, Taped};
 use crate::parameters::Parameters;
-use crate::potentiometer::Potentiometer;
 use crate::wire::{MAX_SUSPECTS, Suspected, Suspects};
 use heapless::Vec;
 
@@ -16,8 +15,8 @@ pub const ERROR_A_LOOK: f32 = 1e-3;
 pub struct Order {
     /// The model.
     pub parameters: Parameters<f32>,
-    /// What the codes mean.
-    pub potentiometer: Potentiometer,
+    /// What a step on the tape is, rad.
+    pub radian_per_step: f32,
     /// Between two of them, s.
     pub interval_s: f32,
     /// The releases, the last one last.
@@ -25,13 +24,13 @@ pub struct Order {
 }
 
 impl Order {
-    /// Looks. `None` if the releases were written over meanwhile.
-    pub fn carry_out(&self, tape: &Tape) -> Option<Suspects> {
+    /// Looks, in this room. `None` if the releases were written over meanwhile.
+    pub fn carry_out(&self, tape: &Tape, room: &mut Room<f32>) -> Option<Suspects> {
         let taped: Vec<Taped, MAX_RELEASES> =
-            self.releases.iter().map(|span| tape.read(*span, &self.potentiometer)).collect();
+            self.releases.iter().map(|span| tape.read(*span, self.radian_per_step)).collect();
         let parts: Vec<&Taped, MAX_RELEASES> = taped.iter().collect();
-        let findings = look(&self.parameters, &Releases::new(&parts, self.interval_s), ERROR_A_LOOK);
-        self.releases.iter().all(|span| tape.still_has(*span)).then(|| self.said(&findings))
+        room.look(&self.parameters, &Releases::new(&parts, self.interval_s), ERROR_A_LOOK);
+        self.releases.iter().all(|span| tape.still_has(*span)).then(|| self.said(&room.findings))
     }
 
     fn said(&self, findings: &Findings<f32>) -> Suspects {

@@ -2,20 +2,16 @@
 //!
 //! δx' = A(t)·δx + B(t) has the same A for every quantity that δx is the derivative by, so the 2 × 2 transition of a
 //! step is found once ([`super::smooth`]); a column adds its own torque at the two places of Gauss and Legendre's rule.
-//! Where sliding begins or ends the step is cut, and the model runs with two derivatives ([`crate::dual`]): the
-//! transition of a piece holds the jump δx⁺ = δx⁻ + (f⁻ − f⁺)·δt at its end.
+//! Where sliding begins or ends the step is cut: the transition of a piece holds the jump δx⁺ = δx⁻ + (f⁻ − f⁺)·δt at
+//! its end. There are no dual numbers here, because a second model of them would not fit a board's flash.
 
-use super::smooth::{Changes, Point, Way};
-use crate::dual::Dual;
+use super::smooth::{Changes, Point, Way, cubic};
 use crate::karnopp::Contact;
 use crate::model::{MAX_CUTS, Model, SensorState, State};
 use crate::motion::{Motion, Pendulum};
 use crate::parameters::{Parameters, base};
 use crate::real::Real;
 use heapless::Vec;
-
-/// A number with its derivatives by angle and velocity at the beginning of a piece.
-type Local<R> = Dual<R, 2>;
 
 /// A 2 × 2 matrix, by rows.
 type Matrix<R> = [[R; 2]; 2];
@@ -59,12 +55,18 @@ pub struct Place<R> {
     pub acceleration: R,
 }
 
+/// Added laws and sensors are derived by differences over so many rad and rad/s to either side. By the formulas: half of
+/// it doubles what `f32` rounds, 2e-5 of gravity's share; twice of it makes a detent of 24 steps a turn 1.5e-3 softer
+/// instead of 4e-4.
+const NEAR_RAD: f64 = 2e-3;
+const NEAR_RAD_S: f64 = 1e-2;
+
 /// A pendulum that swings by the model.
 pub struct Swing<R: 'static> {
-    plain: Model<R>,
-    model: Model<Local<R>>,
+    model: Model<R>,
     state: State<R>,
-    sensor: SensorState<Local<R>>,
+    /// The sensor of the swing, and of one that is turned by [`NEAR_RAD`] as a whole.
+    sensors: [SensorState<R>; 2],
     pendulum: Pendulum<R>,
     inverse_inertia: R,
     gravity_nm: R,
@@ -77,18 +79,40 @@ pub struct Swing<R: 'static> {
     entered: [R; 2],
 }
 
+/// How the pendulum came to where it is.
+pub struct Approach<R> {
+    /// Angle, velocity and time, the latest first.
+    places: Vec<[R; 3], N_APPROACH>,
+    direction: R,
+    pendulum: Pendulum<R>,
+}
+
+impl<R: Real> Approach<R> {
+    /// As a sensor saw it, the earliest first.
+    pub fn motions(&self) -> impl Iterator<Item = Motion<R>> {
+        let (direction, pendulum) = (self.direction, self.pendulum);
+        self.places.iter().rev().map(move |[angle_rad, velocity_rad_s, time_s]| Motion {
+            angle_rad: *angle_rad,
+            velocity_rad_s: *velocity_rad_s,
+            direction,
+            time_s: *time_s,
+            pendulum,
+        })
+    }
+}
+
 impl<R: Real<Mask = bool>> Swing<R> {
     /// By a model with these parameters; it hangs still.
     #[inline(never)]
     pub fn new(parameters: &Parameters<R>) -> Self {
         let value =
             |id, index: usize| parameters.values(id).and_then(|values| values.get(index)).copied().unwrap_or(R::zero());
-        let (plain, model) = (Model::new(parameters), Model::new(&parameters.map(Local::constant)));
-        let state = plain.release(R::zero(), R::zero());
+        let model = Model::new(parameters);
+        let state = model.release(R::zero(), R::zero());
+        let sensor = model.sensor_at_rest(&state);
         Self {
-            sensor: model.sensor_at_rest(&constant(&state)),
+            sensors: [sensor, sensor],
             state,
-            plain,
             model,
             pendulum: parameters.pendulum,
             inverse_inertia: R::one() / parameters.pendulum.pivot_inertia_kg_m2(),
@@ -102,19 +126,20 @@ impl<R: Real<Mask = bool>> Swing<R> {
     }
 
     /// Begins anew at an angle (rad) and a velocity (rad/s), so long after the release, a sensor in its stride.
+    #[inline(never)]
     pub fn start(&mut self, angle_rad: R, velocity_rad_s: R, time_s: R) {
-        self.state = self.plain.release(angle_rad, velocity_rad_s);
+        self.state = self.model.release(angle_rad, velocity_rad_s);
         self.state.time_s = time_s;
         if self.model.has_plain_sensor() {
             return;
         }
-        let approach = self.backwards();
-        for (index, before) in approach.iter().rev().enumerate() {
-            let before = self.shifted(before);
+        let mut here = self.state;
+        for (index, place) in self.approach().places.iter().rev().enumerate() {
+            [here.angle_rad, here.velocity_rad_s, here.time_s] = *place;
             if index == 0 {
-                self.sensor = self.model.sensor_at_rest(&before);
+                self.sensors = [here, turned(&here)].map(|state| self.model.sensor_at_rest(&state));
             }
-            self.arriving = self.model.read(&before, &mut self.sensor).value;
+            self.arriving = self.sense(&here).0;
         }
     }
 
@@ -126,29 +151,26 @@ impl<R: Real<Mask = bool>> Swing<R> {
         (reading_rad - self.arriving) / R::of(APPROACH_S)
     }
 
-    /// How it came to where it is, for sensors that remember.
-    pub fn approach(&self) -> Vec<Motion<R>, N_APPROACH> {
-        let slide = self.state.contact.slide;
-        self.backwards().iter().rev().map(|before| self.motion_of(before, slide)).collect()
-    }
-
-    /// Where it was before, the latest first: the same equations with time running back, until it turned.
-    fn backwards(&self) -> Vec<State<R>, N_APPROACH> {
-        let mut states = Vec::new();
+    /// How it came to where it is, for sensors that remember: the same equations with time running back, until it
+    /// turned.
+    #[inline(never)]
+    pub fn approach(&self) -> Approach<R> {
+        let mut places = Vec::new();
         let mut state = self.state;
         let slide = state.contact.slide;
-        while !states.is_full() {
-            self.plain.step(&mut state, R::of(-APPROACH_S));
+        let place = |state: &State<R>| [state.angle_rad, state.velocity_rad_s, state.time_s];
+        while !places.is_full() {
+            self.model.step(&mut state, R::of(-APPROACH_S));
             if !self.velocity_band.lt(slide * state.velocity_rad_s) {
                 break;
             }
             state.contact.slide = slide;
-            let _ = states.push(state);
+            let _ = places.push(place(&state));
         }
-        if states.is_empty() {
-            let _ = states.push(self.state);
+        if places.is_empty() {
+            let _ = places.push(place(&self.state));
         }
-        states
+        Approach { places, direction: slide, pendulum: self.pendulum }
     }
 
     /// Where it is.
@@ -161,26 +183,56 @@ impl<R: Real<Mask = bool>> Swing<R> {
         self.inverse_inertia
     }
 
-    /// The reading in rad, and how it changes when the whole swing is shifted. Call it at each sample in turn.
+    /// The reading in rad, and how it changes when the whole swing is turned. Call it at each sample in turn.
     pub fn read(&mut self) -> (R, R) {
-        let reading = self.model.read(&self.shifted(&self.state), &mut self.sensor);
-        (reading.value, reading.slopes[0])
+        if self.model.has_plain_sensor() {
+            return (self.state.angle_rad, R::one());
+        }
+        let here = self.state;
+        self.sense(&here)
     }
 
-    /// The state as of a pendulum whose whole swing is shifted.
-    fn shifted(&self, state: &State<R>) -> State<Local<R>> {
-        let mut state = constant(state);
-        state.angle_rad = Local::variable(state.angle_rad.value, 0);
-        state
+    #[inline(never)]
+    fn sense(&mut self, here: &State<R>) -> (R, R) {
+        let [own, of_turned] = &mut self.sensors;
+        let reading = self.model.read(here, own);
+        let of_turned = self.model.read(&turned(here), of_turned);
+        (reading, (of_turned - reading) / R::of(NEAR_RAD))
+    }
+
+    /// Tells what the sensor reads on the way of so many intervals from a motion to here, at the end of each but the
+    /// last one, and at which share of the way.
+    pub fn read_between(&mut self, from: &Motion<R>, n: usize, interval_s: R, tell: &mut dyn FnMut(R, R)) {
+        let mut between = self.state;
+        let (angles, speeds) = ([from.angle_rad, between.angle_rad], [from.velocity_rad_s, between.velocity_rad_s]);
+        let one = R::one() / R::of(n as f64);
+        let (seconds, mut share) = (interval_s / one, R::zero());
+        for _ in 1..n {
+            share = share + one;
+            between.angle_rad = cubic(angles, speeds, seconds, share);
+            if self.model.has_plain_sensor() {
+                tell(share, between.angle_rad);
+                continue;
+            }
+            between.velocity_rad_s = speeds[0] + share * (speeds[1] - speeds[0]);
+            between.time_s = from.time_s + share * seconds;
+            tell(share, self.sense(&between).0);
+        }
+    }
+
+    /// Does the direction change within so many seconds, or has it just done so?
+    pub fn is_near_turn(&self, seconds: R) -> bool {
+        let State { velocity_rad_s, .. } = self.state;
+        let change = self.acceleration(&self.state).abs() * seconds;
+        velocity_rad_s.abs().lt(change + change)
     }
 
     /// Swings on for so many seconds and tells each piece of it.
     pub fn advance(&mut self, seconds: R, tell: &mut dyn FnMut(&Piece<R>)) {
         let mut end = self.state;
-        self.plain.step(&mut end, seconds);
-        let slides = self.state.contact.slide;
-        if R::zero().lt(slides * end.contact.slide) {
-            tell(&self.smooth_piece(&end, seconds));
+        self.model.step(&mut end, seconds);
+        if R::zero().lt(self.state.contact.slide * end.contact.slide) {
+            tell(&self.piece(&end, &end, seconds));
             self.state = end;
         } else {
             self.advance_in_pieces(seconds, tell);
@@ -191,152 +243,162 @@ impl<R: Real<Mask = bool>> Swing<R> {
     fn advance_in_pieces(&mut self, seconds: R, tell: &mut dyn FnMut(&Piece<R>)) {
         let mut left_s = seconds;
         for _ in 0..MAX_CUTS {
-            let before = seeded(&self.state);
-            let mut end = before;
-            let left = self.model.step_to_change(&mut end, Local::constant(left_s));
-            let piece = self.piece(&before, &end, left, left_s - left.value);
-            tell(&piece);
-            if in_band(&end.contact) && !in_band(&before.contact) {
-                self.entered = [end.angle_rad.value, end.time_s.value];
+            let mut end = self.state;
+            let next_s = self.model.step_to_change(&mut end, left_s);
+            let piece_s = left_s - next_s;
+            tell(&self.piece(&self.model.unchanged(&self.state, piece_s), &end, piece_s));
+            if in_band(&end.contact) && !in_band(&self.state.contact) {
+                self.entered = [end.angle_rad, end.time_s];
             }
-            self.state = values(&end);
-            left_s = left.value;
+            (self.state, left_s) = (end, next_s);
             if !R::zero().lt(left_s) {
                 return;
             }
         }
     }
 
-    /// A step that slides on to `end`.
-    fn smooth_piece(&self, end: &State<R>, seconds: R) -> Piece<R> {
-        let half = R::of(0.5);
-        let before = self.state;
-        let at = |angle_rad: R, velocity_rad_s: R, share: R| {
-            let mut state = before;
-            (state.angle_rad, state.velocity_rad_s) = (angle_rad, velocity_rad_s);
-            state.time_s = before.time_s + share * seconds;
-            state
+    /// A piece that arrives where it does with the contact it began with, and then goes on from `end`.
+    #[inline(never)]
+    fn piece(&self, arriving: &State<R>, end: &State<R>, seconds: R) -> Piece<R> {
+        let before = &self.state;
+        let (first, last) = (self.place(before, R::zero()), self.place(arriving, seconds));
+        let way = Way { from: first, to: last, seconds };
+        let changes = Changes([
+            self.changes(first, R::zero()),
+            self.changes(self.along(&way, R::of(0.5)), R::of(0.5) * seconds),
+            self.changes(last, seconds),
+        ]);
+        let Contact { slide, push, .. } = before.contact;
+        let moves = slide.abs() + push.abs();
+        let jump = self.jump(&last, end);
+        let goes_on = |carried: [R; 2]| {
+            jump.as_ref().map_or(carried, |jump| jump.map(|row| row[0] * carried[0] + row[1] * carried[1]))
         };
-        let ends = [before, at(end.angle_rad, end.velocity_rad_s, R::one())];
-        let [first, last] = ends.map(|state| self.changes(&state));
-        let point = |state: &State<R>, (acceleration, _): (R, [R; 2])| Point {
-            angle_rad: state.angle_rad,
-            velocity_rad_s: state.velocity_rad_s,
-            acceleration,
-        };
-        let way = Way { from: point(&ends[0], first), to: point(&ends[1], last), seconds };
-        let (angle, velocity) = way.at(half);
-        let changes = Changes([first.1, self.changes(&at(angle, velocity, half)).1, last.1]);
-        let columns =
-            [[R::one(), R::zero()], [R::zero(), R::one()]].map(|unit| changes.carry(R::zero(), seconds, unit));
-        let slide = before.contact.slide;
+        let columns = [[R::one(), R::zero()], [R::zero(), moves]].map(|unit| goes_on(changes.carry(seconds, unit)));
         let place = |share: R| {
-            let (angle, velocity) = way.at(share);
-            let here = at(angle, velocity, share);
-            let drive = self.motion_of(&here, slide);
+            let here = self.along(&way, share);
+            let drive = self.motion_at(here, share * seconds);
             Place {
-                from_here: changes.carry(share, seconds, [R::zero(), R::one()]),
+                from_here: goes_on(changes.carry_velocity(share, seconds).map(|gained| moves * gained)),
                 drive,
-                friction: drive,
-                acceleration: self.plain_acceleration(&here),
+                friction: self.as_friction_sees_it(&before.contact, &drive),
+                acceleration: here.acceleration,
             }
         };
+        let rubs = self.rubs(&before.contact);
         Piece {
             seconds,
             whole: [[columns[0][0], columns[1][0]], [columns[0][1], columns[1][1]]],
-            places: PLACES.map(|share| place(R::of(share))),
-            ends: [self.motion_of(&before, slide), self.motion_of(end, slide)],
-            moves: R::one(),
-            rubs: R::one(),
-            by_band: ([R::zero(); 2], R::zero()),
-        }
-    }
-
-    /// The acceleration in a state, rad/s², and how it changes by angle and velocity.
-    fn changes(&self, state: &State<R>) -> (R, [R; 2]) {
-        if self.plain.is_plain() {
-            let by_angle = -self.gravity_nm * state.angle_rad.cos() * self.inverse_inertia;
-            return (self.plain_acceleration(state), [by_angle, -self.viscous * self.inverse_inertia]);
-        }
-        let state = seeded(state);
-        let torque_nm =
-            self.model.friction_torque_nm(&state) - Local::constant(self.gravity_nm) * state.angle_rad.sin();
-        let acceleration = torque_nm * Local::constant(self.inverse_inertia);
-        (acceleration.value, acceleration.slopes)
-    }
-
-    fn plain_acceleration(&self, state: &State<R>) -> R {
-        (self.plain.friction_torque_nm(state) - self.gravity_nm * state.angle_rad.sin()) * self.inverse_inertia
-    }
-
-    fn piece(&self, before: &State<Local<R>>, end: &State<Local<R>>, left: Local<R>, seconds: R) -> Piece<R> {
-        let contact = &before.contact;
-        let slide = contact.slide.value;
-        let whole = at_fixed_time(end, left, self.acceleration(end));
-        let rubs = self.rubs(contact);
-        Piece {
-            seconds,
-            whole,
-            places: PLACES.map(|share| self.place(before, &whole, R::of(share) * seconds)),
-            ends: [self.motion_of(&values(before), slide), self.motion_of(&values(end), slide)],
-            moves: slide.abs() + contact.push.value.abs(),
+            places: [place(R::of(PLACES[0])), place(R::of(PLACES[1]))],
+            ends: [self.motion_at(first, R::zero()), self.motion_of(end, slide)],
+            moves,
             rubs,
-            by_band: self.by_band(before, end, rubs),
+            by_band: self.by_band(&last, end, rubs),
         }
     }
 
-    fn place(&self, before: &State<Local<R>>, whole: &Matrix<R>, seconds: R) -> Place<R> {
-        let mut here = *before;
-        self.model.step(&mut here, Local::constant(seconds));
-        here.contact = before.contact;
-        let drive = self.motion_of(&values(&here), before.contact.slide.value);
-        Place {
-            from_here: by_velocity(whole, &slopes(&here)),
-            drive,
-            friction: self.as_friction_sees_it(&before.contact, &drive),
-            acceleration: self.acceleration(&here),
-        }
+    /// A state as a point of the piece that begins here, so many seconds on.
+    fn place(&self, state: &State<R>, later_s: R) -> Point<R> {
+        let (angle_rad, velocity_rad_s) = (state.angle_rad, state.velocity_rad_s);
+        Point { angle_rad, velocity_rad_s, acceleration: self.acceleration_at(angle_rad, velocity_rad_s, later_s) }
     }
 
-    fn rubs(&self, contact: &Contact<Local<R>>) -> R {
-        let is_friction = in_band(contact) && self.stiction_nm.lt(contact.level_nm.value);
-        if is_friction { R::one() } else { contact.slide.value.abs() }
+    /// A share of the way on.
+    fn along(&self, way: &Way<R>, share: R) -> Point<R> {
+        let (angle_rad, velocity_rad_s) = way.at(share);
+        let acceleration = self.acceleration_at(angle_rad, velocity_rad_s, share * way.seconds);
+        Point { angle_rad, velocity_rad_s, acceleration }
+    }
+
+    /// rad/s², in the contact of here, so many seconds on.
+    fn acceleration_at(&self, angle_rad: R, velocity_rad_s: R, later_s: R) -> R {
+        let time_s = self.state.time_s + later_s;
+        self.model.acceleration_rad_s2(&self.state, angle_rad, velocity_rad_s, time_s)
+    }
+
+    /// How the acceleration changes by angle and velocity, in the contact of here.
+    fn changes(&self, at: Point<R>, later_s: R) -> [R; 2] {
+        let contact = &self.state.contact;
+        if self.model.is_plain() {
+            let slides = contact.slide.abs();
+            let moves = slides + contact.push.abs();
+            let by_angle = -moves * self.gravity_nm * at.angle_rad.cos() * self.inverse_inertia;
+            return [by_angle, -slides * self.viscous * self.inverse_inertia];
+        }
+        self.changes_with_added(at, later_s)
+    }
+
+    #[inline(never)]
+    fn changes_with_added(&self, at: Point<R>, later_s: R) -> [R; 2] {
+        let (zero, near) = (R::zero(), [NEAR_RAD, NEAR_RAD_S].map(R::of));
+        let beside =
+            |angle: R, velocity: R| self.acceleration_at(at.angle_rad + angle, at.velocity_rad_s + velocity, later_s);
+        [
+            (beside(near[0], zero) - beside(-near[0], zero)) / (near[0] + near[0]),
+            (beside(zero, near[1]) - beside(zero, -near[1])) / (near[1] + near[1]),
+        ]
+    }
+
+    /// What becomes of a small change where the contact does; `None` where it stays the same. What arrives later by δt
+    /// has gone on for so much less.
+    fn jump(&self, arriving: &Point<R>, end: &State<R>) -> Option<Matrix<R>> {
+        let (before, after) = (&self.state.contact, &end.contact);
+        let is_same = !R::zero().lt((before.slide - after.slide).abs() + (before.push - after.push).abs());
+        if is_same || before.is_resting() {
+            return None;
+        }
+        let (zero, one) = (R::zero(), R::one());
+        if in_band(before) && after.is_resting() {
+            // Where friction takes hold of a creeping pendulum is a place, wherever it came from.
+            return Some([[zero; 2]; 2]);
+        }
+        let arrives = arriving.acceleration;
+        if !zero.lt(arrives.abs()) {
+            return None;
+        }
+        let later = -one / arrives;
+        let slower = arriving.velocity_rad_s - end.velocity_rad_s;
+        Some([[one, slower * later], [zero, one + (arrives - self.acceleration(end)) * later]])
+    }
+
+    fn rubs(&self, contact: &Contact<R>) -> R {
+        let is_friction = in_band(contact) && self.stiction_nm.lt(contact.level_nm);
+        if is_friction { R::one() } else { contact.slide.abs() }
     }
 
     /// In the band friction holds with what it had at the edge, where that is more than stiction.
-    fn as_friction_sees_it(&self, contact: &Contact<Local<R>>, motion: &Motion<R>) -> Motion<R> {
+    fn as_friction_sees_it(&self, contact: &Contact<R>, motion: &Motion<R>) -> Motion<R> {
         if !in_band(contact) {
             return *motion;
         }
-        let ([angle_rad, time_s], push) = (self.entered, contact.push.value);
+        let ([angle_rad, time_s], push) = (self.entered, contact.push);
         Motion { angle_rad, velocity_rad_s: push * self.velocity_band, direction: push, time_s, ..*motion }
     }
 
     /// How the width of the band acts: where its edge is crossed, and by the friction at its edge.
-    fn by_band(&self, before: &State<Local<R>>, end: &State<Local<R>>, rubs: R) -> ([R; 2], R) {
-        let (push, slide) = (before.contact.push.value, before.contact.slide.value);
+    fn by_band(&self, arriving: &Point<R>, end: &State<R>, rubs: R) -> ([R; 2], R) {
+        let Contact { slide, push, .. } = self.state.contact;
         let drag = -push * self.viscous * rubs;
-        let edge = if in_band(&before.contact) { end.contact.slide.value } else { slide };
-        let stays = !R::zero().lt((end.contact.slide.value - slide).abs());
+        let edge = if in_band(&self.state.contact) { end.contact.slide } else { slide };
+        let stays = !R::zero().lt((end.contact.slide - slide).abs());
         if stays || !R::zero().lt(edge.abs()) {
             return ([R::zero(); 2], drag);
         }
-        let mut arriving = stripped(end);
-        arriving.contact = before.contact;
-        arriving.velocity_rad_s = Local::constant(edge * self.velocity_band);
-        let arrives = self.acceleration(&arriving);
+        let velocity_rad_s = edge * self.velocity_band;
+        let time_s = end.time_s;
+        let arrives = self.model.acceleration_rad_s2(&self.state, arriving.angle_rad, velocity_rad_s, time_s);
         if !R::zero().lt(self.velocity_band) {
             return ([R::zero(), self.by_narrow_band(slide, end, arrives)], drag);
         }
         let later = edge / arrives;
         if end.contact.is_resting() {
-            return ([arriving.velocity_rad_s.value * later, R::zero()], drag);
+            return ([velocity_rad_s * later, R::zero()], drag);
         }
         ([R::zero(), (arrives - self.acceleration(end)) * later], drag)
     }
 
     /// A reversal without a band: what a narrow one would change. Between its edges the stop level acts.
-    fn by_narrow_band(&self, slide: R, end: &State<Local<R>>, arrives: R) -> R {
+    fn by_narrow_band(&self, slide: R, end: &State<R>, arrives: R) -> R {
         if end.contact.is_resting() {
             return R::zero();
         }
@@ -350,64 +412,30 @@ impl<R: Real<Mask = bool>> Swing<R> {
         slide * ((arrives - creeps) / arrives - (creeps - leaves) / creeps)
     }
 
-    fn acceleration(&self, state: &State<Local<R>>) -> R {
-        if state.contact.is_resting() { R::zero() } else { self.plain_acceleration(&values(state)) }
+    /// rad/s².
+    fn acceleration(&self, state: &State<R>) -> R {
+        self.model.acceleration_rad_s2(state, state.angle_rad, state.velocity_rad_s, state.time_s)
     }
 
     fn motion_of(&self, state: &State<R>, direction: R) -> Motion<R> {
         let State { angle_rad, velocity_rad_s, time_s, .. } = *state;
         Motion { angle_rad, velocity_rad_s, direction, time_s, pendulum: self.pendulum }
     }
+
+    fn motion_at(&self, at: Point<R>, later_s: R) -> Motion<R> {
+        let Point { angle_rad, velocity_rad_s, .. } = at;
+        let (direction, time_s) = (self.state.contact.slide, self.state.time_s + later_s);
+        Motion { angle_rad, velocity_rad_s, direction, time_s, pendulum: self.pendulum }
+    }
 }
 
-fn in_band<R: Real<Mask = bool>>(contact: &Contact<Local<R>>) -> bool {
+fn in_band<R: Real<Mask = bool>>(contact: &Contact<R>) -> bool {
     contact.is_in_band()
 }
 
-/// The same state, its derivatives forgotten.
-fn stripped<R: Real>(state: &State<Local<R>>) -> State<Local<R>> {
-    constant(&values(state))
-}
-
-fn values<R: Real>(state: &State<Local<R>>) -> State<R> {
-    State::from_numbers(&state.numbers().map(|number| number.value))
-}
-
-fn constant<R: Real>(state: &State<R>) -> State<Local<R>> {
-    State::from_numbers(&state.numbers().map(Local::constant))
-}
-
-/// The same state as the beginning of a piece.
-fn seeded<R: Real<Mask = bool>>(state: &State<R>) -> State<Local<R>> {
-    let mut state = constant(state);
-    state.angle_rad = Local::variable(state.angle_rad.value, 0);
-    if !state.contact.is_resting() {
-        state.velocity_rad_s = Local::variable(state.velocity_rad_s.value, 1);
-    }
-    state
-}
-
-fn slopes<R: Copy>(state: &State<Local<R>>) -> Matrix<R> {
-    [state.angle_rad.slopes, state.velocity_rad_s.slopes]
-}
-
-/// The end's derivatives at the same time for all, where it comes earlier for some: what is left of the step says by
-/// how much.
-fn at_fixed_time<R: Real>(end: &State<Local<R>>, left: Local<R>, acceleration: R) -> Matrix<R> {
-    let [angle, velocity] = slopes(end);
-    let speed = end.velocity_rad_s.value;
-    [
-        core::array::from_fn(|i| angle[i] + speed * left.slopes[i]),
-        core::array::from_fn(|i| velocity[i] + acceleration * left.slopes[i]),
-    ]
-}
-
-/// The second column of `whole`·`here`⁻¹; zero at rest, where no velocity is gained.
-fn by_velocity<R: Real<Mask = bool>>(whole: &Matrix<R>, here: &Matrix<R>) -> [R; 2] {
-    let determinant = here[0][0] * here[1][1] - here[0][1] * here[1][0];
-    if !R::zero().lt(determinant.abs()) {
-        return [R::zero(); 2];
-    }
-    let [angle, velocity] = [-here[0][1] / determinant, here[0][0] / determinant];
-    whole.map(|row| row[0] * angle + row[1] * velocity)
+/// The same with the whole swing turned a little.
+fn turned<R: Real>(state: &State<R>) -> State<R> {
+    let mut turned = *state;
+    turned.angle_rad = turned.angle_rad + R::of(NEAR_RAD);
+    turned
 }

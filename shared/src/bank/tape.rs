@@ -1,21 +1,28 @@
-//! What a board remembers of the last releases: codes, about 125 a second, in one ring.
+//! What a board remembers of the last releases: angles, about 125 a second, in one ring.
 //!
-//! Sampling writes while a look reads, and neither waits for the other: every code is written in one piece, and a look
+//! Sampling writes while a look reads, and neither waits for the other: every angle is written in one piece, and a look
 //! whose releases were written over meanwhile is worth nothing ([`Tape::still_has`]).
 
 use super::window::Readings;
-use crate::potentiometer::Potentiometer;
-use core::sync::atomic::{AtomicU16, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicI16, AtomicU32, Ordering};
 
-/// Codes that it holds: 98 s. Half of it would hold one long release and a part, twice would not fit a board.
+/// Angles that it holds: 98 s. Half of it would hold one long release and a part, twice would not fit a board.
 pub const CAPACITY: usize = 12 * 1024;
 
-/// A code is kept with this many more steps, since it is a mean.
-const FINER: f32 = 4.0;
+/// A mean of codes is kept in steps of this share of a code …
+const FINER: f32 = 0.25;
+
+/// … but of no less than this, rad, so that ±3.9 rad have room.
+const LEAST_STEP_RAD: f32 = 1.2e-4;
+
+/// The step in which angles of a sensor are kept, rad, given the size of its codes.
+pub fn step_rad(code_rad: f32) -> f32 {
+    (FINER * code_rad).max(LEAST_STEP_RAD)
+}
 
 /// The ring.
 pub struct Tape {
-    codes: [AtomicU16; CAPACITY],
+    steps: [AtomicI16; CAPACITY],
     /// All that were ever written; the next one goes there, counted round the ring.
     n_written: AtomicU32,
     /// The most that this ever was: what was rewound has been written over, too.
@@ -25,7 +32,7 @@ pub struct Tape {
 /// A release on the tape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
-    /// Its first code, as [`Tape::n_written`] counts.
+    /// Its first angle, as [`Tape::n_written`] counts.
     pub first: u32,
     /// How many there are, at most [`CAPACITY`].
     pub length: u32,
@@ -35,7 +42,6 @@ pub struct Span {
 pub struct Taped<'a> {
     tape: &'a Tape,
     span: Span,
-    zero: f32,
     radian_per_step: f32,
 }
 
@@ -49,23 +55,23 @@ impl Tape {
     /// Empty.
     pub const fn new() -> Self {
         Self {
-            codes: [const { AtomicU16::new(0) }; CAPACITY],
+            steps: [const { AtomicI16::new(0) }; CAPACITY],
             n_written: AtomicU32::new(0),
             n_spoilt: AtomicU32::new(0),
         }
     }
 
-    /// How many codes were ever written; it comes round after a year.
+    /// How many angles were ever written; it comes round after a year.
     pub fn n_written(&self) -> u32 {
         self.n_written.load(Ordering::Acquire)
     }
 
-    /// Writes a mean of codes over the oldest one.
-    pub fn write(&self, mean_code: f32) {
+    /// Writes an angle in steps over the oldest one.
+    pub fn write(&self, steps: f32) {
         let at = self.n_written();
         let next = at.wrapping_add(1);
         self.n_spoilt.store(self.n_spoilt.load(Ordering::Relaxed).max(next), Ordering::Release);
-        self.codes[place(at)].store((mean_code * FINER + 0.5) as u16, Ordering::Relaxed);
+        self.steps[place(at)].store(libm::roundf(steps) as i16, Ordering::Relaxed);
         self.n_written.store(next, Ordering::Release);
     }
 
@@ -79,10 +85,9 @@ impl Tape {
         self.n_spoilt.load(Ordering::Acquire).wrapping_sub(span.first) as usize <= CAPACITY
     }
 
-    /// The angles of a release, by a calibration.
-    pub fn read(&self, span: Span, potentiometer: &Potentiometer) -> Taped<'_> {
-        let (zero, radian_per_step) = (potentiometer.zero_code * FINER, potentiometer.radian_per_code / FINER);
-        Taped { tape: self, span, zero, radian_per_step }
+    /// The angles of a release in steps of this size, rad.
+    pub fn read(&self, span: Span, radian_per_step: f32) -> Taped<'_> {
+        Taped { tape: self, span, radian_per_step }
     }
 }
 
@@ -96,8 +101,8 @@ impl Readings<f32> for Taped<'_> {
     }
 
     fn at(&self, index: usize) -> f32 {
-        let code = self.tape.codes[place(self.span.first.wrapping_add(index as u32))].load(Ordering::Relaxed);
-        (f32::from(code) - self.zero) * self.radian_per_step
+        let steps = self.tape.steps[place(self.span.first.wrapping_add(index as u32))].load(Ordering::Relaxed);
+        f32::from(steps) * self.radian_per_step
     }
 }
 
@@ -109,13 +114,12 @@ mod tests {
     #[test]
     fn what_was_written_is_read_until_the_ring_comes_round() {
         let tape = Box::new(Tape::new());
-        let potentiometer = Potentiometer { zero_code: 2000.0, ..Potentiometer::nominal(4095) };
-        (0..CAPACITY + 100).for_each(|i| tape.write(2000.0 + (i % 1000) as f32 * 0.25));
+        (0..CAPACITY + 100).for_each(|i| tape.write((i % 1000) as f32 - 500.0));
         let span = Span { first: 100, length: CAPACITY as u32 };
         assert!(tape.still_has(span) && !tape.still_has(Span { first: 99, ..span }));
-        let taped = tape.read(span, &potentiometer);
+        let taped = tape.read(span, step_rad(1e-3));
         for index in [0, 1, CAPACITY - 1] {
-            let exact = ((100 + index) % 1000) as f32 * 0.25 * potentiometer.radian_per_code;
+            let exact = (((100 + index) % 1000) as f32 - 500.0) * 0.25e-3;
             assert!((taped.at(index) - exact).abs() < 1e-7, "{index}");
         }
         let end = tape.n_written();

@@ -133,9 +133,10 @@ const MIN_AROUND: usize = 3;
 /// The noise of readings, rad: from differences of sixth order, in which a swing of 20 samples a period
 /// leaves nothing.
 pub fn noise_rad<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(readings: &D) -> R {
+    let weights = WEIGHTS.map(R::of);
     let difference = |i: usize| {
-        let terms = WEIGHTS.iter().enumerate();
-        terms.fold(R::zero(), |sum, (k, weight)| sum + R::of(*weight) * readings.at(i + k))
+        let terms = weights.iter().enumerate();
+        terms.fold(R::zero(), |sum, (k, weight)| sum + *weight * readings.at(i + k))
     };
     let n = readings.len().max(WEIGHTS.len()) - WEIGHTS.len();
     let sum = (0..n).fold(R::zero(), |sum, i| sum + difference(i) * difference(i));
