@@ -7,6 +7,7 @@
 //! ([`zero`]), and what stays unexplained; nothing is claimed that does not hold on every part of the swings ([`holds`]).
 //! For what is left, [`formulas`] searches small laws if somebody wishes.
 
+mod budget;
 pub mod curve;
 mod doubt;
 pub mod evidence;
@@ -25,6 +26,7 @@ pub mod value;
 mod verdict;
 pub mod zero;
 
+pub use budget::Effort;
 pub use curve::FrictionCurve;
 pub use evidence::Evidence;
 pub use holds::{Holding, Standing};
@@ -39,6 +41,7 @@ use crate::formula::effect_of;
 use crate::recording::Measured;
 use crate::swing::Swing;
 use crate::verdict::Left;
+use budget::Budget;
 use search::search;
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::parameters::{Parameters, base};
@@ -82,8 +85,9 @@ pub fn diagnose_counted(
     candidates.extend(wishes.typed.or(effect_of(rig, CUSTOM_FORMULA_ID)));
     let decimated = problem.decimated();
     let rough = problem.on(&decimated);
-    let found = search(&problem, &rough, &base, &candidates);
-    let judge = Judge { problem: &problem, rough: &rough, found: &found, candidates: &candidates };
+    let budget = Budget::of(&rough);
+    let found = search(&problem, &rough, &base, &candidates, &budget);
+    let judge = Judge { problem: &problem, rough: &rough, found: &found, candidates: &candidates, budget: &budget };
     let (claimed, others) = judge.refined(judge.claimed());
     let mut undecided = judge.undecided(&claimed, &others);
     let n_claimed = claimed.effects.len();

@@ -205,6 +205,11 @@ impl Swing {
         &self.schedules[usize::from(parameters.effects.iter().any(|effect| is_fine(effect.id)))]
     }
 
+    /// Integration steps of a simulation with effects that are not fine.
+    pub fn n_steps(&self) -> usize {
+        self.schedules[0].n_steps()
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.times_s.len()

@@ -56,6 +56,11 @@ impl Schedule {
         Self { measured, ..self }
     }
 
+    /// Number of integration steps.
+    pub fn n_steps(&self) -> usize {
+        self.steps.len()
+    }
+
     /// Number of samples after the first.
     pub fn n_samples(&self) -> usize {
         self.times_s.len().saturating_sub(1)

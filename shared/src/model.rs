@@ -366,6 +366,7 @@ impl<R: Real> Model<R> {
         torque * self.inverse_inertia
     }
 
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn added_drive_nm(&self, motion: &Motion<R>, memories: &[[R; MEMORY]; MAX_MEMORIES]) -> R {
         let mut sum = R::zero();
         for term in &self.drives {
@@ -380,6 +381,7 @@ impl<R: Real> Model<R> {
         sum
     }
 
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn added_friction_nm(&self, motion: &Motion<R>) -> R {
         let mut sum = R::zero();
         for term in &self.frictions {

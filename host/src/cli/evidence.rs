@@ -47,6 +47,7 @@ pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
         return parts.join("\n\n");
     }
     parts.extend(diagnosis.curve.as_ref().map(|curve| curve_words::in_words(diagnosis, curve)));
+    parts.extend(left_out(diagnosis));
     parts.extend(formulas(diagnosis));
     parts.push(staircase(diagnosis));
     parts.push(ranking(diagnosis));
@@ -69,6 +70,16 @@ fn held_out(diagnosis: &Diagnosis) -> Vec<String> {
         }
     });
     vetoed.chain(said.map(str::to_owned)).map(|words| wrapped(&words, 0)).collect()
+}
+
+/// That stages were left out, and what to do about it.
+fn left_out(diagnosis: &Diagnosis) -> Option<String> {
+    let words = format!(
+        "These recordings are long: after {} simulated swings no further stage of the search was begun. \
+         Where much is left, choose a stretch with --from and --to, or fewer recordings.",
+        diagnosis.effort.simulations_at_most
+    );
+    diagnosis.effort.reached.then(|| wrapped(&words, 0))
 }
 
 /// The claim that would explain most of what is left, but is not proven.

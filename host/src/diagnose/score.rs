@@ -17,6 +17,8 @@ use shared::effect::{Effect, MAX_VALUES};
 pub struct Prediction {
     /// The effect.
     pub effect: &'static Effect<f64>,
+    /// The numbers of the effect that it was judged from.
+    pub start: [f64; MAX_VALUES],
     /// By how much the cost would fall, rad²: the predicted reduction.
     pub reduction: f64,
     /// The model after the step, not fitted yet.
@@ -50,7 +52,7 @@ fn prediction(
     model: &Fitted,
     known: &Linear,
     effect: &'static Effect<f64>,
-    start: &[f64],
+    start: &[f64; MAX_VALUES],
 ) -> Option<Prediction> {
     let before = model.cost;
     let larger = model.with(effect, start)?;
@@ -60,5 +62,5 @@ fn prediction(
     let cost = equations.cost - equations.gain(&step);
     let stepped = Fitted::at(&problem, &stepped(&point, &step, problem.unknowns.len()));
     let model = Fitted { effects: larger.effects, ..stepped };
-    cost.is_finite().then_some(Prediction { effect, reduction: before - cost, model })
+    cost.is_finite().then_some(Prediction { effect, start: *start, reduction: before - cost, model })
 }

@@ -1,5 +1,6 @@
 //! A diagnosis as others read it, put together from what may be claimed.
 
+use super::budget::Effort;
 use super::curve::FrictionCurve;
 use super::evidence::{Evidence, evidence};
 use super::formulas::{Found as FoundFormula, formulas};
@@ -115,6 +116,8 @@ pub struct Diagnosis {
     pub seconds: f64,
     /// Simulated swings.
     pub simulations: usize,
+    /// How many there could be before stages were left out.
+    pub effort: Effort,
     /// Everything that was fitted, best first.
     pub candidates: Vec<Candidate>,
     /// Where no named law reaches the noise: friction as a free curve of the speed, if that explains more.
@@ -243,6 +246,7 @@ impl Summary<'_, '_, '_> {
             staircase,
             seconds: self.began.elapsed().as_secs_f64(),
             simulations: self.count.load(Ordering::Relaxed),
+            effort: self.judge.budget.effort(),
             verdict,
             ranked,
         }

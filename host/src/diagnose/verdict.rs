@@ -1,5 +1,6 @@
 //! What may be claimed: which effects are missing, which can't be told apart, what stays unexplained.
 
+use super::budget::Budget;
 use super::models::{excess, is_explained};
 use super::replacement::Replacements;
 use super::search::Found;
@@ -40,6 +41,7 @@ pub(super) struct Judge<'a, 'b> {
     pub(super) rough: &'b Problem<'b>,
     pub(super) found: &'b Found,
     pub(super) candidates: &'b [&'static Effect<f64>],
+    pub(super) budget: &'b Budget<'b>,
 }
 
 impl Judge<'_, '_> {

@@ -10,7 +10,6 @@ use super::fitted::Fitted;
 use super::problem::Problem;
 use super::refine::Band;
 use super::ridge::Ridge;
-use crate::pace;
 use crate::recording::Measured;
 use crate::swing::Swing;
 use shared::curve::{Curve, MAX_KNOTS};
@@ -61,18 +60,14 @@ pub fn curved(on: &Problem, from: &Fitted) -> Option<Curved> {
     settled(on, &rough, &begun, Begin::Anew).filter(|found| found.model.cost < from.cost)
 }
 
-/// The same with one more effect beside the curve, from each of its starts; `None` where that is no better.
-pub fn extended(on: &Problem, from: &Curved, effect: &'static Effect<f64>) -> Option<Curved> {
+/// The same with one more effect beside the curve, from one of its starts; `None` where that is no better.
+pub fn extended(on: &Problem, from: &Curved, effect: &'static Effect<f64>, start: &[f64]) -> Option<Curved> {
     let decimated = on.decimated();
     let rough = on.on(&decimated);
     let ridged = Problem { ridge: Some(from.ridge.clone()), ..rough.clone() };
     let curve = from.model.parameters.curve.as_ref()?;
-    let tried = pace::starts(effect, on.pace()).filter_map(|start| {
-        let begun = from.model.without(CURVE_ID).with(effect, &start)?.with_curve(curve)?;
-        Some(descended(&begun, &ridged))
-    });
-    let best = tried.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-    settled(on, &rough, &best, Begin::GoesOn).filter(|found| found.model.cost < from.model.cost)
+    let begun = from.model.without(CURVE_ID).with(effect, start)?.with_curve(curve)?;
+    settled(on, &rough, &descended(&begun, &ridged), Begin::GoesOn).filter(|found| found.model.cost < from.model.cost)
 }
 
 /// Chosen and fitted in turn until that changes nothing, then fitted to all samples.
@@ -109,10 +104,15 @@ fn fitted(rough: &Problem, from: &Fitted, choice: &Choice) -> Option<Fitted> {
     Some(descended(&present.better(wanted), &ridged).evaluated(rough))
 }
 
-/// First without the last swings before rest, in which the error has edges that hold a descent up.
+/// Where swings rest also first without the last swings before that, in which the error has edges that hold a descent
+/// up.
 fn descended(from: &Fitted, on: &Problem) -> Fitted {
-    let lively = from.lively(on, PATIENT).refined(on, Band::Held, PATIENT);
-    lively.better(from.refined(on, Band::Held, PATIENT))
+    let whole = || from.refined(on, Band::Held, PATIENT);
+    if !on.swings.iter().any(Swing::comes_to_rest) {
+        return whole();
+    }
+    let (lively, whole) = rayon::join(|| from.lively(on, PATIENT).refined(on, Band::Held, PATIENT), whole);
+    lively.better(whole)
 }
 
 /// The model with the same friction as a curve of many knots.

@@ -234,8 +234,9 @@ fn with_added(problem: &Problem, point: &Point, window: Window, known: &Linear, 
         let residuals: Vec<f64> = swing.angles_rad.iter().zip(&base).map(|(m, p)| m - p - start.offset_rad).collect();
         Block::new(&residuals, &columns)
     };
-    let equations = assemble(problem.unknowns.len(), known.each(of_swing));
+    let mut equations = assemble(problem.unknowns.len(), known.each(of_swing));
     steps.adapt(problem, &moved, &equations);
+    add_ridge(problem, point, window, &mut equations);
     equations
 }
 

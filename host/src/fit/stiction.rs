@@ -14,6 +14,7 @@ use super::stop_level;
 use crate::pace;
 use crate::swing::Window;
 use nalgebra::DVector;
+use rayon::prelude::*;
 use shared::effect::Effect;
 use shared::parameters::{Parameters, base};
 
@@ -147,8 +148,8 @@ fn with_band(on: &Problem, none: &Fitted, tolerance: Tolerance) -> Option<Fitted
 
 /// The best that the most promising bands lead to, judged from one model.
 fn around(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Option<Fitted> {
-    let found = promising(on, from).into_iter().map(|pair| tried(on, from, pair, tolerance));
-    let best = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+    let found: Vec<Fitted> = promising(on, from).into_par_iter().map(|pair| tried(on, from, pair, tolerance)).collect();
+    let best = found.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     Some(near(on, &best, tolerance))
 }
 
@@ -198,10 +199,23 @@ fn little(problem: &Problem, tolerance: Tolerance, cost: f64) -> f64 {
     problem.noise_rad().powi(2).max(tolerance.least_share_of_excess * excess)
 }
 
+/// What the cost of a model could fall to with a velocity band, rad², by first-order answers alone; infinite where
+/// the swings stay too large for one.
+pub fn lowest_with_band(on: &Problem, from: &Fitted) -> f64 {
+    if !may_have_a_band(on) {
+        return f64::INFINITY;
+    }
+    costs_from(on, from, &grid(from)).into_iter().filter(|cost| cost.is_finite()).fold(f64::INFINITY, f64::min)
+}
+
+fn grid(from: &Fitted) -> Vec<Stiction> {
+    let gravity_nm = from.parameters.pendulum.gravity_torque_nm();
+    bands(from).flat_map(|band| levels(band, gravity_nm)).collect()
+}
+
 /// The best level for each band, the most promising bands first.
 fn promising(on: &Problem, from: &Fitted) -> Vec<Stiction> {
-    let gravity_nm = from.parameters.pendulum.gravity_torque_nm();
-    let grid: Vec<Stiction> = bands(from).flat_map(|band| levels(band, gravity_nm)).collect();
+    let grid = grid(from);
     let costs = costs_from(on, from, &grid);
     let of_band = |row: usize| lowest(&costs[row * LEVELS.len()..][..LEVELS.len()]).map(|k| row * LEVELS.len() + k);
     let mut rows: Vec<usize> = (0..BANDS.len()).filter_map(of_band).collect();
