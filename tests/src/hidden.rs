@@ -30,7 +30,7 @@ const STIFFEST_BRISTLE_RAD: f64 = 1.5e-3;
 /// Recorded after the pendulum came to rest, s.
 const REST_S: f64 = 1.0;
 
-/// No recording is longer, s.
+/// No recording of a usual rig is longer, s.
 const LONGEST_S: f64 = 70.0;
 
 /// Uniform and normal numbers from a seed (SplitMix64, polar Gauss).
@@ -126,6 +126,8 @@ pub struct Rig {
     pub noise_rad: f64,
     /// Samples a second.
     pub rate_hz: f64,
+    /// No recording is longer, s.
+    pub longest_s: f64,
     /// Release angles, rad.
     pub releases_rad: Vec<f64>,
     /// For noise and the moments of release.
@@ -211,8 +213,29 @@ impl Rig {
             hidden: Vec::new(),
             noise_rad: LSB_RAD * random.log_between(0.5, 2.0),
             rate_hz: random.pick(&[200.0, 250.0, 400.0, 500.0, 1000.0]),
+            longest_s: LONGEST_S,
             releases_rad: (0..n_releases).map(|k| side * other(k, &mut random)).collect(),
             seed,
+        }
+    }
+
+    /// A random rig with a light bearing, as ball bearings have, and nothing hidden: it swings for a minute and more. Let go
+    /// once or twice, and watched for a while at a lower rate; often it still swings in the end.
+    pub fn light(seed: u64) -> Self {
+        let (rig, mut random) = (Self::random(seed), Random::new(seed ^ 0x11947));
+        let coulomb_nm = random.log_between(3e-5, 4e-4);
+        let mut releases_rad = rig.releases_rad;
+        releases_rad.truncate(random.pick(&[1, 1, 2]));
+        releases_rad[0] *= random.between(0.7, 1.8);
+        Self {
+            coulomb_nm,
+            stiction_nm: coulomb_nm * random.between(1.05, 1.6),
+            viscous: random.log_between(1e-5, 2e-4),
+            velocity_band: random.pick(&[0.0, 0.02, 0.06]),
+            rate_hz: random.pick(&[50.0, 100.0, 200.0]),
+            longest_s: random.pick(&[60.0, 120.0, 240.0]),
+            releases_rad,
+            ..rig
         }
     }
 
@@ -281,7 +304,7 @@ impl Rig {
         let (mut plant, mut sensor) = (Plant::release(self, angle_rad), Sensor::held(self, angle_rad));
         let mut angles_rad = Vec::new();
         let (mut time_s, mut rest_s) = (-release_s, 0.0);
-        while rest_s < REST_S && time_s < LONGEST_S {
+        while rest_s < REST_S && time_s < self.longest_s {
             angles_rad.push(sensor.read(self.noise_rad, &mut random));
             let next_s = angles_rad.len() as f64 / self.rate_hz / self.clock - release_s;
             follow(&mut plant, &mut sensor, time_s.max(0.0), next_s);

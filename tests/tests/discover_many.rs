@@ -8,13 +8,29 @@ use host::diagnose::diagnose;
 use shared::effect::Effect;
 use std::time::Instant;
 use tests::hidden::{Random, Rig};
-use tests::verdicts::{Outcome, check_in_full, check_within_chance};
+use tests::verdicts::{NAMED_FIRST, Outcome, check_in_full, check_within_chance};
 
 /// So many noises a base model leaves without the one effect that is hidden …
 const ONE_LEAVES: [f64; 4] = [1.5, 2.2, 3.0, 5.0];
 
 /// … and without each of two.
 const EACH_OF_TWO_LEAVES: [f64; 2] = [2.5, 4.0];
+
+/// So many noises a base model leaves on a light bearing without the one effect that is hidden; 0: nothing is hidden.
+const LIGHT_LEAVES: [f64; 4] = [0.0, 3.0, 6.0, 15.0];
+
+/// Effects that one or two releases of a light pendulum show. The others look like the zero of the sensor, or like a law of
+/// the amplitude.
+const LIGHT: [&str; 8] = [
+    "quadratic-drag",
+    "torsional-spring",
+    "presliding",
+    "backlash",
+    "sensor-nonlinearity",
+    "sensor-gain",
+    "sensor-lag",
+    "angle-offset",
+];
 
 /// What is no missing effect: nothing, a velocity band, a wrong clock, air's lift, a wrong mass.
 const INNOCENT: [&str; 8] = ["none", "none", "band", "band", "band", "clock", "buoyancy", "mass"];
@@ -92,6 +108,17 @@ fn two(round: u64, place: usize) -> Case {
     Case { label: format!("two-{a}+{b}-{round}"), make: Box::new(make) }
 }
 
+/// The same on a light bearing, and in one of four rounds nothing hidden.
+fn light(round: u64, name: &'static str) -> Case {
+    let seed = 1000 * round + 500 + seed_of(name);
+    let ratio = LIGHT_LEAVES[(round + seed_of(name)) as usize % LIGHT_LEAVES.len()];
+    let make = move || match ratio {
+        0.0 => Rig::light(seed),
+        _ => Rig::light(seed).with(name).scaled_to(ratio).0,
+    };
+    Case { label: format!("light-{name}-{round}"), make: Box::new(make) }
+}
+
 fn effects() -> Vec<&'static str> {
     Effect::<f64>::ALL.iter().filter(|effect| !effect.is_base()).map(|effect| effect.name).collect()
 }
@@ -131,11 +158,33 @@ fn forty_rigs() {
     check_within_chance(&outcomes);
 }
 
+/// Bearings so light that the pendulum swings for minutes.
+#[test]
+fn eight_light_rigs() {
+    let outcomes = LIGHT.map(|name| judged(&light(0, name), |rig| rig));
+    let wrong: Vec<&str> = outcomes.iter().filter(|rig| !rig.exact).map(|rig| rig.words.as_str()).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+#[ignore = "takes a quarter of an hour: tests/more discover-many"]
+fn many_light_rigs() {
+    let pick = std::env::var("PICK").unwrap_or_default();
+    let all = (0..number("ROUNDS", 8)).flat_map(|round| LIGHT.map(|name| light(round, name)));
+    let outcomes: Vec<Outcome> =
+        all.filter(|case| case.label.contains(&pick)).map(|case| judged(&case, |rig| rig)).collect();
+    let (n_all, n_exact) = (outcomes.len(), outcomes.iter().filter(|rig| rig.exact).count());
+    assert!(n_all > 0 && n_exact as f64 >= NAMED_FIRST * n_all as f64, "{n_exact} of {n_all}");
+}
+
+fn number(name: &str, usual: u64) -> u64 {
+    std::env::var(name).map_or(usual, |text| text.parse().unwrap())
+}
+
 #[test]
 #[ignore = "takes half an hour: tests/more discover-many"]
 fn many_rigs() {
     let pick = std::env::var("PICK").unwrap_or_default();
-    let number = |name: &str, usual: u64| std::env::var(name).map_or(usual, |text| text.parse().unwrap());
     let from = number("FROM", 0);
     let all = (from..from + number("ROUNDS", 8)).flat_map(cases);
     let is_wanted = |case: &Case| pick.is_empty() || pick.split(',').any(|part| case.label.contains(part));

@@ -24,6 +24,9 @@ const BANDS: [f64; 6] = [0.005, 0.012, 0.025, 0.04, 0.06, 0.09];
 /// Levels that are tried with them, as shares of m·g·l.
 const LEVELS: [f64; 12] = [0.002, 0.0028, 0.004, 0.0055, 0.0075, 0.0105, 0.0145, 0.02, 0.027, 0.036, 0.05, 0.07];
 
+/// Levels that are tried too where the bearing is so light that all of them lie below those, as multiples of Mc.
+const LIGHT_LEVELS: [f64; 5] = [0.7, 1.0, 1.4, 2.0, 2.8];
+
 /// A band is only sought when the error without one exceeds the noise by this share of the variance.
 const EXCESS_WORTH_A_BAND: f64 = 0.005;
 
@@ -49,7 +52,7 @@ const ANSWER_DAMPING: f64 = 1e-6;
 /// random rigs ends at 1.37 noises instead of 1.00.
 const REACHES: [f64; 3] = [1.0, 0.25, 0.06];
 
-/// A band matters where the pendulum comes this near to the largest angle at which stiction may hold it.
+/// A band matters most where the pendulum comes this near to the largest angle at which stiction may hold it.
 const NEAR_REST: f64 = 2.0;
 
 /// Do swings become so small that a band changes them?
@@ -65,16 +68,18 @@ pub(super) fn searched(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Fit
     let levels = stop_level::levels(&rough, from);
     let near = &levels[0];
     let none = || best_on(on, &levels, tolerance);
-    if !may_have_a_band(on) {
-        return none();
-    }
     let least_gain = GAIN_WORTH_A_BAND * on.noise_rad().powi(2);
     if near.cost > FAR_FROM_NOISE * rough.noise_cost() {
+        // Large swings show a band by their period alone, and by little: only where first-order answers promise it.
+        if !may_have_a_band(on) {
+            return none();
+        }
         let found = with_band(&rough, near, tolerance).filter(|found| near.cost - found.cost > least_gain);
         return found.map_or_else(none, |found| found.with_free_band(on, tolerance));
     }
     let none = none();
-    if none.cost < (1.0 + EXCESS_WORTH_A_BAND) * on.noise_cost() {
+    let seen = || may_have_a_band(on) || near.cost - lowest_of_bands(&rough, near) > least_gain;
+    if none.cost < (1.0 + EXCESS_WORTH_A_BAND) * on.noise_cost() || !seen() {
         return none;
     }
     let band = with_band(&rough, near, tolerance).map(|found| found.with_free_band(on, tolerance));
@@ -146,11 +151,15 @@ fn with_band(on: &Problem, none: &Fitted, tolerance: Tolerance) -> Option<Fitted
     Some(best)
 }
 
-/// The best that the most promising bands lead to, judged from one model.
+/// The best that the most promising bands lead to, judged from one model; light levels lead to a valley of their own.
 fn around(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Option<Fitted> {
-    let found: Vec<Fitted> = promising(on, from).into_par_iter().map(|pair| tried(on, from, pair, tolerance)).collect();
-    let best = found.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-    Some(near(on, &best, tolerance))
+    let cheapest = |found: Vec<Fitted>| found.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+    let best_of = |levels_nm: &Vec<f64>| {
+        let pairs = promising(on, from, levels_nm).into_par_iter();
+        let best = cheapest(pairs.map(|pair| tried(on, from, pair, tolerance)).collect())?;
+        Some(near(on, &best, tolerance))
+    };
+    cheapest(levels_nm(from).iter().filter_map(best_of).collect())
 }
 
 /// Descends first with a pair fixed, then with it free.
@@ -202,22 +211,25 @@ fn little(problem: &Problem, tolerance: Tolerance, cost: f64) -> f64 {
 /// What the cost of a model could fall to with a velocity band, rad², by first-order answers alone; infinite where
 /// the swings stay too large for one.
 pub fn lowest_with_band(on: &Problem, from: &Fitted) -> f64 {
-    if !may_have_a_band(on) {
-        return f64::INFINITY;
-    }
-    costs_from(on, from, &grid(from)).into_iter().filter(|cost| cost.is_finite()).fold(f64::INFINITY, f64::min)
+    if may_have_a_band(on) { lowest_of_bands(on, from) } else { f64::INFINITY }
 }
 
-fn grid(from: &Fitted) -> Vec<Stiction> {
-    let gravity_nm = from.parameters.pendulum.gravity_torque_nm();
-    bands(from).flat_map(|band| levels(band, gravity_nm)).collect()
+fn lowest_of_bands(on: &Problem, from: &Fitted) -> f64 {
+    let grid = grid(from, &levels_nm(from).concat());
+    costs_from(on, from, &grid).into_iter().filter(|cost| cost.is_finite()).fold(f64::INFINITY, f64::min)
+}
+
+fn grid(from: &Fitted, levels_nm: &[f64]) -> Vec<Stiction> {
+    let pairs = |band: f64| levels_nm.iter().map(move |level| Stiction { level_nm: *level, velocity_band: band });
+    bands(from).flat_map(pairs).collect()
 }
 
 /// The best level for each band, the most promising bands first.
-fn promising(on: &Problem, from: &Fitted) -> Vec<Stiction> {
-    let grid = grid(from);
+fn promising(on: &Problem, from: &Fitted, levels_nm: &[f64]) -> Vec<Stiction> {
+    let grid = grid(from, levels_nm);
     let costs = costs_from(on, from, &grid);
-    let of_band = |row: usize| lowest(&costs[row * LEVELS.len()..][..LEVELS.len()]).map(|k| row * LEVELS.len() + k);
+    let n_levels = levels_nm.len();
+    let of_band = |row: usize| lowest(&costs[row * n_levels..][..n_levels]).map(|k| row * n_levels + k);
     let mut rows: Vec<usize> = (0..BANDS.len()).filter_map(of_band).collect();
     rows.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
     rows.truncate(PROMISING);
@@ -229,17 +241,22 @@ fn bands(of: &Fitted) -> impl Iterator<Item = f64> {
     BANDS.into_iter().map(move |band| band / pace)
 }
 
-fn levels(band: f64, gravity_nm: f64) -> impl Iterator<Item = Stiction> {
-    LEVELS.iter().map(move |level| Stiction { level_nm: level * gravity_nm, velocity_band: band })
+/// The usual levels and, of a light bearing, those below them.
+fn levels_nm(of: &Fitted) -> Vec<Vec<f64>> {
+    let gravity_nm = of.parameters.pendulum.gravity_torque_nm();
+    let coulomb_nm = of.parameters.values(base::COULOMB).map_or(0.0, |values| values[0]);
+    let usual = LEVELS.map(|level| level * gravity_nm);
+    let light = LIGHT_LEVELS.map(|level| level * coulomb_nm);
+    let is_light = coulomb_nm > 0.0 && light[light.len() - 1] < usual[0];
+    if is_light { vec![usual.to_vec(), light.to_vec()] } else { vec![usual.to_vec()] }
 }
 
 /// The best pair by first-order answers alone, without any descent, beside the model's own: for response surfaces.
 pub(super) fn best_pair(on: &Problem, from: &Fitted) -> Stiction {
-    let gravity = from.parameters.pendulum.gravity_torque_nm();
     let free = from.with_stiction(Stiction::NONE).problem(on);
     let stops = stop_level::ranges(&free, &from.point());
     let without = stops.iter().map(|(low, high)| Stiction::level(0.5 * (low + high)));
-    let mut tried: Vec<Stiction> = without.chain(bands(from).flat_map(|band| levels(band, gravity))).collect();
+    let mut tried: Vec<Stiction> = without.chain(grid(from, &levels_nm(from)[0])).collect();
     tried.push(from.stiction());
     let mut best = tried[0];
     for _ in 0..MAX_ROUNDS {

@@ -6,14 +6,16 @@ use super::linear::Steps;
 use super::problem::{Point, Problem};
 use crate::swing::{Swing, Window, pace};
 
-/// The first windows of the usual pace, s; then follows all of the lively motion.
+/// The first windows of the usual pace, s; then each is twice the one before, up to all of the lively motion.
 const WINDOWS_S: [f64; 6] = [1.2, 2.5, 5.0, 10.0, 20.0, 40.0];
 
 /// The first windows of these swings, s.
 pub fn windows_s(swings: &[Swing]) -> impl Iterator<Item = f64> {
     let longest_s = swings.iter().map(Swing::duration_s).fold(0.0, f64::max);
     let pace = pace(swings);
-    WINDOWS_S.into_iter().map(move |seconds| pace * seconds).filter(move |seconds| *seconds < 0.8 * longest_s)
+    let longer = std::iter::successors(WINDOWS_S.last().map(|last| 2.0 * last), |seconds| Some(2.0 * seconds));
+    let windows = WINDOWS_S.into_iter().chain(longer).map(move |seconds| pace * seconds);
+    windows.take_while(move |seconds| *seconds < 0.8 * longest_s)
 }
 
 /// After the lively motion, these shares of the last swings: near rest, the angle depends on Ms and DV ever more
