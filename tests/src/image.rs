@@ -65,7 +65,10 @@ fn build(arguments: &[&str], keep_as: &str, program: &str) -> Result<PathBuf, St
     }
     let built = target_dir.join(TARGET).join(PROFILE).join(program);
     let kept = target_dir.join(TARGET).join(format!("{keep_as}.elf"));
-    std::fs::copy(&built, &kept).map_err(|error| format!("could not copy {}: {error}", built.display()))?;
+    // Moved into its place whole: another test may be reading the one that is there.
+    let fresh = kept.with_extension("fresh");
+    let moved = std::fs::copy(&built, &fresh).and_then(|_| std::fs::rename(&fresh, &kept));
+    moved.map_err(|error| format!("could not copy {}: {error}", built.display()))?;
     Ok(kept)
 }
 
