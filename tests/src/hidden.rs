@@ -219,8 +219,8 @@ impl Rig {
         }
     }
 
-    /// A random rig with a light bearing, as ball bearings have, and nothing hidden: it swings for a minute and more. Let go
-    /// once or twice, and watched for a while at a lower rate; often it still swings in the end.
+    /// A random rig with a light bearing, as ball bearings have, and nothing hidden: it swings for a minute and more. Let
+    /// go once or twice, and watched for a while at a lower rate; often it still swings in the end.
     pub fn light(seed: u64) -> Self {
         let (rig, mut random) = (Self::random(seed), Random::new(seed ^ 0x11947));
         let coulomb_nm = random.log_between(3e-5, 4e-4);

@@ -19,8 +19,8 @@ const EACH_OF_TWO_LEAVES: [f64; 2] = [2.5, 4.0];
 /// So many noises a base model leaves on a light bearing without the one effect that is hidden; 0: nothing is hidden.
 const LIGHT_LEAVES: [f64; 4] = [0.0, 3.0, 6.0, 15.0];
 
-/// Effects that one or two releases of a light pendulum show. The others look like the zero of the sensor, or like a law of
-/// the amplitude.
+/// Effects that one or two releases of a light pendulum show. The others look like the zero of the sensor, or like a law
+/// of the amplitude.
 const LIGHT: [&str; 8] = [
     "quadratic-drag",
     "torsional-spring",
@@ -167,7 +167,7 @@ fn eight_light_rigs() {
 }
 
 #[test]
-#[ignore = "takes a quarter of an hour: tests/more discover-many"]
+#[ignore = "takes minutes: tests/more discover-many"]
 fn many_light_rigs() {
     let pick = std::env::var("PICK").unwrap_or_default();
     let all = (0..number("ROUNDS", 8)).flat_map(|round| LIGHT.map(|name| light(round, name)));

@@ -21,8 +21,9 @@ const GENERALISATION_GAIN: f64 = 1.05;
 /// A prediction is large from this share of the best one on …
 const LARGE_PREDICTION: f64 = 0.7;
 
-/// … and comes true if the fit gains this share of it. With 0.7 the drag of a light pendulum that hangs at rest for 20 s in the
-/// end is lost: its fit keeps 0.73 at the stop level of the base model, and all at its own.
+/// … and comes true if the fit gains this share of it. With 0.7 the drag of a light pendulum that hangs at rest for 20 s
+/// in the end is lost: its fit keeps 0.73 at the stop level of the base model, and all at its own. Half of it: no stop
+/// level is sought again; nearer to 1: it is sought for most predictions, since a linear one is seldom kept whole.
 const KEPT_PREDICTION: f64 = 0.9;
 
 /// A model with one more effect, each of the promising ones in turn: first the best start of each, then the next best
@@ -112,8 +113,8 @@ fn needless_generalisations(predictions: &[Prediction]) -> Vec<u16> {
     predictions.iter().filter(is_needless).map(|prediction| prediction.effect.id).collect()
 }
 
-/// Begun anew with the first swings, if that is better: over many periods a step that changes the period leads into a side
-/// valley, or into one so narrow that a fit ends on the way.
+/// Begun anew with the first swings, if that is better: over many periods a step that changes the period leads into a
+/// side valley, or into one so narrow that a fit ends on the way.
 fn grown(on: &Problem, fitted: &Fitted) -> Fitted {
     fitted.clone().better(fitted.regrown(on).refined(on, Band::Held, Tolerance::ROUGH))
 }
