@@ -19,7 +19,6 @@ mod given;
 mod improve;
 mod init;
 mod interrupt;
-mod number;
 mod output;
 mod plan;
 mod port;

@@ -18,6 +18,7 @@ pub mod lanes;
 pub mod link;
 pub mod noise;
 mod now;
+mod number;
 pub mod operations;
 pub mod pace;
 pub mod paper;

@@ -14,8 +14,10 @@ mod words;
 
 pub use detector::Stage;
 pub use error::RecordError;
+pub use lead_in::Sample;
 pub use limits::Limits;
-pub use listen::{Listener, listen};
+pub use listen::{Listener, Listening, listen};
+pub use recorder::header;
 pub use words::{in_words, usable};
 
 use crate::files;
@@ -78,6 +80,8 @@ pub trait Watch {
     fn live(&mut self, live: &Live);
     /// Live points, if the plan asks for some.
     fn points(&mut self, _: &wire::Live) {}
+    /// What the rig sends, as it comes.
+    fn samples(&mut self, _: &wire::Samples) {}
 }
 
 /// Nobody watches.

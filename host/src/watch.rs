@@ -5,8 +5,10 @@
 //! pendulum rests, the other half on the looks before, less on each. A rig that looks by itself has the last word.
 
 mod by_rig;
+mod words;
 
-pub use by_rig::wait_for_look;
+pub use by_rig::{Asked, OwnLooks};
+pub use words::{disconnected, sentence};
 
 use crate::record::{Listener, Stage};
 use serde::Serialize;
@@ -27,7 +29,7 @@ const ERROR_A_SWING: f64 = 1e-3;
 const LOOK_EVERY_S: f64 = 4.0;
 
 /// One number of a suspect.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Value {
     /// The literature's symbol.
     pub name: &'static str,
@@ -40,7 +42,7 @@ pub struct Value {
 }
 
 /// An effect that may be missing.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Candidate {
     /// The effect.
     pub name: &'static str,
@@ -57,12 +59,13 @@ pub struct Candidate {
 }
 
 /// Who looked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Judge {
     /// The rig itself.
     Rig,
     /// This program, by what the rig sent.
+    #[default]
     Program,
 }
 
@@ -88,19 +91,11 @@ pub struct Look {
     pub judge: Judge,
 }
 
-/// The words for why nothing is named.
-pub fn in_words(reason: Reason) -> &'static str {
-    match reason {
-        Reason::TooFewSwings => "too few swings yet: let it go again, from a large angle",
-        Reason::NotThisPendulum => {
-            "with no friction and inertia does the rig's model follow these swings: check mass, length and calibration"
-        }
-        Reason::WrongNumbers => "numbers are wrong, no physics is missing: fit the model and push it",
-        Reason::FrictionAboutRest => {
-            "friction about rest is not as the model has it, which may look like other effects: fit the model and push it"
-        }
-        Reason::Unexplained => "more than noise is left, but no effect explains it on every part of the swings",
-        Reason::NothingMissing => "nothing is missing: the model follows to the noise",
+impl Look {
+    /// Is it not physics that is missing, but a fit of the numbers?
+    pub fn asks_for_a_fit(&self) -> bool {
+        let reasons = [Reason::WrongNumbers, Reason::FrictionAboutRest].map(words::of_reason);
+        self.reason.is_some_and(|reason| reasons.contains(&reason))
     }
 }
 
@@ -159,6 +154,14 @@ impl<'a> Watcher<'a> {
         (self.tell)(Event::Looked(&look));
         self.last = Some(look.clone());
         look
+    }
+
+    /// From now on the rig has this model; releases that are there are looked at with it at once, as a rig does it.
+    pub fn takes_over(&mut self, parameters: Parameters<f64>) {
+        self.parameters = parameters;
+        if !self.releases.is_empty() {
+            self.rests();
+        }
     }
 
     /// Says that the rig's own look is waited for.
@@ -230,7 +233,7 @@ fn said(findings: &Findings<f64>, swings: usize) -> Look {
     Look {
         named: findings.named().take(1).map(|suspect| suspect.effect.name).collect(),
         candidates: findings.suspects.iter().map(|suspect| candidate(suspect, findings.n_clusters)).collect(),
-        reason: findings.reason.map(in_words),
+        reason: findings.reason.map(words::of_reason),
         swings,
         noise_rad: findings.noise_rad,
         excess: findings.excess,

@@ -100,6 +100,12 @@ impl Browser {
         std::fs::write(pictures().join(format!("{name}.png")), png).expect("written");
     }
 
+    /// A picture of an element.
+    pub async fn picture_of(&self, selector: &str) -> Vec<u8> {
+        let element = self.client.find(Locator::Css(selector)).await.expect(selector);
+        element.screenshot().await.expect("a picture")
+    }
+
     /// Sets the window's size, pixels.
     pub async fn resize(&self, width: u32, height: u32) {
         self.client.set_window_size(width, height).await.expect("a size");

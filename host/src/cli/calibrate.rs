@@ -1,12 +1,12 @@
 //! `host calibrate`: from codes to angles, measured instead of taken from the data sheet.
 
-use super::number::significant;
 use super::table::table;
 use super::values::positive;
 use super::{output, port, rig};
 use crate::calibrate::{CalibrationError, HoldError, Known, Line, check_gain, gain_of_swings, hold, line};
 use crate::error::Failure;
 use crate::link::Session;
+use crate::number::significant;
 use crate::operations::sensor;
 use crate::recording::segment::SegmentOptions;
 use crate::recording::{self, ReadOptions, sensor_name};

@@ -1,12 +1,12 @@
 //! A comparison as text for the terminal: the verdict first, then recordings, parameters and limits.
 
-use super::number::with_spread;
 use super::table::{table, wrapped};
 use crate::compare::Comparison;
 use crate::compare::knowledge::Known;
 use crate::compare::pictures::short_name;
 use crate::compare::recording::Judged;
 use crate::compare::verdict::in_mrad;
+use crate::number::with_spread;
 
 pub(super) fn text(comparison: &Comparison) -> String {
     let mut parts = Vec::new();

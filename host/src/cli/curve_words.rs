@@ -1,9 +1,9 @@
 //! A friction curve in words: what it leaves, where it is known, on which parts it holds, which law it resembles.
 
-use super::number::with_spread;
 use super::table::wrapped;
 use crate::diagnose::curve::Contradiction;
 use crate::diagnose::{Diagnosis, FrictionCurve};
+use crate::number::with_spread;
 use crate::verdict::Left;
 use shared::effect::Effect;
 

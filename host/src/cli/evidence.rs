@@ -1,11 +1,11 @@
 //! A diagnosis in words and tables: what is missing, how sure that is, and what it gains.
 
 use super::curve_words;
-use super::number::with_spread;
 use super::table::wrapped;
 use crate::diagnose::{Candidate, Diagnosis, Holding, NotTried, Standing, Step, Suggestion, Value};
 use crate::fit::identify::Carries;
 use crate::formula::effect_of;
+use crate::number::with_spread;
 use crate::plot::staircase::Tread;
 use crate::verdict::Left;
 use shared::effect::Effect;

@@ -1,10 +1,10 @@
 //! Finding the model for a command, and showing it.
 
-use super::number::with_spread;
 use super::output;
 use crate::error::Failure;
 use crate::files::are_one;
 use crate::link::Session;
+use crate::number::with_spread;
 use crate::operations::model::{Value, values};
 use crate::rigfile::{RigFile, Source, USUAL_NAME};
 use std::path::{Path, PathBuf};

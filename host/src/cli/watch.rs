@@ -1,12 +1,12 @@
 //! `host watch`: what is missing in the rig's model, said while the pendulum swings.
 
-use super::number::{significant, with_spread};
 use super::record::Patience;
 use super::{interrupt, output, port};
 use crate::error::Failure;
-use crate::operations::watch::watch;
+use crate::number::significant;
+use crate::operations::watch::{is_simulated, watch};
 use crate::record::{Limits, Stage};
-use crate::watch::{Candidate, Event, Judge, Look};
+use crate::watch::{Candidate, Event, Look, sentence};
 use clap::Args;
 use std::io::Write;
 
@@ -15,9 +15,6 @@ const BAR: usize = 30;
 
 /// … and grows by one for so many powers of ten that chance would have to have on its side.
 const POWERS_A_LETTER: f64 = 0.5;
-
-/// From this share of the noise's squares on, more than noise is left.
-const MORE: f64 = 0.1;
 
 /// So many suspects are shown.
 const N_SHOWN: usize = 5;
@@ -52,7 +49,7 @@ word. Nothing on the rig is changed; `host diagnose` on recordings is the thorou
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut session = port::connect(&options.port)?;
     let limits = Limits { wait_s: options.patience.wait, limit_s: options.patience.limit };
-    let mut screen = Screen::default();
+    let mut screen = Screen { is_simulated: is_simulated(session.port()), ..Screen::default() };
     let mut tell = |event: Event| screen.show(&event);
     let last = interrupt::orderly(|stop| watch(&mut session, options.swings, limits, &mut tell, stop))?;
     if let Some(look) = last {
@@ -78,36 +75,6 @@ fn in_words(look: &Look) -> String {
     parts.join("\n\n")
 }
 
-fn sentence(look: &Look) -> String {
-    let Some(first) = look.candidates.first().filter(|_| !look.named.is_empty()) else {
-        let reason = look.reason.unwrap_or_default();
-        return format!("Nothing is named after {}: {reason}.", releases(look.swings));
-    };
-    let others: Vec<&str> = look.candidates.iter().skip(1).filter(|other| other.tied).map(|other| other.name).collect();
-    let tied = match others.as_slice() {
-        [] => String::new(),
-        names => format!(" These swings can't tell it from {}.", names.join(" or ")),
-    };
-    let more = if look.left.is_some_and(|left| left > MORE) { " More than noise is left with it." } else { "" };
-    let who = if look.judge == Judge::Rig { "The rig itself names what is missing" } else { "Missing" };
-    format!("{who}: {} ({}), after {}.{tied}{more}", first.name, numbers(first), releases(look.swings))
-}
-
-fn releases(n: usize) -> String {
-    if n == 1 { "one release".to_owned() } else { format!("{n} releases") }
-}
-
-fn numbers(candidate: &Candidate) -> String {
-    let number = |value: &crate::watch::Value| {
-        let unit = if value.unit == "1" { String::new() } else { format!(" {}", value.unit) };
-        match value.std {
-            Some(std) => format!("{} = {}{unit}", value.name, with_spread(value.value, Some(std))),
-            None => format!("{} about {}{unit}", value.name, significant(value.value, 2)),
-        }
-    };
-    candidate.values.iter().map(number).collect::<Vec<_>>().join(", ")
-}
-
 /// A bar of evidence for each of the likeliest effects.
 fn bars(look: &Look) -> Vec<String> {
     let bar = |candidate: &Candidate| {
@@ -127,8 +94,11 @@ fn bars(look: &Look) -> Vec<String> {
 /// What the person at the rig sees: on a terminal the bars grow in place, elsewhere changes are told.
 #[derive(Default)]
 struct Screen {
+    /// Does the pendulum let go by itself?
+    is_simulated: bool,
     n_lines: usize,
-    named: Vec<&'static str>,
+    /// What was named, or why nothing was, when it was last told.
+    told: Option<(Vec<&'static str>, Option<&'static str>)>,
 }
 
 impl Screen {
@@ -144,6 +114,7 @@ impl Screen {
         self.n_lines = 0;
         match stage {
             Stage::Settling => output::say("waiting until the pendulum is still …"),
+            Stage::Waiting if self.is_simulated => output::say("still: the simulated pendulum is lifted and let go"),
             Stage::Waiting => output::say("still: lift it, hold it, and let it go"),
             Stage::Swinging => output::say("released: watching until it rests (Ctrl-C ends earlier)"),
             Stage::AtRest => {}
@@ -158,9 +129,10 @@ impl Screen {
             let _ = write!(std::io::stderr(), "{up}{text}\x1b[J");
             self.n_lines = lines.len();
         }
-        if look.named != self.named {
+        let told = Some((look.named.clone(), look.reason));
+        if told != self.told {
             self.n_lines = 0;
-            self.named.clone_from(&look.named);
+            self.told = told;
             output::say(&sentence(look));
         }
     }

@@ -3,7 +3,7 @@
 use crate::error::Failure;
 use crate::link::{SIMULATED, Session};
 use crate::record::{End, Limits, listen};
-use crate::watch::{Event, Look, Watcher, wait_for_look};
+use crate::watch::{Event, Look, OwnLooks, Watcher, disconnected};
 use std::sync::atomic::AtomicBool;
 
 /// Simulated pendulums let go by themselves, at most so often.
@@ -22,17 +22,16 @@ pub fn watch(
 ) -> Result<Option<Look>, Failure> {
     let parameters = session.parameters()?.map(f64::from);
     let rate_hz = f64::from(session.settings()?.rate_hz);
-    let is_simulated = session.port().split(':').next() == Some(SIMULATED);
+    let is_simulated = is_simulated(session.port());
     let mut watcher = Watcher::new(parameters, rate_hz, tell);
     let mut last = None;
-    let mut n_looks = session.suspects()?.map(|said| said.n_looks);
+    let mut own_looks = OwnLooks::of(session)?;
     for _ in 0..n_swings.unwrap_or(if is_simulated { SIMULATED_SWINGS } else { 1 }) {
         let end = listen(session, limits, &mut watcher, stop)?;
         let mut look = watcher.rests();
-        if let (Some(n_before), End::AtRest | End::TimeLimit) = (n_looks, &end) {
+        if own_looks.are_made() && matches!(end, End::AtRest | End::TimeLimit) {
             watcher.waits_for_rig();
-            look = wait_for_look(session, n_before)?.unwrap_or(look);
-            n_looks = session.suspects()?.map(|said| said.n_looks);
+            look = own_looks.wait(session)?.unwrap_or(look);
         }
         let look = last.insert(look);
         let is_enough = n_swings.is_none() && !look.named.is_empty();
@@ -43,16 +42,17 @@ pub fn watch(
     Ok(last)
 }
 
+/// Does the pendulum behind this port let go by itself?
+pub fn is_simulated(port: &str) -> bool {
+    port.split(':').next() == Some(SIMULATED)
+}
+
 /// Was this the last swing that can be watched?
 fn is_last(end: &End) -> Result<bool, Failure> {
     match end {
         End::AtRest | End::TimeLimit => Ok(false),
         End::Stopped => Ok(true),
         End::Lost(error) => Err(Failure::failed(error).next(error.next_step())),
-        End::Disconnected { code, sensor } => Err(Failure::failed(format!(
-            "the {} reads code {code}, an end of its range: nothing is said of this swing",
-            sensor.name()
-        ))
-        .next(format!("{}; release from a smaller angle if it left its track", sensor.wires()))),
+        End::Disconnected { code, sensor } => Err(disconnected(*code, sensor)),
     }
 }

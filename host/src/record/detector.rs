@@ -4,6 +4,7 @@
 //! neighbours, which a swing hardly changes. A release shows as two passages through the lowest point from well
 //! outside: a hand that lifts the pendulum does not do that.
 
+use serde::Serialize;
 use std::collections::VecDeque;
 
 /// Stillness is judged over this time.
@@ -28,7 +29,8 @@ const LONGEST_HALF_SWING_S: f64 = 3.0;
 const RELEASE_PASSAGES: u32 = 2;
 
 /// How far a recording has got.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Stage {
     /// Waiting for the pendulum to be still.
     Settling,

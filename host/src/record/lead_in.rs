@@ -4,10 +4,13 @@ use std::collections::VecDeque;
 
 /// One reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sample {
-    pub(super) number: u64,
-    pub(super) angle_rad: f64,
-    pub(super) code: u16,
+pub struct Sample {
+    /// Samples since the rig was switched on.
+    pub number: u64,
+    /// Measured angle, rad.
+    pub angle_rad: f64,
+    /// The sensor's code.
+    pub code: u16,
 }
 
 /// The oldest sample makes room for the newest, unless all are to be kept.

@@ -1,11 +1,11 @@
 //! Listening to one swing without keeping a file: the same stillness, release and rest as of a recording, each reading
-//! told to a listener.
+//! told to a listener. [`listen`] owns the session meanwhile; who has other use for it gives a [`Listening`] its samples.
 
 use super::detector::{Detector, Stage};
-use super::lead_in::{LeadIn, Sample};
+use super::lead_in::LeadIn;
 use super::limits::{Limits, disconnected};
 use super::recorder::{LEAD_IN_S, LOOK_EVERY, SILENCE};
-use super::{End, RecordError};
+use super::{End, RecordError, Sample};
 use crate::link::{LinkError, Session, patient};
 use shared::sensor::Reader;
 use shared::units::{Code, Radian};
@@ -18,20 +18,23 @@ pub trait Listener {
     fn stage(&mut self, stage: Stage);
     /// A reading of the swing in rad, from shortly before the release on.
     fn reading(&mut self, angle_rad: f64);
+    /// The same, for whoever keeps what came.
+    fn sample(&mut self, sample: Sample) {
+        self.reading(sample.angle_rad);
+    }
     /// Readings are missing between the last one and the next.
     fn gap(&mut self);
     /// All readings that have come so far were told.
     fn pause(&mut self);
 }
 
-/// One swing while it goes on.
-struct Swing<'a> {
+/// One swing while it goes on, from whatever brings the samples.
+pub struct Listening {
     settings: Settings,
     reader: Reader,
     limits: Limits,
     detector: Detector,
     lead_in: LeadIn,
-    listener: &'a mut dyn Listener,
     next_number: Option<u64>,
     n_in_stage: u64,
     n_disconnected: u32,
@@ -49,24 +52,18 @@ pub fn listen(
 ) -> Result<End, RecordError> {
     let settings = session.settings()?;
     session.start(Stream { raw: true, live_every: 0 })?;
-    let rate_hz = f64::from(settings.rate_hz);
-    let step_rad = f64::from(settings.sensor.step_rad());
     listener.stage(Stage::Settling);
-    let mut swing = Swing {
-        reader: Reader::new(settings.sensor),
-        settings,
-        limits,
-        detector: Detector::new(rate_hz, step_rad),
-        lead_in: LeadIn::new((LEAD_IN_S * rate_hz) as usize),
-        listener,
-        next_number: None,
-        n_in_stage: 0,
-        n_disconnected: 0,
-    };
+    let mut swing = Swing { listening: Listening::new(settings, limits), listener };
     let end = swing.run(session, stop);
     // The link may be what broke, and then it can't be told to stop either.
     let _ = session.stop();
     end
+}
+
+/// One swing of a rig.
+struct Swing<'a> {
+    listening: Listening,
+    listener: &'a mut dyn Listener,
 }
 
 impl Swing<'_> {
@@ -79,14 +76,12 @@ impl Swing<'_> {
             let port = session.port().to_owned();
             match session.receive(LOOK_EVERY) {
                 Err(error) => return self.ended_early(End::Lost(error)),
-                Ok(Some(Frame::Samples(samples)))
-                    if self.next_number.is_some_and(|next| samples.first_sample < next) =>
-                {
+                Ok(Some(Frame::Samples(samples))) if self.listening.is_begun_anew(&samples) => {
                     return self.ended_early(End::Lost(LinkError::Restarted { port }));
                 }
                 Ok(Some(Frame::Samples(samples))) => {
                     heard = session.elapsed();
-                    if let Some(end) = self.take(&samples)? {
+                    if let Some(end) = self.listening.take(&samples, self.listener)? {
                         return Ok(end);
                     }
                     self.listener.pause();
@@ -100,50 +95,77 @@ impl Swing<'_> {
     }
 
     fn ended_early(&self, end: End) -> Result<End, RecordError> {
-        match (self.detector.stage(), end) {
+        match (self.listening.detector.stage(), end) {
             (Stage::Swinging | Stage::AtRest, end) => Ok(end),
             (_, End::Lost(error)) => Err(error.into()),
             _ => Err(RecordError::StoppedEarly),
         }
     }
+}
 
-    fn take(&mut self, samples: &Samples) -> Result<Option<End>, RecordError> {
+impl Listening {
+    /// To a rig with these settings.
+    pub fn new(settings: Settings, limits: Limits) -> Self {
+        let rate_hz = f64::from(settings.rate_hz);
+        let step_rad = f64::from(settings.sensor.step_rad());
+        Self {
+            reader: Reader::new(settings.sensor),
+            settings,
+            limits,
+            detector: Detector::new(rate_hz, step_rad),
+            lead_in: LeadIn::new((LEAD_IN_S * rate_hz) as usize),
+            next_number: None,
+            n_in_stage: 0,
+            n_disconnected: 0,
+        }
+    }
+
+    /// Do these samples come from before the last ones? Then the rig was started anew.
+    pub fn is_begun_anew(&self, samples: &Samples) -> bool {
+        self.next_number.is_some_and(|next| samples.first_sample < next)
+    }
+
+    /// Takes what came. Has the swing ended with it?
+    ///
+    /// # Errors
+    /// Whatever comes before a release.
+    pub fn take(&mut self, samples: &Samples, listener: &mut dyn Listener) -> Result<Option<End>, RecordError> {
         if self.next_number.is_some_and(|next| samples.first_sample > next) && self.detector.stage() == Stage::Swinging
         {
-            self.listener.gap();
+            listener.gap();
         }
         for (offset, code) in samples.codes.iter().enumerate() {
             let number = samples.first_sample.saturating_add(offset as u64);
             self.next_number = Some(number.saturating_add(1));
-            if let Some(end) = self.take_sample(number, *code)? {
+            if let Some(end) = self.take_sample(number, *code, listener)? {
                 return Ok(Some(end));
             }
         }
         Ok(None)
     }
 
-    fn take_sample(&mut self, number: u64, code: u16) -> Result<Option<End>, RecordError> {
+    fn take_sample(&mut self, number: u64, code: u16, listener: &mut dyn Listener) -> Result<Option<End>, RecordError> {
         let Some(Radian(angle_rad)) = self.reader.read(Code(code)) else { return self.pass_over(code) };
         let sample = Sample { number, angle_rad: f64::from(angle_rad), code };
         if std::mem::take(&mut self.n_disconnected) > 0 && self.detector.stage() == Stage::Swinging {
-            self.listener.gap();
+            listener.gap();
         }
         self.n_in_stage += 1;
         if let Some(stage) = self.detector.push(sample.angle_rad) {
-            self.enter(stage);
+            self.enter(stage, listener);
         }
         match self.detector.stage() {
             Stage::Settling | Stage::Waiting => self.lead_in.push(sample, self.detector.n_passages() > 0),
-            Stage::Swinging | Stage::AtRest => self.listener.reading(sample.angle_rad),
+            Stage::Swinging | Stage::AtRest => listener.sample(sample),
         }
         self.patience()
     }
 
-    fn enter(&mut self, stage: Stage) {
+    fn enter(&mut self, stage: Stage, listener: &mut dyn Listener) {
         self.n_in_stage = 0;
-        self.listener.stage(stage);
+        listener.stage(stage);
         while let (Stage::Swinging, Some(sample)) = (stage, self.lead_in.pop()) {
-            self.listener.reading(sample.angle_rad);
+            listener.sample(sample);
         }
     }
 

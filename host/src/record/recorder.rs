@@ -47,7 +47,7 @@ impl<'a> Recorder<'a> {
         let step_rad = f64::from(settings.sensor.step_rad());
         Self {
             plan,
-            header: header(plan, &settings, firmware),
+            header: header(&settings, firmware, plan.started.clone()),
             reader: Reader::new(settings.sensor),
             settings,
             detector: Detector::new(rate_hz, step_rad),
@@ -83,6 +83,7 @@ impl<'a> Recorder<'a> {
                 }
                 Ok(Some(Frame::Samples(samples))) => {
                     heard = session.elapsed();
+                    watch.samples(&samples);
                     if let Some(end) = self.take(&samples, watch)? {
                         return Ok(end);
                     }
@@ -224,14 +225,15 @@ impl Drop for Recorder<'_> {
     }
 }
 
-fn header(plan: &Plan, settings: &Settings, firmware: &str) -> Header {
+/// What a file says of a recording that was begun at this date and time.
+pub fn header(settings: &Settings, firmware: &str, started: Option<String>) -> Header {
     Header {
         rate_hz: Some(f64::from(settings.rate_hz)),
         firmware: Some(firmware.to_owned()),
         sensor: sensor_name(&settings.sensor),
         calibration: Some(Calibration::of(&settings.sensor)),
         cutoff_hz: Some(f64::from(settings.cutoff_hz)),
-        started: plan.started.clone(),
+        started,
         ..Header::default()
     }
 }

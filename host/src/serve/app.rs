@@ -1,7 +1,9 @@
 //! What all requests share: settings, the state and its listeners, the queue of jobs, the rig's doorbell.
 
+use super::evidence::Evidence;
 use super::jobs::{Client, Jobs};
 use super::recordings::Loaded;
+use super::releases::Releases;
 use super::rig::Rig;
 use super::settings::{Settings, Stop};
 use super::state::{Named, Numbers, State};
@@ -21,6 +23,8 @@ pub(super) struct App {
     pub(super) rig: Rig,
     /// Live points as messages, for every tab that listens.
     pub(super) live: broadcast::Sender<Utf8Bytes>,
+    /// What the live view has listened to.
+    pub(super) releases: Mutex<Releases>,
     state: Mutex<State>,
     revision: watch::Sender<u64>,
 }
@@ -34,6 +38,7 @@ impl App {
             jobs: Jobs::new(),
             rig: Rig::new(),
             live: broadcast::Sender::new(LIVE_BACKLOG),
+            releases: Mutex::default(),
             state: Mutex::new(State::with(model)),
             revision: watch::Sender::new(1),
         })
@@ -49,6 +54,18 @@ impl App {
         let result = change(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner));
         self.tell();
         result
+    }
+
+    /// Changes what is shown of the evidence; tabs hear of it if it is news.
+    pub(super) fn show_evidence(&self, change: impl FnOnce(&mut Evidence)) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = state.evidence.clone();
+        change(&mut state.evidence);
+        let is_news = state.evidence != before;
+        drop(state);
+        if is_news {
+            self.tell();
+        }
     }
 
     /// Hears of changes.

@@ -12,6 +12,7 @@ use serde::Deserialize;
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::motion::Pendulum;
 use std::sync::Arc;
+use tokio::sync::oneshot;
 
 /// Longer formulas nobody reads.
 const LONGEST_FORMULA: usize = 400;
@@ -91,6 +92,29 @@ pub(super) fn effects(app: &App, changes: &Changes) -> Result<(), Failure> {
     let names = [changes.add.join(" and "), changes.remove.join(" and ")].concat();
     let name = if changes.remove.is_empty() { format!("adding {names}") } else { format!("removing {names}") };
     app.jobs.ask(&name, work::change_model(all))
+}
+
+/// What is to be changed by what the live view has listened to.
+#[derive(Deserialize)]
+pub(super) struct Suspect {
+    /// An effect to add; none to fit the numbers of the model that is there.
+    effect: Option<String>,
+}
+
+/// Fits the model, with a suspect in it, to the recordings and to what the live view has listened to; answers when that
+/// is done.
+pub(super) async fn suspect(app: &App, suspect: &Suspect) -> Result<(), Failure> {
+    let missing = |name: &str| Failure::wrong_use(format!("there is no effect called {name}")).next("reload the page");
+    let effect = suspect.effect.as_deref().map(|name| Effect::<f64>::by_name(name).ok_or_else(|| missing(name)));
+    let change = effect.transpose()?.map(Change::Add);
+    let (sender, receiver) = oneshot::channel();
+    let name = suspect.effect.as_ref().map_or("fitting".to_owned(), |name| format!("adding {name}"));
+    app.jobs.ask(&name, move |app, progress| {
+        let _ = sender.send(work::take_over(app, change, progress));
+        Ok(())
+    })?;
+    let ended = |_| Failure::failed("the fit ended unexpectedly").next("try it again");
+    receiver.await.map_err(ended)?
 }
 
 /// Adds a law that somebody typed.

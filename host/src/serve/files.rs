@@ -4,7 +4,7 @@ use crate::plot::web;
 use std::sync::OnceLock;
 
 /// Name, type and text of every file.
-const FILES: [(&str, &str, &str); 13] = [
+const FILES: [(&str, &str, &str); 14] = [
     ("", HTML, include_str!("page/index.html")),
     ("style.css", CSS, include_str!("page/style.css")),
     ("main.js", JS, include_str!("page/main.js")),
@@ -16,6 +16,7 @@ const FILES: [(&str, &str, &str); 13] = [
     ("compare.js", JS, include_str!("page/compare.js")),
     ("columns.js", JS, include_str!("page/columns.js")),
     ("discover.js", JS, include_str!("page/discover.js")),
+    ("evidence.js", JS, include_str!("page/evidence.js")),
     ("fit.js", JS, include_str!("page/fit.js")),
     ("rig.js", JS, include_str!("page/rig.js")),
 ];

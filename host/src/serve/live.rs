@@ -3,20 +3,24 @@
 mod points;
 mod rate;
 mod recorder;
+mod watching;
 
 use super::app::App;
+use super::evidence::Evidence;
 use super::rig::{RigView, Wish};
 use super::state::{Named, Numbers};
 use crate::error::Failure;
 use crate::link::{self, Session};
 use crate::rigfile::RigFile;
 use crate::sim::{Paced, Scenario};
+use crate::watch::{Asked, OwnLooks};
 use points::Points;
 use shared::wire::{Frame, Stream};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::Duration;
+use watching::Heard;
 
 /// Live points per second: more than a screen can show.
 const POINTS_PER_S: f32 = 200.0;
@@ -38,7 +42,19 @@ pub(super) fn begin(app: &Arc<App>) -> JoinHandle<()> {
     let (app, wishes) = (app.clone(), app.rig.wishes());
     std::thread::spawn(move || {
         if let Some(wishes) = wishes {
-            Owner { app: &app, session: None, wishes, points: Points::default(), is_leaving: false }.run();
+            let watching = watching::begin(&app);
+            let (points, own_looks) = (Points::default(), OwnLooks::default());
+            Owner {
+                app: &app,
+                session: None,
+                wishes,
+                points,
+                watching,
+                own_looks,
+                is_new_rig: true,
+                is_leaving: false,
+            }
+            .run();
         }
     })
 }
@@ -65,6 +81,11 @@ struct Owner<'a> {
     session: Option<Session>,
     wishes: Receiver<Wish>,
     points: Points,
+    /// Whoever looks at what the rig sends.
+    watching: Sender<Heard>,
+    own_looks: OwnLooks,
+    /// Was nothing listened to since it was connected?
+    is_new_rig: bool,
     is_leaving: bool,
 }
 
@@ -126,6 +147,7 @@ impl Owner<'_> {
         let firmware = session.firmware();
         let knows = session.knows_the_same_effects();
         self.take_model(&mut session)?;
+        self.meet(&mut session)?;
         self.session = Some(session);
         self.show(|rig| {
             rig.firmware = Some(firmware);
@@ -135,8 +157,21 @@ impl Owner<'_> {
         self.start()
     }
 
+    /// Shows what the rig found before it was connected.
+    fn meet(&mut self, session: &mut Session) -> Result<(), Failure> {
+        let (own_looks, last) = OwnLooks::with_last(session)?;
+        (self.own_looks, self.is_new_rig) = (own_looks, true);
+        self.app.show_evidence(|evidence| {
+            *evidence = Evidence::of_rig(own_looks.are_made());
+            evidence.is_rig_due = own_looks.are_made();
+            last.iter().for_each(|look| evidence.show(look));
+        });
+        Ok(())
+    }
+
     /// Without a model file the rig's own model is the one to begin with.
     fn take_model(&self, session: &mut Session) -> Result<(), Failure> {
+        self.app.change(|state| state.meet(session.port()));
         if self.app.read(|state| state.model.is_some()) {
             return Ok(());
         }
@@ -144,6 +179,7 @@ impl Owner<'_> {
         self.app.change(|state| {
             let origin = "reported by the rig".to_owned();
             state.model.get_or_insert(Named { file: model, origin, numbers: Numbers::Foreign });
+            state.model_port = Some(session.port().to_owned());
         });
         self.app.jobs.ask_for_a_look();
         Ok(())
@@ -154,7 +190,8 @@ impl Owner<'_> {
         let session = self.session()?;
         let settings = session.settings()?;
         let live_every = (settings.rate_hz / POINTS_PER_S).round().max(1.0) as u16;
-        session.start(Stream { raw: true, live_every })?;
+        self.is_watched(true)?;
+        self.session()?.start(Stream { raw: true, live_every })?;
         self.points = Points::new(settings.rate_hz);
         self.show(|rig| {
             rig.listening = true;
@@ -163,7 +200,27 @@ impl Owner<'_> {
         Ok(())
     }
 
+    /// The bank looks at the stream that begins now; keeps it, unless a recording does.
+    fn is_watched(&mut self, is_kept: bool) -> Result<(), Failure> {
+        let session = self.session()?;
+        let (settings, firmware) = (session.settings()?, session.firmware());
+        let parameters = match session.parameters() {
+            Ok(parameters) => parameters.map(f64::from),
+            // A model that this program can't run can be listened to all the same.
+            Err(error) => {
+                let failure = Failure::from(error);
+                self.app.show_evidence(|evidence| evidence.fails(&failure));
+                return Ok(());
+            }
+        };
+        let is_new_rig = std::mem::take(&mut self.is_new_rig);
+        let stream = watching::Stream { parameters, settings, firmware, is_new_rig, is_kept };
+        let _ = self.watching.send(Heard::Stream(Box::new(stream)));
+        Ok(())
+    }
+
     fn pause(&mut self) -> Result<(), Failure> {
+        let _ = self.watching.send(Heard::Silence);
         self.show(|rig| rig.listening = false);
         Ok(self.session()?.stop()?)
     }
@@ -191,10 +248,14 @@ impl Owner<'_> {
         match session.receive(LOOK_EVERY)? {
             Some(frame) => {
                 *heard = session.elapsed();
-                if let Frame::Live(live) = frame
-                    && let Some(message) = self.points.take(&live)
-                {
-                    let _ = self.app.live.send(message);
+                match frame {
+                    Frame::Live(live) => {
+                        if let Some(message) = self.points.take(&live) {
+                            let _ = self.app.live.send(message);
+                        }
+                    }
+                    Frame::Samples(samples) => drop(self.watching.send(Heard::Samples(samples))),
+                    _ => {}
                 }
             }
             None if session.elapsed() > *heard + link::patient(SILENCE) => {
@@ -205,6 +266,7 @@ impl Owner<'_> {
         if session.elapsed() >= *asked + ASK_EVERY {
             *asked = session.elapsed();
             self.count()?;
+            self.ask_for_look()?;
         }
         Ok(())
     }
@@ -226,18 +288,41 @@ impl Owner<'_> {
         Ok(())
     }
 
+    /// Asks the rig what it found, once it is due.
+    fn ask_for_look(&mut self) -> Result<(), Failure> {
+        if !self.app.read(|state| state.evidence.is_rig_due) {
+            return Ok(());
+        }
+        let session = self.session.as_mut().ok_or_else(|| Failure::failed("no rig is connected"))?;
+        match self.own_looks.ask(session)? {
+            Asked::Looking => {}
+            Asked::Nothing => self.app.show_evidence(|evidence| evidence.is_rig_due = false),
+            Asked::Looked(look) => self.app.show_evidence(|evidence| {
+                evidence.is_rig_due = false;
+                evidence.show(&look);
+            }),
+        }
+        Ok(())
+    }
+
     fn push(&mut self, model: &RigFile) -> Result<(), Failure> {
         let was_listening = self.is_listening();
         let session = self.session()?;
         session.push(model.parameters())?;
         let firmware = session.firmware();
         self.show(|rig| rig.note = Some(format!("saved in {firmware} and read back the same")));
+        // What was found is of the model before; the rig looks at its releases anew.
+        self.app.show_evidence(|evidence| {
+            evidence.forget();
+            evidence.is_rig_due = evidence.rig_looks_by_itself;
+        });
         if was_listening { self.start() } else { Ok(()) }
     }
 
     /// The rig is gone, or says what cannot be gone on from.
     fn break_off(&mut self, failure: &Failure) {
         self.session = None;
+        let _ = self.watching.send(Heard::Silence);
         let told = (failure.what().to_owned(), failure.next_step().map(str::to_owned));
         self.show(|rig| {
             rig.listening = false;

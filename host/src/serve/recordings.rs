@@ -21,6 +21,9 @@ const MOST_SAMPLES: usize = 6_000_000;
 /// Names in the list are cut to so many characters.
 const LONGEST_NAME: usize = 80;
 
+/// What a release is called that the live view has listened to.
+const RELEASE: &str = "live.csv";
+
 /// Where the file lies: what was sent goes with the list, what is this computer's stays where it is.
 pub(super) enum Kept {
     Uploaded(NamedTempFile),
@@ -43,6 +46,8 @@ pub(super) struct Loaded {
     /// What people call it; never a path.
     pub(super) name: String,
     pub(super) held_out: bool,
+    /// The rig's, where this page listened to it.
+    pub(super) port: Option<String>,
     /// The file as it came.
     pub(super) kept: Arc<Kept>,
     pub(super) measurement: Measurement,
@@ -51,8 +56,9 @@ pub(super) struct Loaded {
 impl Loaded {
     /// The same recording, taking part or not.
     pub(super) fn with_held_out(&self, held_out: bool) -> Self {
-        let Self { id, name, kept, measurement, .. } = self;
-        Self { id: *id, name: name.clone(), held_out, kept: kept.clone(), measurement: measurement.clone() }
+        let Self { id, name, port, kept, measurement, .. } = self;
+        let (name, port, kept, measurement) = (name.clone(), port.clone(), kept.clone(), measurement.clone());
+        Self { id: *id, name, held_out, port, kept, measurement }
     }
 }
 
@@ -99,6 +105,11 @@ pub(super) fn of_upload(wish: &LoadingWish, file: NamedTempFile, settings: &Sett
     loaded(wish, Kept::Uploaded(file), settings)
 }
 
+/// Reads a release that the live view has listened to.
+pub(super) fn of_release(file: NamedTempFile, settings: &Settings) -> Result<Loaded, Failure> {
+    loaded(&LoadingWish::named(RELEASE), Kept::Uploaded(file), settings)
+}
+
 /// Reads a file as it was wished; `name` is what messages call it.
 pub(super) fn read_as(wish: &LoadingWish, path: &Path, settings: &Settings) -> Result<Recording, Failure> {
     let options = wish.options(settings)?;
@@ -113,7 +124,7 @@ fn loaded(wish: &LoadingWish, kept: Kept, settings: &Settings) -> Result<Loaded,
     let measurement = Measurement::from_recording(&name, &recording, &settings.segment).map_err(|error| {
         Failure::failed(format!("{name}: {error}")).next("record again and let the pendulum swing freely")
     })?;
-    Ok(Loaded { id: 0, name, held_out: false, kept: Arc::new(kept), measurement })
+    Ok(Loaded { id: 0, name, held_out: false, port: None, kept: Arc::new(kept), measurement })
 }
 
 /// The last part of a path, printable and not too long.

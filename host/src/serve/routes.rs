@@ -59,6 +59,7 @@ pub(super) fn router(app: &Arc<App>, access: Access) -> Router {
         .route("/api/rig/pause", post(pause))
         .route("/api/rig/record", post(record))
         .route("/api/rig/stop-recording", post(stop_recording))
+        .route("/api/rig/suspect", post(suspect))
         .route("/api/rig/values", get(rig_values))
         .route("/api/rig/push", post(push))
         .route("/download/rig.toml", get(downloads::model))
@@ -230,6 +231,11 @@ async fn record(State(app): Shared) -> Done {
 
 async fn stop_recording(State(app): Shared) -> Done {
     app.rig.stop_recording.store(true, Ordering::SeqCst);
+    DONE
+}
+
+async fn suspect(State(app): Shared, Sent(suspect): Sent<edit::Suspect>) -> Done {
+    edit::suspect(&app, &suspect).await?;
     DONE
 }
 

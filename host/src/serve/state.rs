@@ -1,5 +1,6 @@
 //! What all tabs see: one model, its recordings, what was found, and the rig.
 
+use super::evidence::Evidence;
 use super::recordings::{self, Loaded};
 use super::rig::RigView;
 use crate::compare::Comparison;
@@ -20,6 +21,8 @@ const MOST_UNDOS: usize = 50;
 #[derive(Default)]
 pub(super) struct State {
     pub(super) model: Option<Named>,
+    /// Of the rig whose model this was at first, if it was one's.
+    pub(super) model_port: Option<String>,
     pub(super) recordings: Vec<Arc<Loaded>>,
     /// The model beside each recording, by the recording's id.
     pub(super) runs: HashMap<u32, Arc<Followed>>,
@@ -32,6 +35,7 @@ pub(super) struct State {
     pub(super) history: Vec<Snapshot>,
     pub(super) failure: Option<Failure>,
     pub(super) rig: RigView,
+    pub(super) evidence: Evidence,
     /// Counts changes of what is drawn.
     pub(super) drawing: u64,
     next_id: u32,
@@ -89,6 +93,22 @@ impl State {
         let next = "it may have been taken out in another tab";
         let missing = || Failure::wrong_use(format!("there is no recording {id}")).next(next);
         self.recordings.iter().position(|recording| recording.id == id).ok_or_else(missing)
+    }
+
+    /// Another rig is connected: what was listened to before is of another pendulum, and so is a model that was a rig's.
+    pub(super) fn meet(&mut self, port: &str) {
+        let is_here = |of: &Option<String>| of.as_deref().is_none_or(|of| of == port);
+        if is_here(&self.model_port) && self.recordings.iter().all(|recording| is_here(&recording.port)) {
+            return;
+        }
+        self.remember();
+        if !is_here(&self.model_port) {
+            (self.model, self.model_port) = (None, None);
+        }
+        self.recordings.retain(|recording| is_here(&recording.port));
+        self.runs.clear();
+        self.comparison = None;
+        self.data_changed();
     }
 
     /// Takes a recording in; what was seen before is looked at anew.

@@ -1,6 +1,7 @@
 //! The state as the page sees it: small, and the same for every tab. Curves are asked for apart.
 
 use super::app::App;
+use super::evidence::Evidence;
 use super::live::ports;
 use super::rig::RigView;
 use super::simulate::{Slider, sliders, sliders_of};
@@ -32,6 +33,7 @@ pub(super) struct View {
     fit: Option<FitView>,
     failure: Option<FailureView>,
     rig: RigView,
+    evidence: Evidence,
     ports: Vec<String>,
     drawing: u64,
 }
@@ -102,6 +104,7 @@ pub(super) fn view(app: &App) -> View {
         fit: fit(state),
         failure: state.failure.as_ref().map(FailureView::from),
         rig: state.rig.clone(),
+        evidence: state.evidence.clone(),
         ports: ports(app.settings.port.as_deref()),
         drawing: state.drawing,
     })

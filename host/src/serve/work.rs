@@ -20,8 +20,8 @@ use rayon::prelude::*;
 use shared::parameters::Parameters;
 use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, PoisonError};
 
 /// What a job needs of the state, taken once at its beginning.
 struct Data {
@@ -259,10 +259,48 @@ fn change_once(app: &Arc<App>, data: &Data, change: Change, progress: &Progress)
     Ok(())
 }
 
+/// Fits the model, changed or as it is, to what the live view has listened to and all other recordings.
+pub(super) fn take_over(app: &Arc<App>, change: Option<Change>, progress: &Progress) -> Result<(), Failure> {
+    take_releases_in(app)?;
+    match change {
+        Some(change) => change_model(vec![change])(app, progress),
+        None => refit(app, progress),
+    }
+}
+
+/// The releases that the live view has listened to come into the list; those that can't be fitted to do not, unless
+/// there is nothing else.
+fn take_releases_in(app: &Arc<App>) -> Result<(), Failure> {
+    let releases = app.releases.lock().unwrap_or_else(PoisonError::into_inner).hand_over();
+    let port = app.read(|state| state.rig.port.clone());
+    let mut fault = None;
+    for release in releases {
+        let taken = release.file().and_then(|file| recordings::of_release(file, &app.settings));
+        match taken {
+            Ok(loaded) => drop(app.change(|state| state.add(Loaded { port: port.clone(), ..loaded }))?),
+            Err(failure) => fault = Some(failure),
+        }
+    }
+    let is_empty = app.read(|state| state.recordings.is_empty());
+    fault.filter(|_| is_empty).map_or(Ok(()), Err)
+}
+
+fn refit(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
+    let data = Data::of(app)?;
+    data.check()?;
+    app.change(State::remember);
+    first_fit(app, data, progress)?;
+    app.jobs.ask_for_a_look();
+    Ok(())
+}
+
 /// Another model.
 pub(super) fn set_model(app: &App, model: RigFile, origin: &str, numbers: Numbers) {
     app.change(|state| {
         state.remember();
+        if numbers == Numbers::Foreign {
+            state.model_port = None;
+        }
         state.model = Some(Named { file: model, origin: origin.to_owned(), numbers });
         state.data_changed();
         forget_comparison(state);

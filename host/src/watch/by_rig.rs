@@ -1,6 +1,7 @@
 //! What the rig itself found: its answer as a look, once it has looked.
 
-use super::{Candidate, Judge, Look, Value, in_words};
+use super::words::of_reason;
+use super::{Candidate, Judge, Look, Value};
 use crate::link::{LinkError, Session, patient};
 use shared::bank::chance::upper_tail;
 use shared::effect::{Effect, Parameter};
@@ -13,23 +14,78 @@ const PATIENCE: Duration = Duration::from_secs(180);
 /// Between two questions.
 const ASK_EVERY: Duration = Duration::from_millis(200);
 
-/// Waits until the rig has looked more often than `n_before`. `None` if it does not: its firmware is older, or what it
-/// saw was no release.
-///
-/// # Errors
-/// As [`Session::ask`].
-pub fn wait_for_look(session: &mut Session, n_before: u32) -> Result<Option<Look>, LinkError> {
-    let give_up = session.elapsed() + patient(PATIENCE);
-    while let Some(said) = session.suspects()? {
-        if said.n_looks > n_before {
-            return Ok(Some(look_of(&said)));
-        }
-        if !said.is_looking || session.elapsed() > give_up {
-            break;
-        }
-        session.receive(ASK_EVERY)?;
+/// The looks that a rig makes by itself.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OwnLooks {
+    /// How many there were when it was last asked; none if it does not look.
+    n_known: Option<u32>,
+}
+
+/// What a rig says when it is asked whether it has looked.
+#[derive(Debug)]
+pub enum Asked {
+    /// Not yet: it looks, or is about to.
+    Looking,
+    /// It has.
+    Looked(Box<Look>),
+    /// It does not: its firmware is older, or what it saw was no release.
+    Nothing,
+}
+
+impl OwnLooks {
+    /// Those of the rig behind a session, so far.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn of(session: &mut Session) -> Result<Self, LinkError> {
+        Ok(Self::with_last(session)?.0)
     }
-    Ok(None)
+
+    /// The same, with what it found last, if it has looked at all.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn with_last(session: &mut Session) -> Result<(Self, Option<Look>), LinkError> {
+        let said = session.suspects()?;
+        let last = said.as_ref().filter(|said| said.n_looks > 0 && said.n_releases > 0).map(look_of);
+        Ok((Self { n_known: said.map(|said| said.n_looks) }, last))
+    }
+
+    /// Does the rig look by itself?
+    pub fn are_made(self) -> bool {
+        self.n_known.is_some()
+    }
+
+    /// Has it looked since it was last asked?
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn ask(&mut self, session: &mut Session) -> Result<Asked, LinkError> {
+        let Some(n_known) = self.n_known else { return Ok(Asked::Nothing) };
+        let Some(said) = session.suspects()? else { return Ok(Asked::Nothing) };
+        // What it has found while it goes on looking is of the releases before.
+        if said.is_looking {
+            return Ok(Asked::Looking);
+        }
+        self.n_known = Some(said.n_looks);
+        Ok(if said.n_looks > n_known { Asked::Looked(Box::new(look_of(&said))) } else { Asked::Nothing })
+    }
+
+    /// Waits for the look that the last release is due.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn wait(&mut self, session: &mut Session) -> Result<Option<Look>, LinkError> {
+        let give_up = session.elapsed() + patient(PATIENCE);
+        loop {
+            match self.ask(session)? {
+                Asked::Looked(look) => return Ok(Some(*look)),
+                Asked::Looking if session.elapsed() < give_up => {}
+                Asked::Looking | Asked::Nothing => return Ok(None),
+            }
+            session.receive(ASK_EVERY)?;
+        }
+    }
 }
 
 /// The rig's answer as a look. Effects that this program does not know are left out.
@@ -38,7 +94,7 @@ fn look_of(said: &Suspects) -> Look {
     Look {
         named: candidates.iter().take(usize::from(said.names())).map(|first| first.name).collect(),
         candidates,
-        reason: said.reason.map(in_words),
+        reason: said.reason.map(of_reason),
         swings: usize::from(said.n_releases),
         noise_rad: f64::from(said.noise_rad),
         excess: said.excess.map(f64::from),
@@ -96,6 +152,6 @@ mod tests {
         let nonsense = look_of(&said(&[&Suspected { n_tested: 0, f: f32::NAN, ..known.clone() }], 0));
         assert_eq!(nonsense.candidates.len(), 1);
         assert!(look_of(&said(&[], 14)).named.is_empty());
-        assert_eq!(look_of(&Suspects::none()).reason, Some(in_words(shared::bank::findings::Reason::TooFewSwings)));
+        assert_eq!(look_of(&Suspects::none()).reason, Some(of_reason(shared::bank::findings::Reason::TooFewSwings)));
     }
 }

@@ -73,7 +73,7 @@ fn row(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Row {
 /// The parameters in one line.
 fn numbers(fit: &Fit) -> String {
     let number = |found: &crate::fit::identify::Identified| {
-        format!("{} = {} {}", found.symbol, crate::cli::number::significant(found.value, 4), found.unit)
+        format!("{} = {} {}", found.symbol, crate::number::significant(found.value, 4), found.unit)
     };
     fit.identified.iter().map(number).collect::<Vec<_>>().join(", ")
 }

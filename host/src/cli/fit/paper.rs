@@ -1,11 +1,11 @@
 //! `host fit --paper`: the paper's tables beside ours.
 
 use super::drawing;
-use crate::cli::number::{count, significant};
 use crate::cli::output;
 use crate::cli::table::{table, wrapped};
 use crate::error::Failure;
 use crate::fit::quality::Responses;
+use crate::number::{count, significant};
 use crate::paper::data::SYMBOLS;
 use crate::paper::designs::{DesignComparison, RSquared, RunComparison};
 use crate::paper::equations::{EquationComparison, TermComparison};

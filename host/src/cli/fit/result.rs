@@ -1,11 +1,11 @@
 //! The result of a fit: one object for programs, a screen of tables and sentences for a person.
 
 use super::Options;
-use crate::cli::number::{count, significant, with_spread};
 use crate::cli::table::{table, wrapped};
 use crate::cli::{evidence, output};
 use crate::fit::identify::{Fit, Identified, Verdict};
 use crate::fit::quality::Responses;
+use crate::number::{count, significant, with_spread};
 use crate::operations::fit::{After, Check, Outcome};
 use crate::operations::json::all_named;
 use crate::recording::Measured;

@@ -1,8 +1,8 @@
 //! What a study says, for a person and as JSON.
 
-use crate::cli::number::with_spread;
 use crate::cli::output;
 use crate::cli::table::{table, wrapped};
+use crate::number::with_spread;
 use crate::study::between::Between;
 use crate::study::database::Diagnosed;
 use crate::study::folder::Problem;

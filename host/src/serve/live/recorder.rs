@@ -1,21 +1,23 @@
 //! Recording from the page: the same stages as on the command line, while the live curves go on.
 
 use super::points::Points;
+use super::watching::Heard;
 use super::{Owner, POINTS_PER_S};
 use crate::error::Failure;
 use crate::now;
 use crate::record::{Live, Plan, Stage, Watch, in_words, record, unused_path, usable};
 use crate::recording::Existing;
 use crate::serve::app::App;
-use crate::serve::recordings;
+use crate::serve::recordings::{self, Loaded};
 use shared::wire;
 use std::sync::Arc;
+use std::sync::mpsc::Sender;
 
 /// Give up if the pendulum was not let go within so many seconds.
 const WAIT_S: f64 = 120.0;
 
 /// End the recording so many seconds after the release.
-const LIMIT_S: f64 = 300.0;
+pub(super) const LIMIT_S: f64 = 300.0;
 
 impl Owner<'_> {
     /// Records a swing into the folder the server was started in, and adds it to the list.
@@ -23,12 +25,14 @@ impl Owner<'_> {
         let app = self.app.clone();
         let path = unused_path(&app.settings.folder, "");
         let session = self.session()?;
-        let rate_hz = session.settings()?.rate_hz;
+        let (port, rate_hz) = (session.port().to_owned(), session.settings()?.rate_hz);
         let live_every = (rate_hz / POINTS_PER_S).round().max(1.0) as u16;
         let started = Some(now::iso());
         let plan =
             Plan { path: &path, existing: Existing::Keep, wait_s: WAIT_S, limit_s: LIMIT_S, started, live_every };
-        let mut watcher = Watcher { app: &app, points: Points::new(rate_hz) };
+        self.is_watched(false)?;
+        let mut watcher = Watcher { app: &app, points: Points::new(rate_hz), watching: self.watching.clone() };
+        let session = self.session()?;
         let result = record(session, &plan, &mut watcher, &app.rig.stop_recording);
         self.show(|rig| rig.recording = None);
         let note = match result {
@@ -38,7 +42,7 @@ impl Owner<'_> {
         match note.and_then(|note| Ok((note, recordings::of_file(&path, &app.settings)?))) {
             Ok((note, loaded)) => {
                 self.show(|rig| rig.note = Some(note));
-                app.take_in(loaded)?;
+                app.take_in(Loaded { port: Some(port), ..loaded })?;
             }
             Err(failure) => app.change(|state| state.failure = Some(failure)),
         }
@@ -50,6 +54,8 @@ impl Owner<'_> {
 struct Watcher<'a> {
     app: &'a Arc<App>,
     points: Points,
+    /// The bank looks at what is recorded, too.
+    watching: Sender<Heard>,
 }
 
 impl Watch for Watcher<'_> {
@@ -69,5 +75,9 @@ impl Watch for Watcher<'_> {
         if let Some(message) = self.points.take(live) {
             let _ = self.app.live.send(message);
         }
+    }
+
+    fn samples(&mut self, samples: &wire::Samples) {
+        let _ = self.watching.send(Heard::Samples(samples.clone()));
     }
 }

@@ -3,6 +3,7 @@
 import * as columns from './columns.js';
 import * as compare from './compare.js';
 import * as discover from './discover.js';
+import * as evidence from './evidence.js';
 import * as fit from './fit.js';
 import * as live from './live.js';
 import * as rig from './rig.js';
@@ -38,7 +39,7 @@ function hear(message) {
 
 let told = null;
 function show() {
-  for (const view of [compare, discover, fit, live, rig]) view.show(state);
+  for (const view of [compare, discover, evidence, fit, live, rig]) view.show(state);
   const failure = JSON.stringify(state.failure);
   if (state.failure && failure !== told) fail(state.failure.what, state.failure.next);
   if (!state.failure && told !== 'null' && told !== null) byId('failure').hidden = true;
@@ -122,6 +123,7 @@ async function begin() {
   const effects = await get('api/effects');
   compare.begin(done, effects);
   discover.begin(done, effects);
+  evidence.begin(done, effects);
   for (const view of [columns, fit, live, rig]) view.begin(done);
   beginUploads();
   byId('failure-close').addEventListener('click', () => { byId('failure').hidden = true; done(post('api/dismiss')); });

@@ -7,7 +7,7 @@ let done = () => {};
 
 export function begin(report) {
   done = report;
-  byId('push').addEventListener('click', () => done(open()));
+  byId('push').addEventListener('click', () => done(openPush()));
   byId('push-no').addEventListener('click', () => byId('push-dialog').close());
   byId('push-yes').addEventListener('click', () => {
     byId('push-dialog').close();
@@ -20,7 +20,8 @@ export function show(state) {
   byId('push').title = state.rig.firmware === null ? 'connect a rig on the live view first' : '';
 }
 
-async function open() {
+/** Asks whether the rig is to have this model, with the numbers of both. */
+export async function openPush() {
   const values = await get('api/rig/values');
   const cell = (value, changed) => element('td', changed ? { class: 'changed' } : {}, value === null ? 'absent' : number(value, 5));
   const differs = (one) => one.old === null || one.new === null || Math.abs(one.old - one.new) > 1e-6 * Math.abs(one.old);

@@ -7,7 +7,7 @@ const PLAIN_EXPONENTS: std::ops::RangeInclusive<i32> = -2..=3;
 const USUAL_DIGITS: i32 = 4;
 
 /// `(5.40041 ± 0.00032)e-4`: two digits of the standard deviation, and the value as far; `5.400e-4` without one.
-pub(super) fn with_spread(value: f64, std: Option<f64>) -> String {
+pub(crate) fn with_spread(value: f64, std: Option<f64>) -> String {
     let std = std.filter(|std| std.is_finite() && *std > 0.0);
     let size = value.abs().max(std.unwrap_or(0.0));
     if size == 0.0 || !size.is_finite() {
@@ -30,7 +30,7 @@ pub(super) fn with_spread(value: f64, std: Option<f64>) -> String {
 }
 
 /// `1.165e-4`, `0.0465`: so many significant digits.
-pub(super) fn significant(value: f64, n_digits: usize) -> String {
+pub(crate) fn significant(value: f64, n_digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
@@ -43,7 +43,7 @@ pub(super) fn significant(value: f64, n_digits: usize) -> String {
 }
 
 /// A count with its sign only where it is negative; halves and the like with two decimals.
-pub(super) fn count(value: f64) -> String {
+pub(crate) fn count(value: f64) -> String {
     // Adding zero takes the sign from a zero.
     let hundredths = (100.0 * value).round() / 100.0 + 0.0;
     if value == value.round() { format!("{hundredths:.0}") } else { format!("{hundredths:.2}") }
