@@ -178,8 +178,16 @@ impl<const N: usize> Real for Lanes<N> {
         self.zip(exponent, Real::powf)
     }
     fn row<const M: usize>(self, rows: &[[Self; M]]) -> [Self; M] {
-        let of_lane: [usize; N] =
-            array::from_fn(|lane| rows.partition_point(|row| row[0].0[lane] <= self.0[lane]).saturating_sub(1));
+        let reaches = |row: usize, lane: usize| rows[row][0].0[lane] <= self.0[lane];
+        let row_of = |lane: usize| rows.partition_point(|row| row[0].0[lane] <= self.0[lane]).saturating_sub(1);
+        // Lanes differ by little, so that the row of the first is mostly that of all.
+        let first = row_of(0);
+        let is_it =
+            |lane| (first == 0 || reaches(first, lane)) && (first + 1 == rows.len() || !reaches(first + 1, lane));
+        if (1..N).all(is_it) {
+            return rows[first];
+        }
+        let of_lane: [usize; N] = array::from_fn(row_of);
         array::from_fn(|i| Lanes(array::from_fn(|lane| rows[of_lane[lane]][i].0[lane])))
     }
 }
