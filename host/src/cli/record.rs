@@ -6,7 +6,7 @@ use crate::error::Failure;
 use crate::link::Session;
 use crate::now;
 use crate::operations::record::{Recorded, at_rate};
-use crate::record::{Live, Plan, Stage, Taken, Watch, in_words, record, usable};
+use crate::record::{Limits, Live, Plan, Stage, Taken, Watch, in_words, record, usable};
 use crate::recording::Existing;
 use clap::Args;
 use shared::rig::{HIGHEST_RATE_HZ, LOWEST_RATE_HZ};
@@ -44,10 +44,10 @@ pub(super) struct Options {
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct Patience {
     /// Give up if the pendulum was not let go within so many seconds
-    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value = "120")]
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value_t = Limits::USUAL.wait_s)]
     pub(super) wait: f64,
     /// End the recording so many seconds after the release
-    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value = "300")]
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value_t = Limits::USUAL.limit_s)]
     pub(super) limit: f64,
 }
 

@@ -17,6 +17,9 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// Unless somebody says otherwise.
+    pub const USUAL: Self = Self { wait_s: 120.0, limit_s: 300.0 };
+
     /// Ends what takes too long; `seconds` have passed in the detector's stage.
     pub(super) fn patience(&self, detector: &Detector, seconds: f64) -> Result<Option<End>, RecordError> {
         match detector.stage() {

@@ -1,5 +1,6 @@
 //! Listening to one swing without keeping a file: the same stillness, release and rest as of a recording, each reading
-//! told to a listener. [`listen`] owns the session meanwhile; who has other use for it gives a [`Listening`] its samples.
+//! told to a listener. [`listen`] owns the session meanwhile; who has other use for it gives a [`Listening`] its
+//! samples.
 
 use super::detector::{Detector, Stage};
 use super::lead_in::LeadIn;

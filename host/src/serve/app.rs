@@ -24,7 +24,7 @@ pub(super) struct App {
     /// Live points as messages, for every tab that listens.
     pub(super) live: broadcast::Sender<Utf8Bytes>,
     /// What the live view has listened to.
-    pub(super) releases: Mutex<Releases>,
+    releases: Mutex<Releases>,
     state: Mutex<State>,
     revision: watch::Sender<u64>,
 }
@@ -66,6 +66,11 @@ impl App {
         if is_news {
             self.tell();
         }
+    }
+
+    /// Looks at what the live view has listened to, or changes it.
+    pub(super) fn with_releases<T>(&self, change: impl FnOnce(&mut Releases) -> T) -> T {
+        change(&mut self.releases.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Hears of changes.

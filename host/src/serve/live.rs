@@ -11,6 +11,7 @@ use super::rig::{RigView, Wish};
 use super::state::{Named, Numbers};
 use crate::error::Failure;
 use crate::link::{self, Session};
+use crate::operations::watch::is_simulated;
 use crate::rigfile::RigFile;
 use crate::sim::{Paced, Scenario};
 use crate::watch::{Asked, OwnLooks};
@@ -137,7 +138,7 @@ impl Owner<'_> {
 
     fn connect(&mut self, port: &str) -> Result<(), Failure> {
         self.session = None;
-        let simulated = port == link::SIMULATED || port.starts_with("sim:");
+        let simulated = is_simulated(port);
         self.show(|rig| *rig = RigView { port: Some(port.to_owned()), simulated, ..RigView::default() });
         let mut opened = link::open(port)?;
         if simulated {
@@ -209,6 +210,7 @@ impl Owner<'_> {
             // A model that this program can't run can be listened to all the same.
             Err(error) => {
                 let failure = Failure::from(error);
+                let _ = self.watching.send(Heard::Silence);
                 self.app.show_evidence(|evidence| evidence.fails(&failure));
                 return Ok(());
             }

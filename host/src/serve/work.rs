@@ -3,6 +3,7 @@
 use super::app::App;
 use super::jobs::Progress;
 use super::recordings::{self, Loaded};
+use super::releases::Releases;
 use super::state::{Named, Numbers, State};
 use crate::compare::follow::{Followed, follow};
 use crate::compare::measurement::Measurement;
@@ -20,8 +21,8 @@ use rayon::prelude::*;
 use shared::parameters::Parameters;
 use std::collections::HashMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, PoisonError};
 
 /// What a job needs of the state, taken once at its beginning.
 struct Data {
@@ -271,7 +272,7 @@ pub(super) fn take_over(app: &Arc<App>, change: Option<Change>, progress: &Progr
 /// The releases that the live view has listened to come into the list; those that can't be fitted to do not, unless
 /// there is nothing else.
 fn take_releases_in(app: &Arc<App>) -> Result<(), Failure> {
-    let releases = app.releases.lock().unwrap_or_else(PoisonError::into_inner).hand_over();
+    let releases = app.with_releases(Releases::hand_over);
     let port = app.read(|state| state.rig.port.clone());
     let mut fault = None;
     for release in releases {

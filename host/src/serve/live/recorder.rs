@@ -5,19 +5,13 @@ use super::watching::Heard;
 use super::{Owner, POINTS_PER_S};
 use crate::error::Failure;
 use crate::now;
-use crate::record::{Live, Plan, Stage, Watch, in_words, record, unused_path, usable};
+use crate::record::{Limits, Live, Plan, Stage, Watch, in_words, record, unused_path, usable};
 use crate::recording::Existing;
 use crate::serve::app::App;
 use crate::serve::recordings::{self, Loaded};
 use shared::wire;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
-
-/// Give up if the pendulum was not let go within so many seconds.
-const WAIT_S: f64 = 120.0;
-
-/// End the recording so many seconds after the release.
-pub(super) const LIMIT_S: f64 = 300.0;
 
 impl Owner<'_> {
     /// Records a swing into the folder the server was started in, and adds it to the list.
@@ -28,8 +22,8 @@ impl Owner<'_> {
         let (port, rate_hz) = (session.port().to_owned(), session.settings()?.rate_hz);
         let live_every = (rate_hz / POINTS_PER_S).round().max(1.0) as u16;
         let started = Some(now::iso());
-        let plan =
-            Plan { path: &path, existing: Existing::Keep, wait_s: WAIT_S, limit_s: LIMIT_S, started, live_every };
+        let Limits { wait_s, limit_s } = Limits::USUAL;
+        let plan = Plan { path: &path, existing: Existing::Keep, wait_s, limit_s, started, live_every };
         self.is_watched(false)?;
         let mut watcher = Watcher { app: &app, points: Points::new(rate_hz), watching: self.watching.clone() };
         let session = self.session()?;

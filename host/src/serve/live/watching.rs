@@ -9,11 +9,11 @@ use crate::serve::releases::Releases;
 use crate::watch::{Event, Watcher, disconnected};
 use shared::parameters::Parameters;
 use shared::wire::{Samples, Settings};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::sync::{Arc, PoisonError};
 
 /// Nobody has to let a pendulum go; but a swing ends after so many seconds, as a recording does.
-const LIMITS: Limits = Limits { wait_s: f64::INFINITY, limit_s: super::recorder::LIMIT_S };
+const LIMITS: Limits = Limits { wait_s: f64::INFINITY, ..Limits::USUAL };
 
 /// What the thread hears.
 pub(super) enum Heard {
@@ -62,7 +62,7 @@ fn watch_rig(app: &App, stream: Stream, heard: &Receiver<Heard>) -> Option<Heard
         }
     };
     let watcher = Watcher::new(stream.parameters.clone(), f64::from(stream.settings.rate_hz), &mut tell);
-    app.releases.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    app.with_releases(Releases::clear);
     let listening = Listening::new(stream.settings, LIMITS);
     let mut watching = Watching { app, stream, watcher, listening: Some(listening) };
     watching.stage(Stage::Settling);
@@ -160,11 +160,7 @@ impl Watching<'_> {
     }
 
     fn end(&self) {
-        self.with_releases(Releases::end);
-    }
-
-    fn with_releases(&self, change: impl FnOnce(&mut Releases)) {
-        change(&mut self.app.releases.lock().unwrap_or_else(PoisonError::into_inner));
+        self.app.with_releases(Releases::end);
     }
 }
 
@@ -172,7 +168,7 @@ impl Listener for Watching<'_> {
     fn stage(&mut self, stage: Stage) {
         if stage == Stage::Swinging && self.stream.is_kept {
             let header = header(&self.stream.settings, &self.stream.firmware, Some(now::iso()));
-            self.with_releases(|releases| releases.begin(header, f64::from(self.stream.settings.rate_hz)));
+            self.app.with_releases(|releases| releases.begin(header, f64::from(self.stream.settings.rate_hz)));
         }
         self.watcher.stage(stage);
         self.app.show_evidence(|evidence| evidence.goes_on(Some(stage)));
@@ -183,7 +179,7 @@ impl Listener for Watching<'_> {
     }
 
     fn sample(&mut self, sample: Sample) {
-        self.with_releases(|releases| releases.grow(sample));
+        self.app.with_releases(|releases| releases.grow(sample));
         self.reading(sample.angle_rad);
     }
 
