@@ -41,6 +41,8 @@ def arguments():
     parser.add_argument("image", help="an .elf of that board")
     parser.add_argument("--cpi", type=float, default=2, help="cycles an instruction takes")
     parser.add_argument("--worst-flash", action="store_true", help="the longest erase and program times")
+    parser.add_argument("--flash-beside", action="store_true", help="the processor runs on while the flash works")
+    parser.add_argument("--protect", type=int, nargs="*", default=[], help="sectors that must not be written to")
     parser.add_argument("--lsi-hz", type=int, default=32_000, help="the watchdog's oscillator, 17 to 47 kHz")
     parser.add_argument("--no-crystal", action="store_true", help="the crystal or the clock from outside is missing")
     parser.add_argument("--unique-id", type=bytes.fromhex, default=Settings.unique_id, help="96 bits, hexadecimal")
@@ -58,6 +60,8 @@ def build(options):
     settings = Settings(
         cpi=options.cpi,
         worst_flash=options.worst_flash,
+        flash_stops=not options.flash_beside,
+        protected=tuple(options.protect),
         lsi_hz=options.lsi_hz,
         crystal=not options.no_crystal,
         seed=options.seed,

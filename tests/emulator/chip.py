@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from elftools.elf.elffile import ELFFile
 
+import bootloader
 import dfuse
 import memory
 import system
@@ -20,7 +21,7 @@ from peripheral import Bus, Unmodelled
 from pins import ExternalInterrupts, Gpio, SystemConfiguration
 from rcc import Power, Rcc
 from timers import Timer
-from usart import Usart
+from usart import BAUD, Usart
 from usb_host import Host
 from wiper import Wiper
 
@@ -64,6 +65,10 @@ class Settings:
     lsi_hz: int = 32_000
     crystal: bool = True
     seed: int = 1
+    # The processor stands still while the flash works.
+    flash_stops: bool = True
+    # Sectors that the option bytes protect against writing.
+    protected: tuple = ()
     unique_id: bytes = UNIQUE_ID
 
 
@@ -168,7 +173,9 @@ class Chip:
         """As its `leave` does: it jumps to the program without a reset, its own memory still at address 0."""
         self._reset("software")
         self.syscfg.write_MEMRMP(1)
-        self.core.reset(self.flash_memory.word(memory.FLASH), self.flash_memory.word(memory.FLASH + 4))
+        bootloader.leave_behind(self)
+        stack, entry = (self.flash_memory.word(memory.FLASH + offset) for offset in (0, 4))
+        self.core.reset(stack, entry, masked=True)
 
     def request_reset(self, cause):
         """At the end of this instruction."""
@@ -219,12 +226,12 @@ class Chip:
         """Something worth knowing has happened."""
         self.on_event({"at_s": round(seconds(self.clock.now()), 6), "event": what, **facts})
 
-    def send(self, data):
+    def send(self, data, baud=BAUD):
         """The PC sends bytes over the board's link."""
         if self.host:
             self.host.send(data)
         else:
-            self.usart.receive(data, 921_600)
+            self.usart.receive(data, baud)
 
     def received(self):
         """What the PC got since it was asked last."""

@@ -1,6 +1,7 @@
 """What a test can do to a board, by name. Commands and replies are lines of JSON; docs/board-checks.md says what for."""
 
 from clock import TICKS_PER_S, seconds, ticks
+from usart import BAUD
 
 
 class Control:
@@ -23,11 +24,11 @@ class Control:
         """Virtual time."""
         return seconds(self._chip.clock.now())
 
-    def run(self, s, send=""):
+    def run(self, s, send="", baud=BAUD):
         """The PC sends these bytes (hexadecimal), time passes; gives what the PC got."""
         chip = self._chip
         if send:
-            chip.send(bytes.fromhex(send))
+            chip.send(bytes.fromhex(send), baud)
         chip.run(ticks(s))
         return {"received": chip.received().hex()}
 
@@ -48,7 +49,12 @@ class Control:
             "stopped": chip.has_stopped,
             "usb_configured": bool(chip.host and chip.host.configured),
             "serial": chip.host.serial if chip.host else None,
+            "usb_repeated": chip.host.n_repeated if chip.host else 0,
         }
+
+    def garble(self, error):
+        """A byte reaches the serial port with an error: "break", "framing", "noise" or "overrun"."""
+        self._chip.usart.garble(error)
 
     # Power, image, processor
 

@@ -170,13 +170,14 @@ class Core:
             self._hooked.add((address, action))
             self.uc.hook_add(constants.UC_HOOK_CODE, action, begin=address, end=address)
 
-    def reset(self, stack, entry):
-        """Starts at `entry`, as after a reset or as a bootloader jumps."""
+    def reset(self, stack, entry, masked=False):
+        """Starts at `entry`, as after a reset or as a bootloader jumps, which may have masked all interrupts."""
         for registers in (self._integer, self._float, self._rest):
             for i in range(len(registers.values)):
                 registers.values[i] = 0
         values = self._integer.values
         values[5], values[6], values[7], values[8] = 0xFFFF_FFFF, entry, THUMB, stack
+        self._rest.values[_REST.index("PRIMASK")] = int(masked)
         for registers in (self._rest, self._float, self._integer):
             registers.write()
         self.pc = entry | 1

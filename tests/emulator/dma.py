@@ -28,6 +28,8 @@ class Stream:
     def __init__(self, dma, number):
         self.dma, self.number = dma, number
         self.control = self.length = self.left = self.flags = 0
+        # Where in memory the next item goes, counted from the address that software gave.
+        self.at = 0
         # Called when the stream is enabled, and before its position is looked at.
         self.on_enabled = self.before_look = lambda: None
 
@@ -47,7 +49,7 @@ class Stream:
         ram = self.dma.chip.ram
         if not ram.address <= address < ram.address + ram.size:
             raise Unmodelled(f"{self.dma.NAME} cannot reach memory at {address:#010x} (RM0090 2.1)")
-        return address + (self.length - self.left) * self._size()
+        return address + self.at * self._size()
 
     def give(self, data):
         """Bytes from the peripheral to memory; those that find no room are lost."""
@@ -66,24 +68,25 @@ class Stream:
         return data
 
     def _moved(self, n):
-        before, self.left = self.left, self.left - n
+        before, self.left, self.at = self.left, self.left - n, self.at + n
         half = self.length // 2
         if before > half >= self.left:
             self.flags |= HALF
         if self.left == 0:
             self.flags |= COMPLETE
             if self.control & CIRCULAR:
-                self.left = self.length
+                self.left, self.at = self.length, 0
             else:
                 self.control &= ~ENABLE
         self.dma.interrupt(self)
 
     def write_control(self, value):
-        """To be enabled only from where it stands still (RM0090 10.3.17)."""
+        """Enabled anew, it begins with the first address again, and goes on counting from where it was (RM0090 10.3.14,
+        10.3.17)."""
         was = self.control
         self.control = value
         if value & ENABLE and not was & ENABLE:
-            self.left = self.length
+            self.at = 0
             self.on_enabled()
         elif was & ENABLE and not value & ENABLE:
             self.flags |= COMPLETE
@@ -109,7 +112,7 @@ class Dma(Peripheral):
     def reset(self):
         super().reset()
         for stream in self.streams:
-            stream.control = stream.length = stream.left = stream.flags = 0
+            stream.control = stream.length = stream.left = stream.at = stream.flags = 0
             self.interrupt(stream)
 
     @staticmethod

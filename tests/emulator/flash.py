@@ -1,6 +1,7 @@
 """The flash memory's interface. RM0090 3.9, RM0390 3.8; times: DS8626 table 40 and DS10693 table 46.
 
-An erase or a program stops every fetch of code; the interrupts wait, converter, timers and DMA go on.
+An erase or a program stops every fetch of code; the interrupts wait, converter, timers and DMA go on. A program that
+runs from RAM or from the instruction cache goes on, too, until it needs the flash: a setting.
 """
 
 import random
@@ -116,7 +117,7 @@ class Flash(Peripheral):
 
     def _interrupt(self):
         status, control = self.values["SR"], self.values["CR"]
-        asserted = status & EOP and control & EOPIE or status & ERRORS and control & ERRIE
+        asserted = status & EOP and control & EOPIE or status & OPERR and control & ERRIE
         self.chip.nvic.set_line(INTERRUPT, bool(asserted))
 
     # Erasing
@@ -129,6 +130,8 @@ class Flash(Peripheral):
         for first, last in self.chip.code:
             if start <= last and first < start + size_kb * KB:
                 raise Unmodelled(f"the firmware erased sector {number}, which holds its own code")
+        if self._refuses(start):
+            return
         self._check_supply(parallelism)
         took_ms = ERASE_MS[size_kb][parallelism][self.chip.settings.worst_flash]
         self.n_erases += 1
@@ -148,7 +151,20 @@ class Flash(Peripheral):
         end = self.clock.now() + n_ticks
         self._busy_with = (what, where)
         self._end = self.clock.at(end, self._finish)
-        self.chip.core.stall_until(end)
+        if self.chip.settings.flash_stops:
+            self.chip.core.stall_until(end)
+
+    def _refuses(self, address):
+        """Is it in a sector that the option bytes protect against writing (RM0090 3.7.4)?"""
+        number = max(number for number, (start, _) in enumerate(self.sectors) if start <= address)
+        refuses = number in self.chip.settings.protected
+        if refuses:
+            self._fails(WRPERR)
+        return refuses
+
+    def _fails(self, error):
+        """OPERR is set with any other error if it is to interrupt (RM0090 3.9.5)."""
+        self.values["SR"] |= error | (OPERR if self.values["CR"] & ERRIE else 0)
 
     def _finish(self):
         if not self._busy_with:
@@ -191,7 +207,9 @@ class Flash(Peripheral):
         elif address % size:
             error = PGAERR
         if error:
-            self.values["SR"] |= error
+            self._fails(error)
+            new = old
+        elif self._refuses(address):
             new = old
         else:
             self._check_supply(parallelism)

@@ -1,8 +1,8 @@
 """The USB core of the F405 as a full-speed device, down to its packets. RM0090 34.16 (registers), 34.17 (how to use them).
 
-What the manual leaves open, as drivers that work on chips show it: an OUT endpoint whose NAK is cleared receives,
-enabled anew or not; a SETUP packet ends what endpoint 0 was about to send; and an IN endpoint that was enabled stays
-so through a bus reset, with an empty FIFO once that is flushed, so that it never sends again.
+What the manual leaves open: an OUT endpoint whose NAK is cleared receives, enabled anew or not, as drivers that work
+on chips rely on; an IN endpoint that was enabled stays so through a bus reset and through a SETUP packet, with an empty
+FIFO once that is flushed, so that it never sends again until it has been disabled.
 """
 
 from peripheral import Peripheral, Unmodelled
@@ -18,6 +18,9 @@ RX_NOT_EMPTY, EARLY_SUSPEND, SUSPEND, BUS_RESET, ENUMERATED = 1 << 4, 1 << 10, 1
 IN_ENDPOINTS, OUT_ENDPOINTS, WAKE_UP = 1 << 18, 1 << 19, 1 << 31
 
 ACTIVE, NAKS, STALL, CLEAR_NAK, SET_NAK, DISABLE, ENABLE = (1 << bit for bit in (15, 17, 21, 26, 27, 30, 31))
+NEXT_IS_DATA1, SET_DATA0, SET_DATA1 = 1 << 16, 1 << 28, 1 << 29
+# In DOEPTSIZ0: SETUP packets that endpoint 0 can still take.
+SETUPS, SETUP_STEP = 3 << 29, 1 << 29
 TRANSFER_DONE, DISABLED, SETUP_FLAG, NAK_EFFECTIVE, FIFO_EMPTY = 1 << 0, 1 << 1, 1 << 3, 1 << 6, 1 << 7
 CONFIGURATION = 0x003C_87FF
 
@@ -34,6 +37,8 @@ class Endpoint:
     def __init__(self, number):
         self.number = number
         self.control = self.flags = self.size = 0
+        # Data packets alternate between DATA0 and DATA1 (USB 2.0, 8.6); here for all endpoints but 0.
+        self.data1 = False
         self.fifo = []
 
     def write_control(self, value):
@@ -46,6 +51,8 @@ class Endpoint:
         if value & CLEAR_NAK:
             self.control &= ~NAKS
             self.flags &= ~NAK_EFFECTIVE
+        if value & (SET_DATA0 | SET_DATA1):
+            self.data1 = bool(value & SET_DATA1)
         if value & ENABLE:
             self.control |= ENABLE
         if value & DISABLE and self.control & ENABLE:
@@ -54,7 +61,7 @@ class Endpoint:
 
     def read_control(self):
         """Endpoint 0 is always active."""
-        return self.control | (ACTIVE if self.number == 0 else 0)
+        return self.control | (ACTIVE if self.number == 0 else 0) | (NEXT_IS_DATA1 if self.data1 else 0)
 
     def is_active(self):
         """May the host use it?"""
@@ -263,7 +270,8 @@ class Otg(Peripheral):
         """A SETUP packet; it is always taken."""
         for endpoint in (self.inward[0], self.outward[0]):
             endpoint.control = endpoint.control & ~STALL | NAKS
-        self.inward[0].control &= ~ENABLE
+        if self.outward[0].size & SETUPS:
+            self.outward[0].size -= SETUP_STEP
         self._receive(0, SETUP_RECEIVED, packet, None)
 
         def done():
@@ -272,8 +280,9 @@ class Otg(Peripheral):
         self._receive(0, SETUP_DONE, b"", done)
         self._interrupt()
 
-    def out(self, number, packet):
-        """An OUT packet: "ack", "nak" or "stall"; None if nobody answers."""
+    def out(self, number, packet, data1=None):
+        """An OUT packet: "ack", "nak" or "stall"; None if nobody answers. A packet out of turn is taken for the one
+        before, come again, and forgotten."""
         endpoint = self.outward[number]
         if not endpoint.is_active():
             return None
@@ -282,6 +291,9 @@ class Otg(Peripheral):
         waiting = sum(len(words) + 1 for _, words, _ in self.received)
         if endpoint.control & NAKS or waiting + PACKET // 4 + 2 > self.values["GRXFSIZ"]:
             return "nak"
+        if number and data1 != endpoint.data1:
+            return "ack"
+        endpoint.data1 = not endpoint.data1
         endpoint.control |= NAKS
 
         def done():
@@ -297,7 +309,8 @@ class Otg(Peripheral):
         self.received.append((number | len(packet) << 4 | status << 17, words, after))
 
     def take(self, number):
-        """What the device sends for an IN token: bytes, "nak" or "stall"; None if nobody answers."""
+        """What the device sends for an IN token: bytes, "nak" or "stall"; None if nobody answers. `sent_data1`
+        says whether they were DATA1."""
         endpoint = self.inward[number]
         if not endpoint.is_active():
             return None
@@ -313,5 +326,7 @@ class Otg(Peripheral):
         endpoint.control &= ~ENABLE
         endpoint.size = 0
         endpoint.flags |= TRANSFER_DONE
+        self.sent_data1 = endpoint.data1
+        endpoint.data1 = not endpoint.data1
         self._interrupt()
         return packet

@@ -20,6 +20,9 @@ OVERDRIVE_READY_S = 40e-6
 # One wait state for each of these at 2.7 to 3.6 V (RM0090 3.5.1, RM0390 3.4.1).
 HZ_PER_WAIT_STATE = 30_000_000
 
+# Bits of RCC_CR.
+HSE_ON, BYPASSED = 1 << 16, 1 << 18
+
 # Flags of RCC_CSR.
 LSI_ON, LSI_READY, REMOVE_FLAGS = 1 << 0, 1 << 1, 1 << 24
 BROWN_OUT, PIN, POWER_ON = 1 << 25, 1 << 26, 1 << 27
@@ -110,10 +113,17 @@ class Rcc(Peripheral):
         ready = sum(1 << bit + 1 for bit, time in self._ready.items() if time <= now)
         return value & ~0x2A02_0002 | ready | (value & 1) << 1
 
+    def found_ready(self, *bits):
+        """These clocks were switched on a while ago."""
+        self._ready.update((bit, self.clock.now()) for bit in bits)
+
     def write_CR(self, value):
         was = self.values["CR"]
+        if was & HSE_ON:
+            # How the clock from outside is connected can be said only while that is off (RM0090 7.3.1).
+            value = value & ~BYPASSED | was & BYPASSED
         self.values["CR"] = value
-        bypassed = bool(value & 1 << 18)
+        bypassed = bool(value & BYPASSED)
         delays = {16: BYPASS_READY_S if bypassed else CRYSTAL_READY_S, 24: PLL_READY_S, 26: PLL_READY_S, 28: PLL_READY_S}
         for bit, delay_s in delays.items():
             if not value >> bit & 1:

@@ -25,6 +25,8 @@ ADDRESS = 7
 GET_DESCRIPTOR = (0x80, 6)
 SET_ADDRESS = (0x00, 5)
 SET_CONFIGURATION = (0x00, 9)
+SET_INTERFACE = (0x01, 11)
+CLEAR_HALT = (0x02, 1)
 SET_LINE_CODING = (0x21, 0x20)
 SET_LINE_STATE = (0x21, 0x22)
 DTR_RTS = 3
@@ -53,6 +55,9 @@ class Host:
         self._address = 0
         self.serial = None
         self.endpoints = {}
+        # Endpoints whose next packet is DATA1, by their addresses; a packet out of turn was sent before, and is dropped.
+        self._data1 = set()
+        self.n_repeated = 0
 
     # The cable
 
@@ -186,7 +191,17 @@ class Host:
                 yield TRANSACTION
             status = yield from self._data(lambda: self.otg.take(0), limit, what)
         yield TRANSACTION
-        return None if status == "stall" else came
+        if status == "stall":
+            return None
+        self._begin_with_data0(request, index)
+        return came
+
+    def _begin_with_data0(self, request, index):
+        """After these requests both sides count from DATA0 on (USB 2.0, 9.1.1.5, 9.4.5)."""
+        if request in (SET_CONFIGURATION, SET_INTERFACE):
+            self._data1.clear()
+        elif request == CLEAR_HALT:
+            self._data1.discard(index)
 
     def _expect(self, *request, **rest):
         came = yield from self._control(*request, **rest)
@@ -297,6 +312,13 @@ class Host:
             self._to_device.append(bytes(data[at : at + device.PACKET]))
         self.on_endpoint_changed()
 
+    def _came(self, address, packet):
+        if self.otg.sent_data1 == (address in self._data1):
+            self.output += packet
+            self._data1 ^= {address}
+        else:
+            self.n_repeated += 1
+
     def on_endpoint_changed(self):
         """Something may be ready to move."""
         if self.configured and self.awake and self.plugged and not self._bulk:
@@ -311,11 +333,13 @@ class Host:
         if self.is_open:
             packet = self.otg.take(self.endpoints["in"])
             if isinstance(packet, bytes):
-                self.output += packet
+                self._came(0x80 | self.endpoints["in"], packet)
                 moved = True
         if self._to_device:
-            answer = self.otg.out(self.endpoints["out"], self._to_device[0])
+            address = self.endpoints["out"]
+            answer = self.otg.out(address, self._to_device[0], address in self._data1)
             if answer == "ack":
+                self._data1 ^= {address}
                 self._to_device.popleft()
                 moved = True
         self._bulk_free_at = self.clock.now() + (TRANSACTION if moved else AGAIN)

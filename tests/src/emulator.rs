@@ -19,6 +19,9 @@ use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 
+/// Of the Nucleo's serial port.
+const BAUD: u32 = 921_600;
+
 /// What may be different from chip to chip.
 #[derive(Clone, Debug)]
 pub struct Chip {
@@ -28,6 +31,10 @@ pub struct Chip {
     pub cpi: f64,
     /// The longest erase and program times of the data sheet instead of the typical ones.
     pub worst_flash: bool,
+    /// The processor runs on while the flash works, as from its instruction cache.
+    pub flash_beside: bool,
+    /// Sectors that the option bytes protect against writing.
+    pub protected: &'static [u32],
     /// The watchdog's oscillator: 17 000 to 47 000 Hz.
     pub lsi_hz: u32,
     /// The crystal, or the Nucleo's clock from outside, is there.
@@ -47,6 +54,8 @@ impl Chip {
             board,
             cpi: 2.0,
             worst_flash: false,
+            flash_beside: false,
+            protected: &[],
             lsi_hz: 32_000,
             crystal: true,
             left_by_bootloader: false,
@@ -88,12 +97,18 @@ impl Process {
         command.arg("-B").arg(&folder).arg(name(chip.board)).arg(image(chip.board)?);
         command.args(["--cpi", &chip.cpi.to_string(), "--lsi-hz", &chip.lsi_hz.to_string()]);
         command.args(["--seed", &chip.seed.to_string()]).args(more);
+        if !chip.protected.is_empty() {
+            command.arg("--protect").args(chip.protected.iter().map(ToString::to_string));
+        }
         if let Some(id) = chip.unique_id {
             command.args(["--unique-id", &hex(&id)]);
         }
-        for (wanted, option) in
-            [(chip.worst_flash, "--worst-flash"), (!chip.crystal, "--no-crystal"), (chip.left_by_bootloader, "--leave")]
-        {
+        for (wanted, option) in [
+            (chip.worst_flash, "--worst-flash"),
+            (chip.flash_beside, "--flash-beside"),
+            (!chip.crystal, "--no-crystal"),
+            (chip.left_by_bootloader, "--leave"),
+        ] {
             command.args(wanted.then_some(option));
         }
         let mut child = command
@@ -211,7 +226,13 @@ impl Emulated {
     /// The PC sends bytes, and time passes.
     #[track_caller]
     pub fn run_and_send(&mut self, seconds: f64, bytes: &[u8]) {
-        let reply = self.obey("run", json!({ "s": seconds, "send": hex(bytes) }));
+        self.run_and_send_at(BAUD, seconds, bytes);
+    }
+
+    /// The PC sends bytes with another speed of its serial port, and time passes.
+    #[track_caller]
+    pub fn run_and_send_at(&mut self, baud: u32, seconds: f64, bytes: &[u8]) {
+        let reply = self.obey("run", json!({ "s": seconds, "send": hex(bytes), "baud": baud }));
         for byte in from_hex(reply["received"].as_str().unwrap_or_default()) {
             match self.deframer.push(byte) {
                 Some(Ok(frame)) => {

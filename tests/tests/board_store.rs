@@ -4,7 +4,7 @@
 
 use serde_json::json;
 use shared::parameters::Parameters;
-use shared::wire::{Answer, Command, StoreState};
+use shared::wire::{Answer, Command, Refusal, StoreState};
 use std::collections::BTreeSet;
 use tests::chance::Chance;
 use tests::emulator::{Chip, Emulated, stream};
@@ -206,4 +206,34 @@ fn a_supply_that_is_too_low_for_the_flash_refuses_the_save() {
     assert!(matches!(board.ask(Command::Save), Answer::Refused(_)));
     board.obey("supply", json!({ "mv": 3300 }));
     assert_eq!(board.ask(Command::Save), Answer::Done);
+}
+
+#[test]
+fn protected_sectors_refuse_the_save_and_the_rig_goes_on() {
+    for protected in [&[1, 2, 3][..], &[2]] {
+        let mut board = Emulated::new(&Chip { protected, ..Chip::of(Board::NucleoF446) });
+        fill_with_noise(&mut board, SECTORS[0], 3 * SECTOR, &mut Chance::new(9));
+        cut_power(&mut board);
+        board.stream(0);
+        (0..2).for_each(|_| assert_eq!(board.ask(Command::Save), Answer::Refused(Refusal::Flash), "{protected:?}"));
+        board.run(0.2);
+        let gaps = stream::check(&board.frames, 1e-3).unwrap();
+        assert!(gaps.n_samples > 150, "{gaps:?}");
+        assert_eq!(board.look("resets"), 0.0);
+    }
+}
+
+#[test]
+fn nothing_rests_on_the_processor_standing_still_while_the_flash_works() {
+    let mut board = Emulated::new(&Chip { flash_beside: true, ..Chip::of(Board::NucleoF446) });
+    fill_with_noise(&mut board, SECTORS[0], 3 * SECTOR, &mut Chance::new(5));
+    cut_power(&mut board);
+    board.stream(0);
+    let before = n_erases(&board);
+    save(&mut board, 2.5e-3);
+    board.run(0.1);
+    let gaps = stream::check(&board.frames, 1e-3).unwrap();
+    assert!(n_erases(&board) > before && gaps.n_missing == 0, "{gaps:?}");
+    cut_power(&mut board);
+    assert_eq!(kept(&mut board), parameters(2.5e-3));
 }

@@ -22,6 +22,9 @@ const N_REFUSED: usize = 100;
 /// After a fault samples come again within this time from when the PC can take them, s.
 const WITHIN_S: f64 = 1.0;
 
+/// A request that the board has to find by itself is found after 30 ms without an answer, s.
+const ANSWERED_S: f64 = 0.1;
+
 /// A PC enumerates within this time, s.
 const ENUMERATION_S: f64 = 2.0;
 
@@ -141,6 +144,61 @@ fn a_request_that_the_pc_gives_up_leaves_the_board_reachable() {
     });
 }
 
+/// Abandoned requests leave an answer that waits, or data that never come; the next request comes without a reset.
+#[test]
+fn a_request_in_place_of_an_answer_is_answered_soon() {
+    let mut board = streaming();
+    for request in ["8006000100001200", "8006000200004300", "80060203090440ff", "2120000000000700"] {
+        for steps in 0..5 {
+            board.obey("abandon", json!({ "setup": request, "steps": steps }));
+            board.run(0.005);
+            let device = json!({ "setup": "8006000100001200", "within": ANSWERED_S });
+            let answer = board.obey("request", device)["answer"].to_string();
+            assert!(answer.starts_with("\"1201"), "after {steps} steps of {request}: {answer}");
+            silence_s(&mut board, request);
+        }
+    }
+}
+
+/// As programs do that open the device by themselves, and virtual machines that take it over.
+#[test]
+fn sending_goes_on_after_the_configuration_was_chosen_again() {
+    let mut board = streaming();
+    let mut chance = Chance::new(8);
+    let [configuration, interface, clear_in, clear_out] =
+        ["0009010000000000", "010b000001000000", "0201000082000000", "0201000001000000"];
+    for (i, request) in [configuration, interface, clear_in, clear_out].into_iter().cycle().take(16).enumerate() {
+        board.run(chance.within(0.05..0.1));
+        // In every other round nobody reads, and a packet waits.
+        if i / 4 % 2 == 1 {
+            board.usb("close");
+            board.run(0.1);
+        }
+        assert_eq!(board.obey("request", json!({ "setup": request }))["answer"], "", "{request}");
+        board.usb("open");
+        silence_s(&mut board, &format!("{request} in round {}", i / 4));
+        // Neither side takes a first packet for one that it has.
+        assert_eq!(board.statistics().health.resets, 0);
+        assert_eq!(board.look("usb_repeated"), 0.0, "{request}");
+    }
+    for endpoint in [0x82, 0x01] {
+        let [halt, status, clear] = [
+            [0x02, 3, 0, 0, endpoint, 0, 0, 0],
+            [0x82, 0, 0, 0, endpoint, 0, 2, 0],
+            [0x02, 1, 0, 0, endpoint, 0, 0, 0],
+        ];
+        let mut ask = |setup: [u8; 8]| board.obey("request", json!({ "setup": hex(&setup) }))["answer"].clone();
+        assert_eq!((ask(halt), ask(status), ask(clear)), (json!(""), json!("0100"), json!("")));
+        silence_s(&mut board, "halted and not any more");
+        board.statistics();
+    }
+    assert_eq!(board.obey("request", json!({ "setup": "0009000000000000" }))["answer"], "");
+    board.run(0.2);
+    assert_eq!(board.obey("request", json!({ "setup": configuration }))["answer"], "");
+    silence_s(&mut board, "configured again");
+    assert_eq!(board.statistics().health.resets, 0);
+}
+
 #[test]
 fn a_request_to_an_endpoint_that_is_not_there_is_refused() {
     let mut board = streaming();
@@ -250,6 +308,32 @@ fn no_bytes_however_strange_silence_a_board() {
         assert!(statistics.bad_frames > 0);
         assert_eq!((statistics.health.resets, statistics.overruns), (0, 0));
     }
+}
+
+/// Breaks, noise, and a PC whose port has another speed.
+#[test]
+fn errors_on_the_nucleos_line_cost_the_bytes_that_they_hit() {
+    let mut board = Emulated::new(&Chip::of(Board::NucleoF446));
+    board.hello();
+    board.stream(0);
+    for error in ["break", "framing", "noise", "overrun"] {
+        for n in [1, 30] {
+            (0..n).for_each(|_| {
+                board.obey("garble", json!({ "error": error }));
+                board.run(2e-5);
+            });
+            // What ends the garbage.
+            board.run_and_send(0.0, &[0]);
+            board.statistics();
+        }
+    }
+    for baud in [9600, 115_200, 2_000_000] {
+        board.run_and_send_at(baud, 0.05, &[0x5a; 20]);
+        board.run_and_send(0.0, &[0]);
+        assert_eq!(board.statistics().health.resets, 0, "{baud}");
+    }
+    let gaps = stream::check(&board.frames, 1e-3).unwrap();
+    assert!(gaps.n_missing == 0 && board.n_bad == 0, "{gaps:?}");
 }
 
 /// Two rigs on one PC are told apart.

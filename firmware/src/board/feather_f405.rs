@@ -20,7 +20,7 @@ use embassy_stm32::peripherals::USB_OTG_FS;
 use embassy_stm32::rcc::{Hse, HseMode, PllPreDiv, PllQDiv, mux};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::usb::{self, Driver};
-use embassy_stm32::{Config, Peri, bind_interrupts, flash};
+use embassy_stm32::{Config, Peri, bind_interrupts};
 use embassy_usb::class::cdc_acm::{self, CdcAcmClass};
 use embassy_usb::{Builder, UsbDevice};
 use embedded_io_async::{ErrorType, Read, Write};
@@ -49,7 +49,6 @@ const HALF_A_BLINK: u32 = stm32::CLOCK_HZ / 20;
 
 bind_interrupts!(struct Irqs {
     OTG_FS => usb::InterruptHandler<USB_OTG_FS>;
-    FLASH => flash::InterruptHandler;
 });
 
 type Usb = Careful<Driver<'static, USB_OTG_FS>>;
@@ -87,7 +86,7 @@ pub fn start(spawner: Spawner) -> Board<Sampling, Receiver, Sender, Sectors, Chi
         sampler: Sampling::new(inputs, p.TIM3, p.TIM2),
         receiver,
         sender,
-        flash: Sectors::new(p.FLASH, Irqs),
+        flash: Sectors::new(p.FLASH),
         store: STORE,
         system: Chip::new(light),
     }

@@ -10,16 +10,16 @@
 //! | light | green, PA5: 2 Hz while an effect is named |
 //! | update | the ST-Link; the bootloader too, over USART1 or USB of the chip |
 
+use super::stm32::serial::{self, Receiver};
 use super::stm32::{self, Chip, Converter, Input, Inputs, Quadrature, STORE, Sampling, Sectors};
 use embassy_executor::Spawner;
 pub use embassy_stm32::pac;
-use embassy_stm32::peripherals::{DMA1_CH5, DMA1_CH6, USART2};
+use embassy_stm32::peripherals::{DMA1_CH6, USART2};
 use embassy_stm32::rcc::{Hse, HseMode, PllPreDiv};
 use embassy_stm32::time::Hertz;
-use embassy_stm32::usart::{self, RingBufferedUartRx, Uart, UartTx};
-use embassy_stm32::{Config, bind_interrupts, dma, flash, mode};
+use embassy_stm32::usart::{self, UartTx};
+use embassy_stm32::{Config, bind_interrupts, dma, mode};
 use firmware::ports::Board;
-use static_cell::StaticCell;
 
 const CLOCK_IN: Hertz = Hertz(8_000_000);
 const WIPER: Input = Input { channel: 0 };
@@ -30,17 +30,11 @@ const BAUD: u32 = 921_600;
 /// 22 bytes each.
 const MOST_POINTS_PER_S: f32 = 2000.0;
 
-/// Bytes received while nobody reads: several frames.
-const RECEIVED: usize = 1024;
-
 bind_interrupts!(struct Irqs {
-    USART2 => usart::InterruptHandler<USART2>;
-    DMA1_STREAM5 => dma::InterruptHandler<DMA1_CH5>;
+    USART2 => serial::Heard, usart::InterruptHandler<USART2>;
     DMA1_STREAM6 => dma::InterruptHandler<DMA1_CH6>;
-    FLASH => flash::InterruptHandler;
 });
 
-type Receiver = RingBufferedUartRx<'static>;
 type Sender = UartTx<'static, mode::Async>;
 
 /// In the greeting.
@@ -51,13 +45,12 @@ pub const IDENTITY: &str = concat!("pendulum-rig firmware ", env!("CARGO_PKG_VER
 
 /// Brings the board up.
 pub fn start(_: Spawner) -> Board<Sampling, Receiver, Sender, Sectors, Chip> {
-    static RING: StaticCell<[u8; RECEIVED]> = StaticCell::new();
     let p = embassy_stm32::init(clocks());
     stm32::start_clock();
     let mut config = usart::Config::default();
     config.baudrate = BAUD;
-    let port = Uart::new(p.USART2, p.PA3, p.PA2, p.DMA1_CH6, p.DMA1_CH5, Irqs, config);
-    let (sender, receiver) = port.expect("the baud rate can be made from this clock").split();
+    let sender = UartTx::new(p.USART2, p.PA2, p.DMA1_CH6, Irqs, config);
+    let sender = sender.expect("the baud rate can be made from this clock");
     let inputs = Inputs {
         converter: Converter::new(WIPER, p.PA0, p.ADC1, p.DMA2_CH0),
         quadrature: Quadrature::new(p.TIM4, p.PB6, p.PB7),
@@ -66,9 +59,9 @@ pub fn start(_: Spawner) -> Board<Sampling, Receiver, Sender, Sectors, Chip> {
         name: NAME,
         most_points_per_s: MOST_POINTS_PER_S,
         sampler: Sampling::new(inputs, p.TIM3, p.TIM2),
-        receiver: receiver.into_ring_buffered(RING.init([0; RECEIVED])),
+        receiver: Receiver::new(p.PA3, p.DMA1_CH5),
         sender,
-        flash: Sectors::new(p.FLASH, Irqs),
+        flash: Sectors::new(p.FLASH),
         store: STORE,
         system: Chip::new(p.PA5),
     }

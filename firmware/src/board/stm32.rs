@@ -7,6 +7,10 @@ mod quadrature;
 mod ring;
 mod sampling;
 mod sectors;
+#[cfg(feature = "board-nucleo-f446")]
+pub mod serial;
+#[cfg(feature = "board-feather-f405")]
+mod usb_bus;
 #[cfg(feature = "board-feather-f405")]
 pub mod usb_endpoints;
 #[cfg(feature = "board-feather-f405")]

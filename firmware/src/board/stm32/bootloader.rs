@@ -6,7 +6,8 @@
 
 use core::mem::MaybeUninit;
 use core::ptr::{addr_of, addr_of_mut};
-use cortex_m::peripheral::NVIC;
+use cortex_m::peripheral::{NVIC, SCB, SYST};
+use embassy_stm32::pac::rcc::regs::{Ahb1rstr, Ahb2rstr, Apb1rstr, Apb2rstr};
 use embassy_stm32::pac::{RCC, SYSCFG};
 
 /// Where the bootloader's vectors are (AN2606, STM32F40x and F446).
@@ -27,13 +28,21 @@ pub fn restart_into() -> ! {
     cortex_m::peripheral::SCB::sys_reset()
 }
 
+/// Bits of ICSR that take back the interrupt of the system timer and that for switching tasks (PM0214, 4.4.3).
+const PENDSTCLR: u32 = 1 << 25;
+const PENDSVCLR: u32 = 1 << 27;
+
 /// Of 32 interrupts each: the F446 has 97.
 const WORDS: usize = 4;
 
-/// The bootloader may have jumped here without a restart: no interrupt of its making may reach our handlers.
+/// A bootloader may have jumped here without a restart, with whatever it used still running: nothing of its making may
+/// interrupt us, write to our memory, or count where we begin to count.
 pub fn silence() {
+    reset_peripherals();
     // SAFETY: nothing has been set up yet, so nobody misses an interrupt.
     unsafe {
+        (*SYST::PTR).csr.write(0);
+        (*SCB::PTR).icsr.write(PENDSTCLR | PENDSVCLR);
         let nvic = &*NVIC::PTR;
         nvic.icer[..WORDS].iter().for_each(|enabled| enabled.write(u32::MAX));
         nvic.icpr[..WORDS].iter().for_each(|pending| pending.write(u32::MAX));
@@ -54,5 +63,15 @@ pub fn enter_if_asked() {
         RCC.apb2enr().modify(|w| w.set_syscfgen(true));
         SYSCFG.memrm().modify(|w| w.set_mem_mode(SYSTEM_FLASH_AT_ZERO));
         cortex_m::asm::bootload(SYSTEM_MEMORY)
+    }
+}
+
+/// All of them, and so without a wrong word for those that a chip does not have.
+fn reset_peripherals() {
+    for bits in [u32::MAX, 0] {
+        RCC.ahb1rstr().write_value(Ahb1rstr(bits));
+        RCC.ahb2rstr().write_value(Ahb2rstr(bits));
+        RCC.apb1rstr().write_value(Apb1rstr(bits));
+        RCC.apb2rstr().write_value(Apb2rstr(bits));
     }
 }

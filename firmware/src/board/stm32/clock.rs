@@ -59,6 +59,7 @@ pub fn clocks(outside: Hse, to_1_mhz: PllPreDiv) -> Config {
 
 /// Does the clock from outside start?
 fn comes(mode: HseMode) -> bool {
+    use_internal();
     RCC.cr().modify(|w| w.set_hsebyp(mode != HseMode::Oscillator));
     RCC.cr().modify(|w| w.set_hseon(true));
     for _ in 0..LOOKS {
@@ -69,6 +70,20 @@ fn comes(mode: HseMode) -> bool {
     }
     RCC.cr().modify(|w| w.set_hseon(false));
     false
+}
+
+/// As after a reset: whoever started the program may have left other clocks on, and how the one outside is connected
+/// can be said only while that is off.
+fn use_internal() {
+    RCC.cr().modify(|w| w.set_hsion(true));
+    while !RCC.cr().read().hsirdy() {}
+    RCC.cfgr().modify(|w| w.set_sw(Sysclk::HSI));
+    while RCC.cfgr().read().sws() != Sysclk::HSI {}
+    RCC.cr().modify(|w| {
+        w.set_pllon(false);
+        w.set_hseon(false);
+    });
+    let _ = (0..BETWEEN_LOOKS).find(|_| !RCC.cr().read().hserdy());
 }
 
 /// Once the clocks run: caches, cycle counter, time.

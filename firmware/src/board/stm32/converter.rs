@@ -3,7 +3,7 @@
 //! The converter starts on triggers alone, so there is no sample off the grid at the start. After an overrun its
 //! requests to the DMA stop until both are set up anew.
 
-use super::ring::Stream;
+use super::ring::{RING, Stream};
 use embassy_stm32::Peri;
 use embassy_stm32::adc::Adc;
 use embassy_stm32::gpio::{Flex, Pin};
@@ -71,7 +71,7 @@ impl Converter {
 
     /// Once stopped, from the beginning of the ring; gives what `triggers` counts when the next trigger converts.
     pub fn start(&self, triggers: impl FnOnce() -> u32) -> u32 {
-        STREAM.fill(ADC1.dr().as_ptr().cast());
+        STREAM.fill_readings(ADC1.dr().as_ptr().cast());
         ADC1.sqr1().modify(|w| w.set_l(0));
         ADC1.sqr3().modify(|w| w.set_sq(0, self.input.channel));
         ADC1.smpr2().modify(|w| w.set_smp(usize::from(self.input.channel), SAMPLE_TIME));
@@ -89,6 +89,6 @@ impl Converter {
 
     /// The place in the ring that is written next.
     pub fn writes_to(&self) -> u32 {
-        STREAM.writes_to()
+        STREAM.writes_to(RING) as u32
     }
 }

@@ -4,7 +4,7 @@
 //! It counts from power-up on, whichever sensor is in use, so that zero stays where the pendulum hung then. Counts are
 //! never lost to software: the counter needs none, and has 16 bits for half of which nobody may look.
 
-use super::ring::Stream;
+use super::ring::{RING, Stream};
 use embassy_stm32::Peri;
 use embassy_stm32::pac::timer::vals::FilterValue;
 use embassy_stm32::pac::{DMA1, RCC, TIM3, TIM4};
@@ -45,7 +45,7 @@ impl Quadrature {
 
     /// Once stopped, from the beginning of the ring; gives what `triggers` counts when the next one takes a count.
     pub fn start(&self, triggers: impl FnOnce() -> u32) -> u32 {
-        STREAM.fill(TIM4.cnt().as_ptr().cast());
+        STREAM.fill_readings(TIM4.cnt().as_ptr().cast());
         cortex_m::interrupt::free(|_| {
             TIM3.dier().modify(|w| w.set_ude(true));
             triggers()
@@ -54,6 +54,6 @@ impl Quadrature {
 
     /// The place in the ring that is written next.
     pub fn writes_to(&self) -> u32 {
-        STREAM.writes_to()
+        STREAM.writes_to(RING) as u32
     }
 }

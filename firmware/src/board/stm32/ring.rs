@@ -1,9 +1,10 @@
-//! Readings at exact instants: a stream of the DMA carries a peripheral's register into a ring, one reading a request,
-//! and begins again at its end.
+//! Rings that a stream of the DMA fills: it carries a peripheral's register there, once a request, and begins again at
+//! the end. One of them holds readings at exact instants.
 
 use core::sync::atomic::{AtomicU16, Ordering};
 use embassy_stm32::pac::dma::Dma;
-use embassy_stm32::pac::dma::vals::{Dir, Pl, Size};
+pub use embassy_stm32::pac::dma::vals::Size;
+use embassy_stm32::pac::dma::vals::{Dir, Pl};
 
 /// Readings in the ring.
 pub const RING: usize = 2048;
@@ -15,7 +16,7 @@ pub fn reading(place: usize) -> u16 {
     READINGS[place].load(Ordering::Relaxed)
 }
 
-/// A stream of the DMA; only one may fill the ring at a time.
+/// A stream of the DMA; only one may fill a ring at a time.
 pub struct Stream {
     /// Which controller.
     pub dma: Dma,
@@ -41,17 +42,23 @@ impl Stream {
         });
     }
 
-    /// From the ring's first place on, at each request 16 bits of the register at `from`. The stream must stand still.
-    pub fn fill(&self, from: *mut ()) {
+    /// As [`Stream::fill`], the ring of readings.
+    pub fn fill_readings(&self, from: *mut ()) {
+        self.fill(from, READINGS.as_ptr().cast(), RING, Size::BITS16);
+    }
+
+    /// From the first of the ring's `length` places on, at each request what is in the register at `from`. The stream
+    /// must stand still.
+    pub fn fill(&self, from: *mut (), ring: *const (), length: usize, size: Size) {
         let stream = self.dma.st(self.number);
         stream.par().write_value(from as u32);
-        stream.m0ar().write_value(READINGS.as_ptr() as u32);
-        stream.ndtr().write(|w| w.set_ndt(RING as u16));
+        stream.m0ar().write_value(ring as u32);
+        stream.ndtr().write(|w| w.set_ndt(length as u16));
         stream.cr().write(|w| {
             w.set_chsel(self.channel);
             w.set_dir(Dir::PERIPHERAL_TO_MEMORY);
-            w.set_psize(Size::BITS16);
-            w.set_msize(Size::BITS16);
+            w.set_psize(size);
+            w.set_msize(size);
             w.set_minc(true);
             w.set_circ(true);
             w.set_pl(Pl::VERY_HIGH);
@@ -59,8 +66,8 @@ impl Stream {
         stream.cr().modify(|w| w.set_en(true));
     }
 
-    /// The place that is written next.
-    pub fn writes_to(&self) -> u32 {
-        (RING as u32 - u32::from(self.dma.st(self.number).ndtr().read().ndt())) % RING as u32
+    /// The place of a ring of that length that is written next.
+    pub fn writes_to(&self, length: usize) -> usize {
+        (length - usize::from(self.dma.st(self.number).ndtr().read().ndt())) % length
     }
 }

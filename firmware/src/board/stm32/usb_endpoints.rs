@@ -4,8 +4,10 @@
 //! restart the board by asking for the status of endpoint 15. USB 2.0, 9.4: such a request is an error.
 //!
 //! And it keeps data that came with a request which was refused meanwhile. They would fill the place of the next ones,
-//! which then never reach the board: no PC could set it up again.
+//! which then never reach the board: no PC could set it up again. So would an answer that the PC never fetched.
 
+use super::usb_bus::CarefulBus;
+use super::usb_recovery;
 use core::future::{Future, poll_fn};
 use core::pin::pin;
 use core::task::{Context, Poll};
@@ -61,7 +63,7 @@ impl<'d, D: Driver<'d>> Driver<'d> for Careful<D> {
     type EndpointOut = D::EndpointOut;
     type EndpointIn = D::EndpointIn;
     type ControlPipe = CarefulPipe<D::ControlPipe>;
-    type Bus = D::Bus;
+    type Bus = CarefulBus<D::Bus>;
 
     fn alloc_endpoint_out(
         &mut self,
@@ -89,7 +91,7 @@ impl<'d, D: Driver<'d>> Driver<'d> for Careful<D> {
 
     fn start(self, control_packet: u16) -> (Self::Bus, Self::ControlPipe) {
         let (bus, pipe) = self.driver.start(control_packet);
-        (bus, CarefulPipe { pipe, known: self.known })
+        (CarefulBus::new(bus), CarefulPipe { pipe, known: self.known })
     }
 }
 
@@ -105,7 +107,11 @@ impl<P: ControlPipe> CarefulPipe<P> {
     fn look_for_request(&mut self, context: &mut Context<'_>) -> Poll<[u8; 8]> {
         cortex_m::interrupt::free(|_| {
             let _ = poll_once(self.pipe.data_out(&mut [0; PACKET], true, true));
-            pin!(self.pipe.setup()).poll(context)
+            let request = pin!(self.pipe.setup()).poll(context);
+            if request.is_ready() {
+                usb_recovery::has_taken_request();
+            }
+            request
         })
     }
 }

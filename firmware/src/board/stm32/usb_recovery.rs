@@ -1,9 +1,11 @@
 //! USB that goes on after whatever the PC did: a bus reset, a suspended bus or a dead host in the middle of a packet.
 //!
-//! Two things the driver leaves undone. A bus reset deactivates the endpoints that send, but a packet that waits in one
-//! keeps it enabled, and the next write would wait for ever (RM0090, 34.17.5, device core: an endpoint is disabled by
-//! asking it to be). And while a control transfer waits for a host that is gone, nobody looks at the bus.
+//! Two things the driver leaves undone. A bus reset, and a request in place of fetching the answer to the one before,
+//! end what an endpoint was to send; but a packet that waits in it keeps it enabled, and the next write would wait for
+//! ever (RM0090, 34.17.5, device core: an endpoint is disabled by asking it to be). And while a control transfer waits
+//! for a host that is gone, nobody looks at the bus.
 
+use core::sync::atomic::{AtomicU8, Ordering};
 use embassy_futures::select::select;
 use embassy_stm32::pac::USB_OTG_FS as OTG;
 use embassy_time::Timer;
@@ -20,8 +22,9 @@ const MOST_LOOKS: u32 = 1000;
 const LOOK_EVERY_MS: u64 = 10;
 const MOST_UNANSWERED: u32 = 3;
 
-/// Set-up packets that the control endpoint can take: the driver sets it to this whenever it has read one.
-const SETUPS: u8 = 3;
+/// Requests that the control endpoint could take when the driver had taken the last one. It can take fewer while one
+/// waits; before the first one this says nothing.
+static SETUPS: AtomicU8 = AtomicU8::new(0);
 
 /// Takes packets back that were meant for the host before the reset.
 pub struct TakeBack;
@@ -34,7 +37,18 @@ impl Handler for TakeBack {
     }
 }
 
-fn take_back(endpoint: usize) {
+/// The driver has taken a request: an answer that still waits was to another one.
+pub(super) fn has_taken_request() {
+    take_back(0);
+    SETUPS.store(setups(), Ordering::Relaxed);
+}
+
+fn setups() -> u8 {
+    OTG.doeptsiz(0).read().rxdpid_stupcnt()
+}
+
+/// An endpoint's packet will not be sent.
+pub(super) fn take_back(endpoint: usize) {
     let control = OTG.diepctl(endpoint);
     if !control.read().epena() {
         return;
@@ -78,7 +92,7 @@ async fn left_alone() {
     while unanswered < MOST_UNANSWERED {
         Timer::after_millis(LOOK_EVERY_MS).await;
         let bus = OTG.gintsts().read();
-        let waits = bus.usbrst() || bus.enumdne() || OTG.doeptsiz(0).read().rxdpid_stupcnt() < SETUPS;
+        let waits = bus.usbrst() || bus.enumdne() || setups() < SETUPS.load(Ordering::Relaxed);
         unanswered = if waits { unanswered + 1 } else { 0 };
     }
 }

@@ -7,6 +7,9 @@ use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 /// the longest erase of a sector, 0.5 s, after which it is fed; shorter than anyone's patience.
 const RELOAD: u16 = 2000;
 
+/// Some milliseconds. Should the new period not have been taken over by then, the longest one is in use, 6 s or more.
+const MOST_LOOKS: u32 = 10_000;
+
 /// From now on it has to be fed.
 pub fn start() {
     IWDG.kr().write(|w| w.set_key(Key::START));
@@ -14,7 +17,7 @@ pub fn start() {
     IWDG.pr().write(|w| w.set_pr(Pr::DIVIDE_BY64));
     IWDG.rlr().write(|w| w.set_rl(RELOAD - 1));
     // The two registers are taken over by the slow clock, within five of its cycles.
-    while IWDG.sr().read().rvu() {}
+    let _ = (0..MOST_LOOKS).find(|_| !IWDG.sr().read().rvu());
     feed();
 }
 
