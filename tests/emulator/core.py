@@ -38,6 +38,10 @@ THUMB = 1 << 24
 STACK_WAS_ALIGNED_DOWN = 1 << 9
 FP_IN_USE = 1 << 2
 
+# What a register's access calls: engine, offset, size (and value), what was handed over.
+ON_READ = ctypes.CFUNCTYPE(ctypes.c_uint64, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint, ctypes.c_void_p)
+ON_WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint, ctypes.c_uint64, ctypes.c_void_p)
+
 _INTEGER = ["R0", "R1", "R2", "R3", "R12", "LR", "PC", "XPSR", "SP", "CONTROL"]
 _FLOAT = [f"D{i}" for i in range(8)] + ["FPSCR"]
 _REST = ["R4", "R5", "R6", "R7", "R8", "R9", "R10", "R11", "PRIMASK", "BASEPRI", "FAULTMASK"]
@@ -92,8 +96,9 @@ class Core:
             rights = constants.UC_PROT_ALL if region in chip.rams else read_only
             uc.mem_map_ptr(region.address, region.size, rights, region.pointer())
         self._at_zero = None
+        self._callbacks = []
         for base, size in PERIPHERALS:
-            uc.mmio_map(base, size, self._on_read, base, self._on_write, base)
+            self._map_registers(base, size)
         uc.hook_add(constants.UC_HOOK_INTR, self._on_exception)
         uc.hook_add(constants.UC_HOOK_MEM_WRITE_PROT, self._on_protected_write)
         self._counter, self._most = counter_of(uc)
@@ -107,6 +112,36 @@ class Core:
         self.set_clock(TICKS_PER_S // HSI_HZ)
         self.take_clock()
         self.clock.running = self._running
+
+    def _map_registers(self, base, size):
+        """Past Unicorn's own wrapper, which takes longer than most registers."""
+        bus = self.chip.bus
+
+        def on_read(_, offset, n_bytes, __):
+            try:
+                return bus.read(base + offset, n_bytes)
+            except Exception as failure:
+                return self._fails(failure)
+
+        def on_write(_, offset, n_bytes, value, __):
+            try:
+                bus.write(base + offset, n_bytes, value)
+            except Exception as failure:
+                self._fails(failure)
+
+        callbacks = ON_READ(on_read), ON_WRITE(on_write)
+        # They live as long as the processor.
+        self._callbacks.append(callbacks)
+        read, write = (ctypes.cast(callback, ctypes.c_void_p) for callback in callbacks)
+        error = binding.uclib.uc_mmio_map(self.uc._uch, base, size, read, None, write, None)
+        if error != constants.UC_ERR_OK:
+            raise UcError(error)
+
+    def _fails(self, failure):
+        """The run ends with the first failure."""
+        self.uc._hook_exception = self.uc._hook_exception or failure
+        self.uc.emu_stop()
+        return 0
 
     def _running(self):
         return self._counter.value * self.ticks_per_instruction
@@ -134,15 +169,19 @@ class Core:
         self._at_zero = region
 
     def watch(self, code, address):
-        """Notices sleep and unmasking in this code. Bytes that only look like them are never executed as such."""
+        """Notices sleep and unmasking in this code. Bytes that only look like them are never executed as such.
+
+        Unmasking ends a block of translated code, and a hook on where the next one begins costs nothing elsewhere; a hook
+        on an instruction is looked for at all of them.
+        """
         for at in range(0, len(code) - 3, 2):
             here = code[at : at + 2]
             if here == WFI:
-                self._hook(address + at, self._on_sleep)
+                self._hook(constants.UC_HOOK_CODE, address + at, self._on_sleep)
             elif here == CPSIE_I:
-                self._hook(address + at + 2, self._on_unmasked)
+                self._hook(constants.UC_HOOK_BLOCK, address + at + 2, self._on_unmasked)
             elif here == MSR_PRIMASK and code[at - 2 : at - 1] < b"\x90" and code[at - 1 : at] == b"\xf3":
-                self._hook(address + at + 2, self._on_unmasked)
+                self._hook(constants.UC_HOOK_BLOCK, address + at + 2, self._on_unmasked)
 
     def guard(self, first, last):
         """A range that the MPU may close; reset opens it again."""
@@ -165,10 +204,10 @@ class Core:
     def _is_faulting(self):
         return any(number == HARD_FAULT for number, _ in self.nvic.active)
 
-    def _hook(self, address, action):
+    def _hook(self, kind, address, action):
         if (address, action) not in self._hooked:
             self._hooked.add((address, action))
-            self.uc.hook_add(constants.UC_HOOK_CODE, action, begin=address, end=address)
+            self.uc.hook_add(kind, action, begin=address, end=address)
 
     def reset(self, stack, entry, masked=False):
         """Starts at `entry`, as after a reset or as a bootloader jumps, which may have masked all interrupts."""
@@ -354,12 +393,6 @@ class Core:
         if number != EXCEPTION_EXIT:
             self._trapped_at = self._pc.read()[0]
         uc.emu_stop()
-
-    def _on_read(self, uc, offset, size, base):
-        return self.chip.bus.read(base + offset, size)
-
-    def _on_write(self, uc, offset, size, value, base):
-        self.chip.bus.write(base + offset, size, value)
 
     def _on_protected_write(self, uc, access, address, size, value, _):
         if not self.chip.flash.takes(address, size, value):

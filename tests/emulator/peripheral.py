@@ -5,6 +5,9 @@ has not been tested.
 """
 
 
+from functools import partial
+
+
 class Unmodelled(Exception):
     """The firmware did something that the emulator does not know."""
 
@@ -44,6 +47,12 @@ class Peripheral:
             raise self._unknown("read", offset)
         return reader() & 0xFFFF_FFFF
 
+    def reader(self, offset):
+        """What reads that register, so that it is looked for only once."""
+        if type(self).read is Peripheral.read and offset in self.readers:
+            return self.readers[offset]
+        return partial(self.read, offset)
+
     def write(self, offset, value, size=4):
         """A register, or some bytes of it."""
         place = offset & ~3
@@ -74,6 +83,8 @@ class Bus:
     def __init__(self, chip):
         self.chip = chip
         self.blocks = {}
+        # By the addresses that have been read.
+        self._readers = {}
 
     def attach(self, address, peripheral, size=0x400):
         """Puts a peripheral at its address."""
@@ -89,9 +100,14 @@ class Bus:
 
     def read(self, address, size):
         """What the processor reads."""
-        base, peripheral = self._find("read", address)
-        value = peripheral.read(address - base & ~3)
+        reader = self._readers.get(address & ~3) or self._reader(address & ~3)
+        value = reader() & 0xFFFF_FFFF
         return value if size == 4 else value >> 8 * (address & 3) & (1 << 8 * size) - 1
+
+    def _reader(self, address):
+        base, peripheral = self._find("read", address)
+        self._readers[address] = peripheral.reader(address - base)
+        return self._readers[address]
 
     def write(self, address, size, value):
         """What the processor writes."""
