@@ -7,6 +7,8 @@ use super::columns::AngleUnit;
 use super::error::Fault;
 use super::plausible::{self, Scale, Swings};
 use super::read::ReadOptions;
+use super::ticks;
+use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Angles of unstated unit beyond this are refused: a pendulum that only swings stays within a turn (2π), with margin.
@@ -39,15 +41,17 @@ pub(super) struct Angles<'a> {
 impl Angles<'_> {
     /// From a column of angles.
     pub(super) fn of_column(mut self, angles: &[f64], unit: Option<AngleUnit>) -> Result<Vec<f64>, Fault> {
-        let factor = unit.unwrap_or(AngleUnit::Radians).radians();
         let zero = self.options.zero.unwrap_or(0.0);
-        let mut angles_rad: Vec<f64> = angles.iter().map(|angle| (angle - zero) * factor).collect();
+        let in_unit = |angles: &[f64], unit: Option<AngleUnit>| -> Vec<f64> {
+            let factor = unit.unwrap_or(AngleUnit::Radians).radians();
+            angles.iter().map(|angle| (angle - zero) * factor).collect()
+        };
         if self.is_ours {
-            return Ok(angles_rad);
+            return Ok(in_unit(angles, unit));
         }
-        if unit.is_none() {
-            self.judge_unstated_unit(angles)?;
-        }
+        let angles = self.unwound(angles);
+        let unit = if unit.is_none() { self.judge_unstated_unit(&angles)? } else { unit };
+        let mut angles_rad = in_unit(&angles, unit);
         self.unwrap(&mut angles_rad);
         let swings = Swings::of(self.times_s, &angles_rad);
         if let Some(swings) = &swings {
@@ -72,15 +76,32 @@ impl Angles<'_> {
         Ok(angles_rad)
     }
 
-    fn judge_unstated_unit(&mut self, angles: &[f64]) -> Result<(), Fault> {
+    /// Counts of an encoder that go on where they begin anew.
+    fn unwound<'b>(&mut self, angles: &'b [f64]) -> Cow<'b, [f64]> {
+        let mut counts = angles.to_vec();
+        let Some((n, bits)) = ticks::unwind(&mut counts) else { return Cow::Borrowed(angles) };
+        self.notes.push(format!("the angles are counts of {bits} bits that begin anew {n} times: they go on there"));
+        Cow::Owned(counts)
+    }
+
+    /// What a unit that is not stated must be, if anything.
+    fn judge_unstated_unit(&mut self, angles: &[f64]) -> Result<Option<AngleUnit>, Fault> {
         let largest = angles.iter().fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
         if largest > LARGEST_UNSTATED_RAD {
-            return Err(Fault::LooksLikeDegrees { largest });
+            let mut in_degrees: Vec<f64> = angles.iter().map(|angle| angle.to_radians()).collect();
+            plausible::unwrap(&mut in_degrees);
+            if !Swings::of(self.times_s, &in_degrees).is_some_and(|swings| swings.is_pendulum()) {
+                return Err(Fault::LooksLikeDegrees { largest });
+            }
+            self.notes.push(format!(
+                "angles reach {largest:.1}, and the period grows with them as it does for degrees: read as degrees"
+            ));
+            return Ok(Some(AngleUnit::Degrees));
         }
         if largest > NOTED_UNSTATED_RAD {
             self.notes.push(format!("angles reach {largest:.2}, read as radians; if they are degrees say --degrees"));
         }
-        Ok(())
+        Ok(None)
     }
 
     fn unwrap(&mut self, angles_rad: &mut [f64]) {
@@ -106,10 +127,11 @@ impl Angles<'_> {
             Scale::TooSmall { factor } if unit == Some(AngleUnit::Degrees) && factor > RADIANS_AS_DEGREES => {
                 Fault::NotDegrees { unit: "degrees", largest_rad: swings.largest_rad, factor }
             }
-            Scale::TooSmall { factor } if unit.is_none() => {
+            Scale::TooSmall { factor } => {
+                let read_as = if unit.is_none() { "read as radians, but" } else { "with the unit that is stated" };
                 self.notes.push(format!(
-                    "doubtful: read as radians, but the period grows with the amplitude as for angles {factor:.1} times as \
-                     large; say the unit, --columns theta=1:turn (rad, deg, mrad, gon, turn)"
+                    "doubtful: {read_as} the period grows with the amplitude as for angles {factor:.1} times as large; say \
+                     the unit, --columns theta=1:turn (rad, deg, mrad, gon, turn, or 4096/turn)"
                 ));
                 return Ok(());
             }

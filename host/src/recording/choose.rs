@@ -1,8 +1,10 @@
 //! Which column is what: by what the user said, the header, the names, and at last the place.
 
+mod time;
+
 use super::angle::Angles;
 use super::circle::Circle;
-use super::columns::{AngleUnit, ColumnRef, Columns, RateUnit, TimeUnit};
+use super::columns::{AngleUnit, ColumnRef, Columns, RateUnit};
 use super::error::Fault;
 use super::header::Header;
 use super::measured::Measured;
@@ -11,35 +13,17 @@ use super::rate::Rates;
 use super::read::ReadOptions;
 use super::samples::{MOST_COLUMNS, Samples};
 use super::table::Table;
-use super::words::{Meaning, is_size, meaning};
-use super::{MIN_SAMPLES, clock, median_step_s};
+use super::words::{self, Meaning, is_size, meaning};
+use super::{MIN_SAMPLES, clock};
 use std::f64::consts::FRAC_PI_2;
-
-/// Steps of unstated unit beyond this are refused: at 2 Hz a laboratory pendulum cannot be followed.
-pub(super) const LONGEST_STEP_S: f64 = 0.5;
-
-/// Times of unstated unit beyond this many seconds count from 1970, in the unit that puts them within a century of it.
-const EPOCH_BEGINS_S: f64 = 1e8;
+pub(super) use time::{LONGEST_STEP_S, TimeSource};
+use time::{choose_time, plotted_axes, unit_in_cell, unnamed_time};
 
 /// Where each quantity comes from.
 pub(super) struct Sources {
     pub(super) time: TimeSource,
     pub(super) reading: ReadingSource,
     pub(super) code: Option<usize>,
-}
-
-/// Where time comes from.
-#[derive(Debug)]
-pub(super) enum TimeSource {
-    Column {
-        idx: usize,
-        unit: Option<TimeUnit>,
-    },
-    /// Clock times, with or without a date.
-    Clock {
-        idx: usize,
-    },
-    Rate(f64),
 }
 
 /// Where what was measured comes from.
@@ -61,23 +45,6 @@ pub(super) enum ReadingSource {
         y: usize,
     },
     Codes,
-}
-
-impl TimeSource {
-    fn column(&self) -> Option<usize> {
-        match self {
-            Self::Column { idx, .. } | Self::Clock { idx } => Some(*idx),
-            Self::Rate(_) => None,
-        }
-    }
-
-    /// Seconds of one unit as far as it is known while rows are read.
-    pub(super) fn scale(&self) -> f64 {
-        match self {
-            Self::Column { unit, .. } => unit.unwrap_or(TimeUnit::Seconds).seconds(),
-            _ => 1.0,
-        }
-    }
 }
 
 impl ReadingSource {
@@ -111,10 +78,20 @@ impl Sources {
     ) -> Result<Self, Fault> {
         let asked = options.columns.clone().unwrap_or_default();
         let code = choose_code(table, &asked)?;
-        let reading = choose_reading(table, header, options, &asked, code);
-        let reading_idx = reading.as_ref().ok().and_then(ReadingSource::first_idx);
-        let time = choose_time(table, header, options, &asked, reading_idx, notes)?;
-        let reading = reading?;
+        let axes = if options.rate_hz.or(header.rate_hz).is_none() { plotted_axes(table, &asked) } else { None };
+        let (time, reading) = match axes {
+            Some((x, y)) => {
+                let (x_name, y_name) = (table.column_name(x), table.column_name(y));
+                notes.push(format!("{x_name} goes on evenly: read as the time, and {y_name} as the angle"));
+                let unit = angle_unit_of(table, y).or(options.angle_unit);
+                (TimeSource::Column { idx: x, unit: None }, ReadingSource::Angle { idx: y, unit })
+            }
+            None => {
+                let reading = choose_reading(table, header, options, &asked, code);
+                let reading_idx = reading.as_ref().ok().and_then(ReadingSource::first_idx);
+                (choose_time(table, header, options, &asked, reading_idx, notes)?, reading?)
+            }
+        };
         if let (ReadingSource::Point { x, y }, None, None) = (&reading, &asked.x, &table.names) {
             notes.push(format!("columns {x} and {y} lie on a circle: read as x and y of a point"));
         }
@@ -138,29 +115,6 @@ impl Sources {
         matches!(self.time, TimeSource::Rate(_))
     }
 
-    /// Times in s from the numbers that were read.
-    pub(super) fn times_s(&self, samples: &Samples, notes: &mut Vec<String>) -> Result<Vec<f64>, Fault> {
-        let unit = match self.time {
-            TimeSource::Rate(rate_hz) => return times_of_rows(rate_hz, samples),
-            TimeSource::Clock { .. } => return Ok(samples.times.clone()),
-            TimeSource::Column { unit, .. } => unit,
-        };
-        let first = samples.times.first().copied().unwrap_or_default();
-        let epoch =
-            unit.map_or_else(|| epoch_unit(first), |unit| (first * unit.seconds() > EPOCH_BEGINS_S).then_some(unit));
-        if let Some(unit) = epoch {
-            notes.push(format!("times count from 1970, in units of {} s: the first one taken off", unit.seconds()));
-            return Ok(samples.times.iter().map(|time| (time - first) * unit.seconds()).collect());
-        }
-        let scale = unit.unwrap_or(TimeUnit::Seconds).seconds();
-        let times_s: Vec<f64> = samples.times.iter().map(|time| time * scale).collect();
-        let step = median_step_s(&times_s);
-        if unit.is_none() && times_s.len() >= MIN_SAMPLES && step > LONGEST_STEP_S {
-            return Err(Fault::StepTooLong { step });
-        }
-        Ok(times_s)
-    }
-
     /// Angles (rad) or rates (rad/s) from the numbers that were read.
     pub(super) fn readings(
         &self,
@@ -177,7 +131,13 @@ impl Sources {
                 let calibration = header.calibration.ok_or(Fault::NoCalibration)?;
                 Ok(samples.codes.iter().map(|code| calibration.angle_rad(*code)).collect())
             }
-            ReadingSource::Angle { unit, .. } => {
+            ReadingSource::Angle { idx, unit } => {
+                let readings = &samples.readings[0];
+                let (first, n) = (readings.first().copied().unwrap_or_default(), readings.len());
+                if !is_ours && n >= MIN_SAMPLES && readings.iter().all(|reading| *reading == first) {
+                    let (column, available) = (table.column_name(*idx), table.available());
+                    return Err(Fault::NothingMoves { column, value: first, available });
+                }
                 Angles { times_s, is_ours, options, notes }.of_column(&samples.readings[0], *unit)
             }
             ReadingSource::Point { .. } => {
@@ -191,19 +151,6 @@ impl Sources {
     }
 }
 
-/// The unit in which a time lies between 1973 and 2100, if it is large enough to count from 1970.
-fn epoch_unit(first: f64) -> Option<TimeUnit> {
-    let units = [TimeUnit::Seconds, TimeUnit::Milliseconds, TimeUnit::Microseconds, TimeUnit::Nanoseconds];
-    units.into_iter().find(|unit| (EPOCH_BEGINS_S..4.1e9).contains(&(first * unit.seconds())))
-}
-
-fn times_of_rows(rate_hz: f64, samples: &Samples) -> Result<Vec<f64>, Fault> {
-    if !(rate_hz.is_finite() && rate_hz > 0.0) {
-        return Err(Fault::BadRate { rate_hz });
-    }
-    Ok(samples.rows.iter().map(|row| f64::from(*row) / rate_hz).collect())
-}
-
 fn choose_code(table: &Table, asked: &Columns) -> Result<Option<usize>, Fault> {
     match &asked.code {
         Some(column) => find(table, column).map(Some),
@@ -211,63 +158,10 @@ fn choose_code(table: &Table, asked: &Columns) -> Result<Option<usize>, Fault> {
     }
 }
 
-/// A column that is named or told; of several the one before the angle, where each quantity has times of its own; else
-/// one of clock times, the rate, or the first column.
-fn choose_time(
-    table: &Table,
-    header: &Header,
-    options: &ReadOptions,
-    asked: &Columns,
-    reading_idx: Option<usize>,
-    notes: &mut Vec<String>,
-) -> Result<TimeSource, Fault> {
-    let named = match &asked.time {
-        Some((column, unit)) => Some((find(table, column)?, *unit)),
-        None => named_time(table, reading_idx, notes)?,
-    };
-    if let Some(rate_hz) = options.rate_hz {
-        if let Some((idx, _)) = named {
-            notes.push(format!("time column {} ignored, the given rate of {rate_hz} Hz used", table.column_name(idx)));
-        }
-        return Ok(TimeSource::Rate(rate_hz));
-    }
-    let fields = table.first_fields();
-    let is_clock = |idx: &usize| fields.get(*idx).is_some_and(|field| clock::read(field).is_some());
-    let clock_idx = named.map(|(idx, _)| idx).or_else(|| (0..table.n_columns).find(is_clock)).filter(is_clock);
-    match (clock_idx, named, header.rate_hz) {
-        (Some(idx), ..) => Ok(TimeSource::Clock { idx }),
-        (_, Some((idx, unit)), _) => Ok(TimeSource::Column { idx, unit: unit.or(unit_in_name(table, idx)) }),
-        (_, None, Some(rate_hz)) => Ok(TimeSource::Rate(rate_hz)),
-        (None, None, None) if table.names.is_none() && table.n_columns >= 2 && reading_idx != Some(0) => {
-            notes.push("no column names: column 0 read as time".to_owned());
-            Ok(TimeSource::Column { idx: 0, unit: None })
-        }
-        (None, None, None) => Err(Fault::NoTimeColumn { available: table.available() }),
-    }
-}
-
-type NamedTime = Option<(usize, Option<TimeUnit>)>;
-
-fn named_time(table: &Table, angle_idx: Option<usize>, notes: &mut Vec<String>) -> Result<NamedTime, Fault> {
-    let is_time = |meaning| match meaning {
-        Meaning::Time { unit, strength } => Some((unit, strength)),
-        _ => None,
-    };
-    let found = best(table, "time", is_time);
-    let (Err(Fault::AmbiguousColumn { .. }), Some(angle_idx)) = (&found, angle_idx) else { return found };
-    let names = table.names.as_deref().unwrap_or_default();
-    let before = names[..angle_idx].iter().rposition(|name| is_time(meaning(name)).is_some());
-    let Some(idx) = before else { return found };
-    let (name, angle) = (table.column_name(idx), table.column_name(angle_idx));
-    notes.push(format!("several columns of times: {name} taken, which stands before {angle}"));
-    Ok(Some((idx, unit_in_name(table, idx))))
-}
-
-fn unit_in_name(table: &Table, idx: usize) -> Option<TimeUnit> {
-    match meaning(table.names.as_ref()?.get(idx)?) {
-        Meaning::Time { unit, .. } => unit,
-        _ => None,
-    }
+/// The only column whose name means this.
+fn the_one(table: &Table, wanted: Meaning) -> Option<usize> {
+    let mut all = table.names.iter().flatten().enumerate().filter(|(_, name)| meaning(name) == wanted);
+    all.next().map(|(idx, _)| idx).filter(|_| all.next().is_none())
 }
 
 /// Rates where the user, the header or the names say so, else angles.
@@ -317,9 +211,15 @@ fn rates(table: &Table, options: &ReadOptions, columns: Vec<usize>, told: Option
     ReadingSource::Rates { columns, unit }
 }
 
-/// Columns that are named as angular velocities, without the size of all axes together, which has no sign.
+/// Columns that are named as angular velocities, without the size of all axes together, which has no sign; gx, gy and gz
+/// are such where ax, ay and az stand beside them.
 fn rate_columns(table: &Table) -> Vec<usize> {
-    let is_rate = |name: &String| matches!(meaning(name), Meaning::Rate { .. }) && !is_size(name);
+    let has = |wanted: &str| table.names.iter().flatten().any(|name| name.eq_ignore_ascii_case(wanted));
+    let has_six_axes = ["ax", "ay", "az", "gx", "gy", "gz"].into_iter().all(has);
+    let is_axis = |name: &str| ["gx", "gy", "gz"].iter().any(|axis| name.eq_ignore_ascii_case(axis));
+    let is_rate = |name: &String| {
+        (matches!(meaning(name), Meaning::Rate { .. }) && !is_size(name)) || (has_six_axes && is_axis(name))
+    };
     table
         .names
         .iter()
@@ -341,7 +241,7 @@ fn choose_angle(
 ) -> Result<ReadingSource, Fault> {
     if let Some((column, unit)) = &asked.angle {
         let idx = find(table, column)?;
-        return Ok(ReadingSource::Angle { idx, unit: unit.or(angle_unit_in_name(table, idx)) });
+        return Ok(ReadingSource::Angle { idx, unit: unit.or(angle_unit_of(table, idx)) });
     }
     if let (Some(x), Some(y)) = (&asked.x, &asked.y) {
         return Ok(ReadingSource::Point { x: find(table, x)?, y: find(table, y)? });
@@ -350,26 +250,23 @@ fn choose_angle(
         Meaning::Angle { unit, strength } => Some((unit, strength)),
         _ => None,
     })?;
-    let named_so = |wanted: Meaning| {
-        let mut all = table.names.iter().flatten().enumerate().filter(|(_, name)| meaning(name) == wanted);
-        all.next().map(|(idx, _)| idx).filter(|_| all.next().is_none())
-    };
     let time_idx = asked.time.as_ref().and_then(|(column, _)| find(table, column).ok());
     let fields = table.first_fields();
     let is_clock = |idx: &usize| fields.get(*idx).is_some_and(|field| clock::read(field).is_some());
-    let first = (table.n_columns > 1 && !has_rate).then_some(0);
+    let first = (table.n_columns > 1 && !has_rate).then(|| unnamed_time(table));
     let time_idx = time_idx.or((0..table.n_columns).find(is_clock)).or(first);
     let is_free = |idx: &usize| Some(*idx) != time_idx && Some(*idx) != code_idx;
     let is_number = |idx: &usize| fields.get(*idx).is_some_and(|field| Numerals::new().read(field) != Cell::Text);
     let mut unnamed = (0..table.n_columns).filter(|idx| is_free(idx) && is_number(idx));
     let (unnamed, next) = (unnamed.next(), unnamed.next());
-    match (named, named_so(Meaning::X), named_so(Meaning::Y), unnamed) {
-        (Some((idx, unit)), ..) => Ok(ReadingSource::Angle { idx, unit }),
+    match (named, the_one(table, Meaning::X), the_one(table, Meaning::Y), unnamed) {
+        (Some((idx, _)), ..) => Ok(ReadingSource::Angle { idx, unit: angle_unit_of(table, idx) }),
         (None, Some(x), Some(y), _) => Ok(ReadingSource::Point { x, y }),
         (None, ..) if code_idx.is_some() => Ok(ReadingSource::Codes),
         (None, _, _, Some(idx)) if table.names.is_none() || table.n_columns == 1 => {
             let y = next.filter(|y| table.names.is_none() && lie_on_circle(table, idx, *y));
-            Ok(y.map_or(ReadingSource::Angle { idx, unit: None }, |y| ReadingSource::Point { x: idx, y }))
+            let unit = angle_unit_of(table, idx);
+            Ok(y.map_or(ReadingSource::Angle { idx, unit }, |y| ReadingSource::Point { x: idx, y }))
         }
         _ => Err(Fault::NoAngleColumn { available: table.available() }),
     }
@@ -385,11 +282,13 @@ fn lie_on_circle(table: &Table, x: usize, y: usize) -> bool {
     angles_rad.iter().all(|angle_rad| angle_rad.abs() < FRAC_PI_2)
 }
 
-fn angle_unit_in_name(table: &Table, idx: usize) -> Option<AngleUnit> {
-    match meaning(table.names.as_ref()?.get(idx)?) {
-        Meaning::Angle { unit, .. } => unit,
+/// From the name of the column, else from its first cell.
+fn angle_unit_of(table: &Table, idx: usize) -> Option<AngleUnit> {
+    let in_name = match table.names.as_ref().and_then(|names| names.get(idx)).map(|name| meaning(name)) {
+        Some(Meaning::Angle { unit, .. }) => unit,
         _ => None,
-    }
+    };
+    in_name.or_else(|| unit_in_cell(table, idx, words::angle_unit))
 }
 
 /// The one column whose name fits best; an error when two fit equally.

@@ -51,7 +51,7 @@ pub enum TimeUnit {
 }
 
 /// Unit of an angle column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AngleUnit {
     /// rad
     Radians,
@@ -63,10 +63,12 @@ pub enum AngleUnit {
     Gradians,
     /// turns
     Turns,
+    /// so many radians: `4096/turn` of an encoder, `54.5deg` of a volt
+    Of(f64),
 }
 
 /// Unit of an angular velocity: an angle in a time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateUnit {
     /// So large an angle …
     pub angle: AngleUnit,
@@ -114,7 +116,7 @@ pub enum ColumnsError {
     },
     /// A unit that does not fit.
     #[error(
-        "--columns: \"{unit}\" is no unit of {role}; expected s, ms, us, ns, min or day for t, rad, deg, mrad, gon or turn for theta, rad/s, deg/s or rpm for rate"
+        "--columns: \"{unit}\" is no unit of {role}; expected s, ms, us, ns, min or day for t, rad, deg, mrad, gon or turn for theta, or what one of the column is such as 4096/turn or 0.088deg, rad/s, deg/s or rpm for rate"
     )]
     UnknownUnit {
         /// Left side.
@@ -147,6 +149,7 @@ impl AngleUnit {
             Self::Milliradians => 1e-3,
             Self::Gradians => std::f64::consts::TAU / 400.0,
             Self::Turns => std::f64::consts::TAU,
+            Self::Of(radians) => radians,
         }
     }
 }
@@ -176,7 +179,7 @@ impl Columns {
     fn place(&mut self, role: &str, column: ColumnRef, unit: Option<&str>) -> Result<(), ColumnsError> {
         match role.to_lowercase().as_str() {
             "t" | "time" => put(&mut self.time, role, (column, parse_unit(role, unit, time_unit)?)),
-            "theta" | "angle" => put(&mut self.angle, role, (column, parse_unit(role, unit, angle_unit)?)),
+            "theta" | "angle" => put(&mut self.angle, role, (column, parse_unit(role, unit, angle_scale)?)),
             "code" => {
                 parse_unit(role, unit, |_| None::<()>)?;
                 put(&mut self.code, role, column)
@@ -204,6 +207,23 @@ fn parse_unit<U>(role: &str, unit: Option<&str>, known: impl Fn(&str) -> Option<
     known(&unit.to_lowercase()).map(Some).ok_or_else(unknown)
 }
 
+/// A unit, so many of it (`0.088deg`), or so many of the column to a turn (`4096/turn`).
+fn angle_scale(unit: &str) -> Option<AngleUnit> {
+    if let Some(unit) = angle_unit(unit) {
+        return Some(unit);
+    }
+    let radians = match unit.split_once('/') {
+        Some((number, "turn" | "rev")) => std::f64::consts::TAU / number.trim().parse::<f64>().ok()?,
+        Some(_) => return None,
+        None => {
+            let begin = unit.find(|letter: char| letter.is_alphabetic() || letter == '°')?;
+            let (number, unit) = unit.split_at(begin);
+            number.trim().parse::<f64>().ok()? * angle_unit(unit)?.radians()
+        }
+    };
+    (radians.is_finite() && radians != 0.0).then_some(AngleUnit::Of(radians))
+}
+
 impl From<&str> for ColumnRef {
     fn from(text: &str) -> Self {
         text.parse().map_or_else(|_| Self::Name(text.to_owned()), Self::Index)
@@ -220,6 +240,15 @@ mod tests {
         assert_eq!(columns.time, Some((ColumnRef::Index(0), Some(TimeUnit::Milliseconds))));
         assert_eq!(columns.angle, Some((ColumnRef::Name("Pendulum angle".to_owned()), Some(AngleUnit::Degrees))));
         assert_eq!(columns.code, Some(ColumnRef::Index(2)));
+    }
+
+    #[test]
+    fn counts_and_volts_are_told_by_what_one_of_them_is() {
+        let unit = |text: &str| text.parse::<Columns>().unwrap().angle.unwrap().1.unwrap().radians();
+        assert_eq!(unit("theta=1:4096/turn"), std::f64::consts::TAU / 4096.0);
+        assert_eq!(unit("theta=1:-2400/rev"), -std::f64::consts::TAU / 2400.0);
+        assert!((unit("theta=volts:54.5 deg") - 54.5_f64.to_radians()).abs() < 1e-15);
+        assert_eq!(unit("theta=1:0.25rad"), 0.25);
     }
 
     #[test]
@@ -240,6 +269,8 @@ mod tests {
             ("z=1", "expected t, theta or code"),
             ("t=0,t=1", "given twice"),
             ("theta=0:furlong", "expected s, ms"),
+            ("theta=0:0/turn", "such as 4096/turn"),
+            ("theta=0:4096/s", "such as 4096/turn"),
             ("code=0:deg", "no unit of code"),
         ];
         for (text, expected) in cases {

@@ -95,6 +95,19 @@ pub enum Fault {
         /// The names in question.
         candidates: String,
     },
+    /// The column is there, and always the same.
+    #[error(
+        "column {column} does not move: {value} throughout; choose another one with --columns, e.g. t=0,theta=2 or \
+         t=0,x=1,y=2 (the file has {available})"
+    )]
+    NothingMoves {
+        /// Name or number of the column.
+        column: String,
+        /// What always stands there.
+        value: f64,
+        /// Names or count of what there is.
+        available: String,
+    },
     /// No time and no rate.
     #[error("no time column among {available}; name it with --columns t=..., or give the sampling rate with --rate")]
     NoTimeColumn {
@@ -133,8 +146,9 @@ pub enum Fault {
     },
     /// Angles too large for radians, unit not stated.
     #[error(
-        "angles reach {largest}, expected at most {limit} rad for a pendulum; if they are degrees say --degrees, \
-         if it really turned over say --radians",
+        "angles reach {largest}, expected at most {limit} rad for a pendulum; if they are degrees say --degrees, if they are \
+         counts or volts say what one is worth, --columns t=0,theta=1:4096/turn or theta=1:54.5deg, if it really turned \
+         over say --radians",
         limit = angle::LARGEST_UNSTATED_RAD
     )]
     LooksLikeDegrees {
@@ -276,9 +290,10 @@ pub enum Fault {
     },
     /// The period does not depend on the amplitude as it would if the angles were radians.
     #[error(
-        "read as radians the angles reach {largest_rad:.3}, and the period should be {predicted_percent:.1} % longer in the \
-         largest swings than in the smallest, but is {found_percent:.1} %: these are degrees (say --degrees) or angular \
-         velocities (say --columns t=0,rate=1:rad/s); if they are radians all the same, say --radians"
+        "read as radians the angles reach {largest_rad:.3}, and {}: these are degrees (say --degrees), angular velocities \
+         (say --columns t=0,rate=1:rad/s) or in another unit (--columns t=0,theta=1:mrad); if they are radians all the same, \
+         say --radians",
+        growth_in_words(*predicted_percent, *found_percent)
     )]
     NotRadians {
         /// Largest angle as read, rad.
@@ -373,6 +388,18 @@ impl From<FileError> for WriteError {
                 Self::Exists { path }
             }
         }
+    }
+}
+
+/// What the period should do and does; beyond half a turn no pendulum swings to and fro.
+fn growth_in_words(predicted_percent: f64, found_percent: f64) -> String {
+    if predicted_percent.is_finite() {
+        format!(
+            "the period should be {predicted_percent:.1} % longer in the largest swings than in the smallest, but is \
+             {found_percent:.1} %"
+        )
+    } else {
+        "no pendulum swings to and fro over more than half a turn to either side".to_owned()
     }
 }
 

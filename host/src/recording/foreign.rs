@@ -20,6 +20,8 @@ pub(super) enum Kind {
     Matlab,
     /// HDF5, which MATLAB 7.3 writes.
     Hdf5,
+    /// Workbooks of old spreadsheets.
+    OldWorkbook,
     /// LabVIEW measurement file, text.
     LabView,
     /// JSON: an object a line, or one array or object.
@@ -34,6 +36,7 @@ impl Kind {
         let is_json = first == Some(&b'{') || (first == Some(&b'[') && head.iter().any(|byte| b"{\"".contains(byte)));
         match () {
             () if begins("PK\x03\x04") => Some(Self::Zip),
+            () if head.starts_with(b"\xd0\xcf\x11\xe0") => Some(Self::OldWorkbook),
             () if begins("MATLAB 7.3") || head.starts_with(b"\x89HDF") => Some(Self::Hdf5),
             () if begins("MATLAB 5.0") => Some(Self::Matlab),
             () if begins("LabVIEW Measurement") => Some(Self::LabView),
@@ -51,6 +54,7 @@ impl Kind {
                 "HDF5 file",
                 "in MATLAB save it in an older form: save('swing.mat', 't', 'theta', '-v7'); or export it as CSV",
             )),
+            Self::OldWorkbook => Err(refused("workbook of a spreadsheet", "save the sheet as CSV in that program")),
             Self::LabView => labview::table(bytes),
             Self::Json => json::table(bytes),
         }

@@ -3,6 +3,8 @@
 //! `1.5`, `1,5`, `1,234.5`, `1.234,5`, `1 234,5` and `1'234.5` are read. One mark alone is the decimal mark, unless the
 //! file showed before which one is; where that comes too late, the file is refused rather than misread.
 
+use super::words::is_unit;
+
 /// What stands in a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Cell {
@@ -50,6 +52,13 @@ impl Numerals {
         if is_missing(cell) {
             return Cell::Missing;
         }
+        match self.bare(cell) {
+            Cell::Text => number_and_unit(cell).map_or(Cell::Text, |(number, _)| self.bare(number)),
+            found => found,
+        }
+    }
+
+    fn bare(&mut self, cell: &str) -> Cell {
         if !cell.contains(is_mark) {
             return cell.parse().map_or(Cell::Text, Cell::Number);
         }
@@ -96,6 +105,14 @@ impl Numerals {
         self.decimal = decimal;
         fits && !too_late
     }
+}
+
+/// A number and the unit behind it, if there is one: `57.3 deg`, `12.5°`.
+pub(super) fn number_and_unit(cell: &str) -> Option<(&str, &str)> {
+    let cell = cell.trim();
+    let end = cell.rfind(|letter: char| letter.is_ascii_digit() || letter == '.')?;
+    let (number, unit) = cell.split_at(end + 1);
+    is_unit(unit.trim()).then(|| (number.trim_end(), unit.trim()))
 }
 
 /// Is there nothing in the cell?
@@ -155,6 +172,9 @@ mod tests {
             (".5", 0.5),
             ("12.5°", 12.5),
             ("+7", 7.0),
+            ("57.3 deg", 57.3),
+            ("120ms", 120.0),
+            ("-1,5 Grad", -1.5),
         ];
         for (text, number) in cases {
             assert_eq!(Numerals::new().read(text), Cell::Number(number), "{text}");
@@ -166,7 +186,7 @@ mod tests {
         for text in ["", " ", "NaN", "-nan", "NA", "#N/A", "null", "-"] {
             assert_eq!(Numerals::new().read(text), Cell::Missing, "{text}");
         }
-        for text in ["oops", "1.2.3,4,5", "1,23.5", "12:00", "1.5 V", "1 2"] {
+        for text in ["oops", "1.2.3,4,5", "1,23.5", "12:00", "1.5 apples", "deg", "1 2"] {
             assert_eq!(Numerals::new().read(text), Cell::Text, "{text}");
         }
         assert_eq!(Numerals::new().read("1e999"), Cell::Number(f64::INFINITY));

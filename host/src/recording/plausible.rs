@@ -150,20 +150,23 @@ impl Swings {
         (amplitude_rad < PI).then_some((amplitude_rad, median(&mut periods)))
     }
 
+    /// Does the period grow as that of a pendulum does, to a third?
+    pub fn is_pendulum(&self) -> bool {
+        /// Half of it would be missed where friction differs from swing to swing, with twice of it half a degree would pass
+        /// for a degree.
+        const NEAR: f64 = 0.3;
+        self.growth().is_some_and(|(growth, spread, _)| {
+            (growth - 1.0).abs() + SURE * spread < 2.0 * NEAR && (growth - 1.0).abs() < NEAR
+        })
+    }
+
     /// Compares the growth of the period with the amplitude with that of a pendulum.
     pub fn scale(&self) -> Scale {
         // There and back over more than half a turn to either side: no pendulum does that.
         if self.periods.iter().filter(|(amplitude, _)| *amplitude > PI).count() >= MIN_PERIODS {
             return Scale::TooLarge { predicted_percent: f64::INFINITY, found_percent: 0.0 };
         }
-        let least_rad = SMALLEST_SHARE * self.largest_rad;
-        let points: Vec<(f64, f64, f64)> = self
-            .periods
-            .iter()
-            .filter(|(amplitude, _)| *amplitude > least_rad && *amplitude < 0.98 * PI)
-            .map(|(amplitude, period_s)| (lengthening(*amplitude) - 1.0, *period_s, amplitude.powi(2)))
-            .collect();
-        let Some((growth, spread, span)) = growth(&points) else { return Scale::Unknown };
+        let Some((growth, spread, span)) = self.growth() else { return Scale::Unknown };
         log::debug!("period grows by {growth:.3} ± {spread:.3} of what is predicted, over {:.2} %", 100.0 * span);
         if growth + SURE * spread < LEAST_GROWTH {
             return Scale::TooLarge { predicted_percent: 100.0 * span, found_percent: 100.0 * span * growth };
@@ -173,6 +176,20 @@ impl Swings {
             false if growth - SURE * spread > LEAST_GROWTH => Scale::Right,
             false => Scale::Unknown,
         }
+    }
+}
+
+impl Swings {
+    /// As `growth` says of the swings that are seen well.
+    fn growth(&self) -> Option<(f64, f64, f64)> {
+        let least_rad = SMALLEST_SHARE * self.largest_rad;
+        let points: Vec<(f64, f64, f64)> = self
+            .periods
+            .iter()
+            .filter(|(amplitude, _)| *amplitude > least_rad && *amplitude < 0.98 * PI)
+            .map(|(amplitude, period_s)| (lengthening(*amplitude) - 1.0, *period_s, amplitude.powi(2)))
+            .collect();
+        growth(&points)
     }
 }
 

@@ -91,7 +91,7 @@ fn parse(reader: impl BufRead, options: &ReadOptions) -> Result<Recording, Fault
     let sources = Sources::choose(&table, &header, options, &mut notes)?;
     let is_ours = header.version.is_some();
     let samples = Samples::collect(&mut table, &sources, is_ours, &mut notes)?;
-    let mut times_s = sources.times_s(&samples, &mut notes)?;
+    let mut times_s = sources.time.times_s(&samples, &mut notes)?;
     let mut readings = sources.readings(&table, &samples, &times_s, &header, options, &mut notes)?;
     // Rigs of ours count their samples, and rows that are counted have no times to be wrong.
     if !is_ours && samples.codes.is_empty() && !sources.counts_rows() {

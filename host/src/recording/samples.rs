@@ -5,6 +5,7 @@ use super::clock;
 use super::error::{Fault, check_step};
 use super::number::{Cell, Numerals};
 use super::table::Table;
+use super::ticks;
 
 /// More samples than a day's at 200 Hz, or ten hours' at 480 Hz, are not one swing.
 pub(super) const MOST_SAMPLES: usize = 17_280_000;
@@ -27,6 +28,8 @@ pub(super) struct Samples {
     /// Day of the first clock time.
     first_day: Option<i64>,
     n_midnights: u32,
+    /// The first time that does not increase, where it may be cured once all are known.
+    standstill: Option<Fault>,
 }
 
 /// Rows without a value.
@@ -54,14 +57,25 @@ impl Samples {
         let mut samples = Self { readings: vec![Vec::new(); columns.len()], ..Self::default() };
         let mut numerals = table.numerals.clone();
         let mut missing = Missing::default();
+        let mut words = Missing::default();
         let (mut n_doubled, mut row_idx) = (0_usize, 0_u32);
         while table.advance()? {
             // Our own writer ends every line: in a row without an end, even what looks like a number may be the
             // beginning of one. The writers of others often leave out the last end.
             let may_be_whole = table.is_complete() || !is_ours;
             match may_be_whole.then(|| samples.take(table, sources, &columns, &mut numerals)) {
-                Some(Ok(Taken::Sample)) => samples.rows.extend(sources.counts_rows().then_some(row_idx)),
+                Some(Ok(Taken::Sample)) => {
+                    samples.rows.extend(sources.counts_rows().then_some(row_idx));
+                    match samples.is_doubled(samples.len() - 1) {
+                        true => n_doubled += 1,
+                        false => samples.check_last(table, sources, is_ours)?,
+                    }
+                }
                 Some(Ok(Taken::Gap { column })) if table.is_complete() => missing.count(table, column),
+                Some(Err(_)) if !is_ours && has_no_number(table) => {
+                    words.count(table, 0);
+                    continue;
+                }
                 Some(Err(fault)) if table.is_complete() => return Err(fault),
                 _ => {
                     notes.push(format!("line {}: cut off while it was written, left out", table.line()));
@@ -69,13 +83,16 @@ impl Samples {
                 }
             }
             row_idx += 1;
-            n_doubled += usize::from(samples.drop_doubled());
-            samples.check_last(table, sources)?;
         }
+        if samples.set_clock_right(notes)? {
+            n_doubled = 0;
+        }
+        samples.drop_doubled(n_doubled);
         if n_doubled > 0 {
             notes.push(format!("{n_doubled} rows stood there twice (same time, same angle), left out once each"));
         }
-        notes.extend(missing.in_words());
+        notes.extend(missing.in_words("rows without a value are gaps"));
+        notes.extend(words.in_words("lines without any number left out"));
         if samples.n_midnights > 0 {
             notes.push("the clock passed midnight: a day added".to_owned());
         }
@@ -138,27 +155,67 @@ impl Samples {
         Ok(Some(day as f64 * clock::DAY_S + moment.second))
     }
 
-    /// Removes the last sample when it repeats time and angle of the one before.
-    fn drop_doubled(&mut self) -> bool {
-        let repeats = |values: &[f64]| matches!(values, [.., before, last] if before == last);
-        let is_doubled = repeats(&self.times) && self.readings.iter().all(|list| repeats(list));
-        if is_doubled {
-            self.times.pop();
-            self.readings.iter_mut().for_each(|list| list.truncate(list.len().saturating_sub(1)));
-            self.codes.pop();
+    /// Counters that began anew, and clocks coarser than the samples; true where rows of the same time are several.
+    fn set_clock_right(&mut self, notes: &mut Vec<String>) -> Result<bool, Fault> {
+        let Some(fault) = self.standstill.take() else { return Ok(false) };
+        let mut times = self.times.clone();
+        let anew = ticks::unwind(&mut times);
+        let spread = ticks::spread(&times);
+        let is_coarse = spread.is_some();
+        let times = spread.unwrap_or(times);
+        let is_wrong = |idx: usize| times[idx] <= times[idx - 1] && (is_coarse || !self.is_doubled(idx));
+        if (1..times.len()).any(is_wrong) {
+            return Err(fault);
         }
-        is_doubled
+        if let Some((n, bits)) = anew {
+            notes.push(format!("the times are counts of {bits} bits that begin anew {n} times: they go on there"));
+        }
+        if is_coarse {
+            notes.push(
+                "the clock is coarser than the samples: rows with the same time are spread evenly over it".to_owned(),
+            );
+        }
+        self.times = times;
+        Ok(is_coarse)
+    }
+
+    /// Does a sample repeat time and readings of the one before?
+    fn is_doubled(&self, idx: usize) -> bool {
+        let repeats = |values: &Vec<f64>| idx > 0 && values.get(idx).is_some_and(|value| *value == values[idx - 1]);
+        repeats(&self.times) && self.readings.iter().all(repeats)
+    }
+
+    fn drop_doubled(&mut self, n_doubled: usize) {
+        if n_doubled == 0 {
+            return;
+        }
+        let kept: Vec<bool> = (0..self.len()).map(|idx| !self.is_doubled(idx)).collect();
+        let keep = |values: &mut Vec<f64>| {
+            let mut kept = kept.iter();
+            values.retain(|_| *kept.next().unwrap_or(&true));
+        };
+        keep(&mut self.times);
+        self.readings.iter_mut().for_each(keep);
+        let mut kept = kept.iter();
+        self.codes.retain(|_| *kept.next().unwrap_or(&true));
     }
 
     /// Time goes on, and there is an end to it.
-    fn check_last(&self, table: &Table, sources: &Sources) -> Result<(), Fault> {
+    fn check_last(&mut self, table: &Table, sources: &Sources, is_ours: bool) -> Result<(), Fault> {
         if self.len() > MOST_SAMPLES {
             return Err(Fault::TooManySamples);
         }
         match self.times[..] {
             [.., before, last] => {
                 let scale = sources.time.scale();
-                check_step(|| format!("line {}", table.line()), before * scale, last * scale)
+                match check_step(|| format!("line {}", table.line()), before * scale, last * scale) {
+                    Err(fault) if is_ours => Err(fault),
+                    Err(fault) => {
+                        self.standstill.get_or_insert(fault);
+                        Ok(())
+                    }
+                    Ok(()) => Ok(()),
+                }
             }
             _ => Ok(()),
         }
@@ -184,10 +241,17 @@ impl Missing {
         });
     }
 
-    fn in_words(self) -> Option<String> {
+    fn in_words(self, what: &str) -> Option<String> {
         let first = self.first?;
-        Some(format!("{} rows without a value are gaps, the first at {first}", self.n_rows))
+        Some(format!("{} {what}, the first at {first}", self.n_rows))
     }
+}
+
+/// Words between the rows or behind them, such as a program's last message.
+fn has_no_number(table: &Table) -> bool {
+    let is_number = |field: &&str| !matches!(Numerals::new().read(field), Cell::Text | Cell::Missing);
+    let fields = table.fields();
+    !fields.iter().any(|field| is_number(field) || clock::read(field).is_some())
 }
 
 /// A row of the table while its cells are read.

@@ -5,7 +5,8 @@
 
 use super::clock;
 use super::error::Fault;
-use super::number::{Cell, Numerals, is_missing};
+use super::monitor::Dress;
+use super::number::{Cell, Numerals, is_missing, number_and_unit};
 use super::source::Lines;
 use super::words::{Meaning, is_unit, meaning};
 use std::collections::VecDeque;
@@ -29,6 +30,7 @@ pub(super) struct Table<'a> {
     /// What the first rows tell of the decimal mark.
     pub(super) numerals: Numerals,
     comments: Vec<(usize, String)>,
+    dress: Dress,
     row: Line,
     n_lines: usize,
 }
@@ -56,7 +58,8 @@ const SEPARATORS: [Separator; 4] = [Separator::Semicolon, Separator::Tab, Separa
 impl<'a> Table<'a> {
     /// Finds the layout of a file.
     pub(super) fn new(mut lines: Lines<'a>) -> Result<Self, Fault> {
-        let held = first_lines(&mut lines)?;
+        let mut held = first_lines(&mut lines)?;
+        let dress = undressed(&mut held);
         if held.iter().all(|line| line.text.trim().is_empty()) {
             return Err(Fault::Empty);
         }
@@ -67,7 +70,7 @@ impl<'a> Table<'a> {
         let is_row = |line: &&str| !is_comment(line) && typical.is_row(line, separator);
         let first_row_idx = texts.iter().position(is_row).ok_or(Fault::NoNumbers { n_lines })?;
         let n_columns = split(texts[first_row_idx], separator).len();
-        let names = find_names(&texts[..first_row_idx], separator, n_columns);
+        let names = dress.names().or_else(|| find_names(&texts[..first_row_idx], separator, n_columns));
         if separator == Separator::Comma && names_fit_pairs(texts[..first_row_idx].last(), n_columns) {
             return Err(Fault::BareCommas);
         }
@@ -75,7 +78,7 @@ impl<'a> Table<'a> {
         let comments = held.iter().filter(|line| is_comment(&line.text)).map(|line| (line.number, line.text.clone()));
         let comments = comments.collect();
         let held = held.into_iter().skip(first_row_idx).collect();
-        Ok(Self { lines, held, separator, names, n_columns, numerals, comments, row: Line::default(), n_lines })
+        Ok(Self { lines, held, separator, names, n_columns, numerals, comments, dress, row: Line::default(), n_lines })
     }
 
     /// Comment lines among the first lines, with their numbers from 1.
@@ -93,6 +96,9 @@ impl<'a> Table<'a> {
                     self.n_lines += 1;
                     self.row.number = self.n_lines;
                     self.row.is_complete = is_complete;
+                    if let Some(plain) = self.dress.undress(&self.row.text) {
+                        self.row.text = plain;
+                    }
                 }
             }
             if !self.row.text.trim().is_empty() && !is_comment(&self.row.text) {
@@ -158,6 +164,19 @@ fn first_lines(lines: &mut Lines) -> Result<Vec<Line>, Fault> {
         held.push(Line { number: held.len() + 1, text: std::mem::take(&mut line.text), is_complete });
     }
     Ok(held)
+}
+
+/// Takes off the first lines what a serial monitor or plotter put around their numbers.
+fn undressed(held: &mut [Line]) -> Dress {
+    let filled = |line: &&Line| !line.text.trim().is_empty() && !is_comment(&line.text);
+    let texts: Vec<&str> = held.iter().filter(filled).map(|line| line.text.as_str()).collect();
+    let dress = Dress::of(&texts);
+    for line in held.iter_mut() {
+        if let Some(plain) = dress.undress(&line.text) {
+            line.text = plain;
+        }
+    }
+    dress
 }
 
 /// The marks of the numbers in the first rows.
@@ -245,7 +264,8 @@ fn n_numbers(line: &str, separator: Separator) -> usize {
 /// A number, NaN too, or a clock time. Between commas a space does not part thousands.
 fn looks_like_number(field: &str, separator: Separator) -> bool {
     let is_number = || field.parse::<f64>().is_ok() || matches!(Numerals::new().read(field), Cell::Number(_));
-    let parts_thousands = separator != Separator::Comma || !field.contains(' ');
+    let number = number_and_unit(field).map_or(field, |(number, _)| number);
+    let parts_thousands = separator != Separator::Comma || !number.contains(' ');
     (parts_thousands && is_number()) || clock::read(field).is_some()
 }
 
@@ -277,9 +297,11 @@ fn bare(field: &str) -> &str {
 fn find_names(lines_above: &[&str], separator: Separator, n_columns: usize) -> Option<Vec<String>> {
     let candidates: Vec<&str> =
         lines_above.iter().copied().filter(|line| !is_comment(line) && !line.trim().is_empty()).collect();
-    let with_all_columns = |line: &&str| split_names(line, separator).len() >= n_columns;
-    let Some(last) = candidates.last().filter(|line| with_all_columns(line)) else {
-        return names_in_comment(lines_above, separator, n_columns);
+    let n_names = |line: &str| split_names(line, separator).iter().filter(|name| !name.is_empty()).count();
+    let with_all_columns = |line: &&str| n_names(line) > 1 && split_names(line, separator).len() >= n_columns;
+    let Some(last) = candidates.last().filter(|line| n_columns == 1 || with_all_columns(line)) else {
+        let in_line = candidates.last().and_then(|line| names_between_spaces(line, n_columns));
+        return in_line.or_else(|| names_in_comment(lines_above, separator, n_columns));
     };
     let names = split_names(last, separator);
     let above = candidates.len().checked_sub(2).map(|idx| split_names(candidates[idx], separator));
@@ -287,6 +309,13 @@ fn find_names(lines_above: &[&str], separator: Separator, n_columns: usize) -> O
         Some(above) => Some(above.iter().zip(&names).map(|(name, unit)| format!("{name} {unit}")).collect()),
         None => Some(names),
     }
+}
+
+/// Names that spaces part, above rows that are parted by something else, if some are known and each column has one.
+fn names_between_spaces(line: &str, n_columns: usize) -> Option<Vec<String>> {
+    let names = split_names(line, Separator::Space);
+    let is_known = names.iter().any(|name| meaning(name) != Meaning::Other);
+    (is_known && names.len() == n_columns).then_some(names)
 }
 
 fn names_in_comment(lines_above: &[&str], separator: Separator, n_columns: usize) -> Option<Vec<String>> {

@@ -1,4 +1,5 @@
-//! What the words of a column name mean, in English, German, French, Spanish and Italian.
+//! What the words of a column name mean, in English, German, French, Spanish and Italian, and the commonest ones in a
+//! dozen languages more.
 //!
 //! `Time [s]`, `time_ms`, `thetaRad`, `Winkel / °`, `Temps (s)`. A name with a word of motion (`omega`, `vitesse`,
 //! `theta_punkt`) is no angle, nor is one with a unit that no angle has (`position (m)`).
@@ -26,6 +27,9 @@ pub(super) enum Meaning {
 
 const NAMES_THE_THING: u8 = 2;
 const NAMES_A_UNIT: u8 = 1;
+
+/// A position may be that of the cart under the pendulum, and a date stands beside the time.
+const NAMES_IT_PERHAPS: u8 = 0;
 
 /// Words after which a column is not the angle itself, whatever else it says.
 const DERIVED: &[&str] = &[
@@ -127,7 +131,26 @@ const TIME: &[&str] = &[
     "hora",
     "tempo",
     "ora",
+    "ts",
+    "tijd",
+    "tid",
+    "aika",
+    "czas",
+    "čas",
+    "idő",
+    "zaman",
+    "время",
+    "час",
+    "时间",
+    "時間",
+    "时刻",
+    "時刻",
+    "시간",
 ];
+
+/// Words of a day, which is the time where nothing else is.
+const DATE: &[&str] = &["date", "datum", "fecha"];
+
 const ANGLE: &[&str] = &[
     "theta",
     "angle",
@@ -144,6 +167,20 @@ const ANGLE: &[&str] = &[
     "ángulo",
     "angulo",
     "angolo",
+    "ângulo",
+    "hoek",
+    "vinkel",
+    "kulma",
+    "kąt",
+    "kat",
+    "úhel",
+    "uhel",
+    "szög",
+    "açı",
+    "угол",
+    "кут",
+    "角度",
+    "각도",
 ];
 const TILT: &[&str] =
     &["tilt", "inclination", "neigung", "neigungswinkel", "inclinaison", "inclinación", "inclinazione"];
@@ -161,6 +198,12 @@ pub(super) fn meaning(name: &str) -> Meaning {
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let time = words.iter().rev().find_map(|word| time_unit(word));
     let angle = words.iter().rev().find_map(|word| angle_unit(word));
+    // `α / °` is an angle; without a unit it is taken for the acceleration.
+    let is_alpha_angle =
+        angle.is_some() && time.is_none() && words.iter().any(|word| matches!(word.as_str(), "alpha" | "α"));
+    if is_alpha_angle && words.len() <= 2 && !name.contains(['²', '^']) {
+        return Meaning::Angle { unit: angle, strength: NAMES_THE_THING };
+    }
     // rad/s, deg/s: an angle and a time unit in one name is a velocity; with s² it is an acceleration.
     let is_per_time = angle.is_some() && time.is_some();
     if has(DERIVED) || is_per_time || words.iter().any(|word| is_derivative(word)) || has_derivative_sign(name) {
@@ -181,13 +224,15 @@ pub(super) fn meaning(name: &str) -> Meaning {
         return Meaning::Other;
     }
     if has(ANGLE) {
-        return Meaning::Angle { unit: angle, strength: NAMES_THE_THING };
+        let strength = if is_angle { NAMES_THE_THING } else { NAMES_IT_PERHAPS };
+        return Meaning::Angle { unit: angle, strength };
     }
     match (has(CODE), time, angle) {
         (true, ..) => Meaning::Code,
         (_, Some(_), _) => Meaning::Time { unit: time, strength: NAMES_A_UNIT },
         (.., Some(_)) => Meaning::Angle { unit: angle, strength: NAMES_A_UNIT },
         _ if has(TILT) => Meaning::Angle { unit: None, strength: NAMES_A_UNIT },
+        _ if has(DATE) => Meaning::Time { unit: None, strength: NAMES_IT_PERHAPS },
         _ => Meaning::Other,
     }
 }
@@ -218,9 +263,10 @@ pub(super) fn is_unit(cell: &str) -> bool {
 pub(super) fn time_unit(word: &str) -> Option<TimeUnit> {
     match word {
         "s" | "sec" | "secs" | "second" | "seconds" | "sek" | "sekunde" | "sekunden" | "seconde" | "secondes"
-        | "segundo" | "segundos" | "secondo" | "secondi" => Some(TimeUnit::Seconds),
+        | "segundo" | "segundos" | "secondo" | "secondi" | "seconden" | "sekunder" | "sekundy" | "saniye" | "сек"
+        | "с" | "秒" => Some(TimeUnit::Seconds),
         "ms" | "msec" | "millis" | "millisecond" | "milliseconds" | "millisekunden" | "millisecondes"
-        | "milisegundos" | "millisecondi" => Some(TimeUnit::Milliseconds),
+        | "milisegundos" | "millisecondi" | "мс" | "毫秒" | "ミリ秒" => Some(TimeUnit::Milliseconds),
         "us" | "µs" | "μs" | "usec" | "micros" | "microsecond" | "microseconds" | "mikrosekunden" => {
             Some(TimeUnit::Microseconds)
         }
@@ -238,7 +284,8 @@ pub(super) fn angle_unit(word: &str) -> Option<AngleUnit> {
             Some(AngleUnit::Radians)
         }
         "deg" | "degs" | "degree" | "degrees" | "°" | "grad" | "degré" | "degrés" | "degre" | "degres" | "grado"
-        | "grados" | "gradi" => Some(AngleUnit::Degrees),
+        | "grados" | "gradi" | "graus" | "graden" | "grader" | "stopnie" | "stupně" | "fok" | "derece" | "град"
+        | "度" => Some(AngleUnit::Degrees),
         "mrad" | "milliradian" | "milliradians" => Some(AngleUnit::Milliradians),
         "gon" | "gradian" | "gradians" => Some(AngleUnit::Gradians),
         "turn" | "turns" | "rev" | "revs" | "revolutions" => Some(AngleUnit::Turns),
@@ -334,6 +381,15 @@ mod tests {
             ("Vitesse angulaire (rad/s)", rate(AngleUnit::Radians)),
             ("Angular acceleration (rad/s²)", Meaning::Other),
             ("Position (m)", Meaning::Other),
+            ("cart_pos", Meaning::Angle { unit: None, strength: NAMES_IT_PERHAPS }),
+            ("α / °", angle(Some(AngleUnit::Degrees))),
+            ("alpha", Meaning::Other),
+            ("alpha (rad/s²)", Meaning::Other),
+            ("Datum", Meaning::Time { unit: None, strength: NAMES_IT_PERHAPS }),
+            ("Tijd (s)", time(Some(TimeUnit::Seconds))),
+            ("Vinkel [grader]", angle(Some(AngleUnit::Degrees))),
+            ("Ângulo (graus)", angle(Some(AngleUnit::Degrees))),
+            ("角度(°)", angle(Some(AngleUnit::Degrees))),
             ("x (m)", Meaning::X),
             ("y_px", Meaning::Y),
             ("Winkel [Grad]", angle(Some(AngleUnit::Degrees))),

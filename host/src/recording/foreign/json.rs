@@ -41,8 +41,12 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
 
 /// A row; names that are new begin with gaps.
 fn take(row: &Map<String, Value>, names: &mut Vec<String>, columns: &mut Vec<Vec<f64>>, n_rows: &mut usize) {
-    for (name, value) in row {
-        let idx = names.iter().position(|known| known == name).unwrap_or_else(|| {
+    let nested = row.iter().filter_map(|(name, value)| Some((name, value.as_object()?)));
+    let inner =
+        nested.flat_map(|(outer, object)| object.iter().map(move |(name, value)| (format!("{outer}.{name}"), value)));
+    let plain = row.iter().filter(|(_, value)| !value.is_object()).map(|(name, value)| (name.clone(), value));
+    for (name, value) in plain.chain(inner) {
+        let idx = names.iter().position(|known| *known == name).unwrap_or_else(|| {
             names.push(name.clone());
             columns.push(vec![f64::NAN; *n_rows]);
             names.len() - 1

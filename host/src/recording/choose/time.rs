@@ -1,0 +1,223 @@
+//! Which column is the time, or what tells it; and in what unit it counts.
+
+use super::super::clock;
+use super::super::columns::{Columns, TimeUnit};
+use super::super::error::Fault;
+use super::super::header::Header;
+use super::super::number;
+use super::super::plausible::{LONGEST_PERIOD_S, SHORTEST_PERIOD_S, Swings};
+use super::super::read::ReadOptions;
+use super::super::samples::Samples;
+use super::super::table::Table;
+use super::super::words::{self, Meaning, meaning};
+use super::super::{MIN_SAMPLES, median, median_step_s};
+use super::{best, find, the_one};
+
+/// Steps of unstated unit beyond this are refused: at 2 Hz a laboratory pendulum cannot be followed.
+pub(in crate::recording) const LONGEST_STEP_S: f64 = 0.5;
+
+/// Times of unstated unit beyond this many seconds count from 1970, in the unit that puts them within a century of it.
+const EPOCH_BEGINS_S: f64 = 1e8;
+
+/// Where time comes from.
+#[derive(Debug)]
+pub(in crate::recording) enum TimeSource {
+    Column {
+        idx: usize,
+        unit: Option<TimeUnit>,
+    },
+    /// Clock times, with or without a date.
+    Clock {
+        idx: usize,
+    },
+    Rate(f64),
+}
+
+impl TimeSource {
+    pub(super) fn column(&self) -> Option<usize> {
+        match self {
+            Self::Column { idx, .. } | Self::Clock { idx } => Some(*idx),
+            Self::Rate(_) => None,
+        }
+    }
+
+    /// Seconds of one unit as far as it is known while rows are read.
+    pub(in crate::recording) fn scale(&self) -> f64 {
+        match self {
+            Self::Column { unit, .. } => unit.unwrap_or(TimeUnit::Seconds).seconds(),
+            _ => 1.0,
+        }
+    }
+
+    /// Times in s from the numbers that were read.
+    pub(in crate::recording) fn times_s(&self, samples: &Samples, notes: &mut Vec<String>) -> Result<Vec<f64>, Fault> {
+        let unit = match *self {
+            Self::Rate(rate_hz) => return times_of_rows(rate_hz, samples),
+            Self::Clock { .. } => return Ok(samples.times.clone()),
+            Self::Column { unit, .. } => unit,
+        };
+        let first = samples.times.first().copied().unwrap_or_default();
+        let step = median_step_s(&samples.times);
+        let epoch = match unit {
+            None => epoch_unit(first).filter(|unit| step * unit.seconds() < LONGEST_PERIOD_S),
+            Some(unit) => (first * unit.seconds() > EPOCH_BEGINS_S).then_some(unit),
+        };
+        if let Some(unit) = epoch {
+            notes.push(format!("times count from 1970, in units of {} s: the first one taken off", unit.seconds()));
+            return Ok(samples.times.iter().map(|time| (time - first) * unit.seconds()).collect());
+        }
+        let is_doubtful = unit.is_none() && samples.times.len() >= MIN_SAMPLES;
+        let unit = match unit {
+            None if is_doubtful && (step > LONGEST_STEP_S || is_spreadsheet_date(first)) => {
+                unit_by_period(samples, notes).ok_or(Fault::StepTooLong { step })?
+            }
+            unit => unit.unwrap_or(TimeUnit::Seconds),
+        };
+        let begin = if unit == TimeUnit::Days { first } else { 0.0 };
+        Ok(samples.times.iter().map(|time| (time - begin) * unit.seconds()).collect())
+    }
+}
+
+/// The unit in which a time lies between 1973 and 2100, if it is large enough to count from 1970.
+fn epoch_unit(first: f64) -> Option<TimeUnit> {
+    let units = [TimeUnit::Seconds, TimeUnit::Milliseconds, TimeUnit::Microseconds, TimeUnit::Nanoseconds];
+    units.into_iter().find(|unit| (EPOCH_BEGINS_S..4.1e9).contains(&(first * unit.seconds())))
+}
+
+/// Days since 1900 of a moment between 1954 and 2119, with a time of the day.
+fn is_spreadsheet_date(first: f64) -> bool {
+    (20_000.0..80_000.0).contains(&first) && first.fract() != 0.0
+}
+
+/// The one unit in which the swings take as long as those of a pendulum: longest and shortest periods are less than a
+/// thousand apart, as seconds and milliseconds are.
+fn unit_by_period(samples: &Samples, notes: &mut Vec<String>) -> Option<TimeUnit> {
+    let range = |readings: &Vec<f64>| {
+        let (low, high) = readings.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+        high - low
+    };
+    let readings = samples.readings.iter().max_by(|a, b| range(a).total_cmp(&range(b)))?;
+    let period = Swings::of(&samples.times, readings)?.period_s;
+    let units = [
+        (TimeUnit::Seconds, "seconds"),
+        (TimeUnit::Milliseconds, "milliseconds"),
+        (TimeUnit::Microseconds, "microseconds"),
+        (TimeUnit::Nanoseconds, "nanoseconds"),
+        (TimeUnit::Days, "days"),
+    ];
+    let is_possible = |unit: TimeUnit| (SHORTEST_PERIOD_S..LONGEST_PERIOD_S).contains(&(period * unit.seconds()));
+    let (unit, name) = units.into_iter().find(|(unit, _)| is_possible(*unit))?;
+    let period_s = period * unit.seconds();
+    notes.push(format!(
+        "the unit of the time is not stated: in {name} it swings there and back in {period_s:.3} s, as a pendulum does, in \
+         any other unit it would not"
+    ));
+    Some(unit)
+}
+
+fn times_of_rows(rate_hz: f64, samples: &Samples) -> Result<Vec<f64>, Fault> {
+    if !(rate_hz.is_finite() && rate_hz > 0.0) {
+        return Err(Fault::BadRate { rate_hz });
+    }
+    Ok(samples.rows.iter().map(|row| f64::from(*row) / rate_hz).collect())
+}
+
+/// A column that is named or told; of several the one before the angle, where each quantity has times of its own; else
+/// one of clock times, the rate, or the first column.
+pub(super) fn choose_time(
+    table: &Table,
+    header: &Header,
+    options: &ReadOptions,
+    asked: &Columns,
+    reading_idx: Option<usize>,
+    notes: &mut Vec<String>,
+) -> Result<TimeSource, Fault> {
+    let named = match &asked.time {
+        Some((column, unit)) => Some((find(table, column)?, *unit)),
+        None => named_time(table, reading_idx, notes)?,
+    };
+    if let Some(rate_hz) = options.rate_hz {
+        if let Some((idx, _)) = named {
+            notes.push(format!("time column {} ignored, the given rate of {rate_hz} Hz used", table.column_name(idx)));
+        }
+        return Ok(TimeSource::Rate(rate_hz));
+    }
+    let fields = table.first_fields();
+    let is_clock = |idx: &usize| fields.get(*idx).is_some_and(|field| clock::read(field).is_some());
+    let clock_idx = named.map(|(idx, _)| idx).or_else(|| (0..table.n_columns).find(is_clock)).filter(is_clock);
+    match (clock_idx, named, header.rate_hz) {
+        (Some(idx), ..) => Ok(TimeSource::Clock { idx }),
+        (_, Some((idx, unit)), _) => {
+            let unit = unit.or(unit_in_name(table, idx)).or_else(|| unit_in_cell(table, idx, words::time_unit));
+            Ok(TimeSource::Column { idx, unit })
+        }
+        (_, None, Some(rate_hz)) => Ok(TimeSource::Rate(rate_hz)),
+        (None, None, None)
+            if table.names.is_none() && table.n_columns >= 2 && reading_idx != Some(unnamed_time(table)) =>
+        {
+            let idx = unnamed_time(table);
+            notes.push(format!("no column names: column {idx} read as time"));
+            Ok(TimeSource::Column { idx, unit: unit_in_cell(table, idx, words::time_unit) })
+        }
+        (None, None, None) => Err(Fault::NoTimeColumn { available: table.available() }),
+    }
+}
+
+/// x and y of a plot: x goes on by even steps, which a point that swings does not, and nothing else is the time.
+pub(super) fn plotted_axes(table: &Table, asked: &Columns) -> Option<(usize, usize)> {
+    let is_time = |name: &String| matches!(meaning(name), Meaning::Time { .. });
+    let is_told = *asked != Columns::default();
+    if is_told || table.names.iter().flatten().any(is_time) {
+        return None;
+    }
+    let axes = the_one(table, Meaning::X).zip(the_one(table, Meaning::Y))?;
+    let x = table.first_numbers(axes.0);
+    let steps: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let typical = median(&mut steps.clone());
+    let is_even = |step: &f64| (0.5 * typical..=1.5 * typical).contains(step);
+    let is_time = steps.len() >= MIN_SAMPLES && typical > 0.0 && steps.iter().all(is_even);
+    is_time.then_some(axes)
+}
+
+/// The column of time where none has a name: the first one, unless it goes back while another one never does.
+pub(super) fn unnamed_time(table: &Table) -> usize {
+    let rises = |idx: &usize| {
+        let numbers = table.first_numbers(*idx);
+        numbers.len() >= MIN_SAMPLES
+            && numbers.windows(2).all(|pair| pair[1] >= pair[0])
+            && numbers.last() > numbers.first()
+    };
+    let falls = table.first_numbers(0).windows(2).any(|pair| pair[1] < pair[0]);
+    if falls { (1..table.n_columns).find(rises).unwrap_or(0) } else { 0 }
+}
+
+/// What stands behind the number in the first row: `57.3 deg`.
+pub(super) fn unit_in_cell<U>(table: &Table, idx: usize, known: impl Fn(&str) -> Option<U>) -> Option<U> {
+    let fields = table.first_fields();
+    let (_, unit) = number::number_and_unit(fields.get(idx)?)?;
+    known(&unit.to_lowercase())
+}
+
+type NamedTime = Option<(usize, Option<TimeUnit>)>;
+
+fn named_time(table: &Table, angle_idx: Option<usize>, notes: &mut Vec<String>) -> Result<NamedTime, Fault> {
+    let is_time = |meaning| match meaning {
+        Meaning::Time { unit, strength } => Some((unit, strength)),
+        _ => None,
+    };
+    let found = best(table, "time", is_time);
+    let (Err(Fault::AmbiguousColumn { .. }), Some(angle_idx)) = (&found, angle_idx) else { return found };
+    let names = table.names.as_deref().unwrap_or_default();
+    let before = names[..angle_idx].iter().rposition(|name| is_time(meaning(name)).is_some());
+    let Some(idx) = before else { return found };
+    let (name, angle) = (table.column_name(idx), table.column_name(angle_idx));
+    notes.push(format!("several columns of times: {name} taken, which stands before {angle}"));
+    Ok(Some((idx, unit_in_name(table, idx))))
+}
+
+fn unit_in_name(table: &Table, idx: usize) -> Option<TimeUnit> {
+    match meaning(table.names.as_ref()?.get(idx)?) {
+        Meaning::Time { unit, .. } => unit,
+        _ => None,
+    }
+}

@@ -1,0 +1,178 @@
+//! Lines of serial monitors and plotters: clock times before an arrow, labels before the numbers, brackets around a row.
+//!
+//! `12:34:05.120 -> 120,57.3`, `t:120 angle:57.3`, `Time: 120 ms, Angle: 57.3 deg`, `(0.12, 57.3)`. Each line becomes the
+//! row that somebody could have printed without them; the labels become the names of the columns.
+
+use super::clock;
+use super::words::is_unit;
+
+/// What the rows of a file are dressed in.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Dress {
+    /// Each row begins with the clock time at which a monitor showed it.
+    arrow: Option<Arrow>,
+    /// Names that stand before the numbers, with a unit behind the number if there is one.
+    pub(super) labels: Option<Vec<String>>,
+}
+
+/// What becomes of the clock times before an arrow.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Arrow {
+    /// The rows have a time of their own, which is the better one.
+    Drop,
+    /// It is the only time that there is.
+    Keep,
+}
+
+impl Dress {
+    /// What most of the first lines wear.
+    pub(super) fn of(lines: &[&str]) -> Self {
+        let behind: Vec<&str> = lines.iter().filter_map(|line| behind_arrow(line)).map(|(_, rest)| rest).collect();
+        let arrow = (2 * behind.len() > lines.len()).then(|| {
+            let n_several = behind.iter().filter(|rest| n_words_with_digits(rest) > 1).count();
+            if 2 * n_several > behind.len() { Arrow::Drop } else { Arrow::Keep }
+        });
+        let bare: Vec<&str> = if arrow.is_some() { behind } else { lines.to_vec() };
+        Self { arrow, labels: common_labels(&bare) }
+    }
+
+    /// The row in plain text; lines in another dress stay as they are.
+    pub(super) fn undress(&self, line: &str) -> Option<String> {
+        let (time, rest) = match self.arrow {
+            Some(_) => behind_arrow(line).map_or((None, line), |(time, rest)| (Some(time), rest)),
+            None => (None, line),
+        };
+        let time = time.filter(|_| self.arrow == Some(Arrow::Keep));
+        let row = match &self.labels {
+            Some(labels) => pairs(rest).filter(|pairs| names_of(pairs) == *labels).map(|pairs| in_one_row(&pairs)),
+            None => between_brackets(rest).map(str::to_owned),
+        };
+        match (row, time) {
+            (row, Some(time)) => Some(format!("{time}\t{}", row.as_deref().unwrap_or(rest))),
+            (None, None) if rest.len() != line.len() => Some(rest.to_owned()),
+            (row, None) => row,
+        }
+    }
+
+    /// The names of the columns, where they stand before the numbers.
+    pub(super) fn names(&self) -> Option<Vec<String>> {
+        let clock = (self.arrow == Some(Arrow::Keep)).then(|| "clock".to_owned());
+        Some(clock.into_iter().chain(self.labels.clone()?).collect())
+    }
+}
+
+/// The clock time before ` -> `, and what stands behind.
+fn behind_arrow(line: &str) -> Option<(&str, &str)> {
+    let (time, rest) = line.split_once("->")?;
+    clock::read(time.trim()).map(|_| (time.trim(), rest.trim()))
+}
+
+fn n_words_with_digits(text: &str) -> usize {
+    let words = text.split(|letter: char| letter.is_whitespace() || matches!(letter, ',' | ';'));
+    words.filter(|word| word.bytes().any(|byte| byte.is_ascii_digit())).count()
+}
+
+/// `(0.1, 0.2)` and `[0.1, 0.2]`, as a program prints several values at once.
+fn between_brackets(line: &str) -> Option<&str> {
+    let line = line.trim().trim_end_matches(',');
+    let inside = |open, close| line.strip_prefix(open)?.strip_suffix(close);
+    inside('(', ')').or_else(|| inside('[', ']'))
+}
+
+/// A label, its number, and the unit behind it.
+struct Pair<'a> {
+    label: &'a str,
+    number: &'a str,
+    unit: &'a str,
+}
+
+/// The labels that more than half of the lines have.
+fn common_labels(lines: &[&str]) -> Option<Vec<String>> {
+    let mut all: Vec<Vec<String>> = lines.iter().filter_map(|line| Some(names_of(&pairs(line)?))).collect();
+    all.sort();
+    let most = all.chunk_by(|a, b| a == b).max_by_key(|run| run.len())?;
+    (2 * most.len() > lines.len()).then(|| most[0].clone())
+}
+
+fn names_of(pairs: &[Pair]) -> Vec<String> {
+    pairs.iter().map(|pair| format!("{} {}", pair.label, pair.unit).trim().to_owned()).collect()
+}
+
+fn in_one_row(pairs: &[Pair]) -> String {
+    pairs.iter().map(|pair| pair.number).collect::<Vec<_>>().join("\t")
+}
+
+/// The whole line as labels and numbers in turn; `None` where it is anything else.
+fn pairs(line: &str) -> Option<Vec<Pair<'_>>> {
+    let mut rest = line.trim();
+    let mut pairs = Vec::new();
+    while !rest.is_empty() {
+        let (label, behind) = rest.split_once([':', '='])?;
+        let label = label.trim();
+        let is_name =
+            label.starts_with(char::is_alphabetic) && label.len() < 40 && !label.contains([',', ';', '"', '{']);
+        let behind = behind.trim_start();
+        let end = behind.find(|letter: char| !matches!(letter, '0'..='9' | '+' | '-' | '.' | 'e' | 'E'));
+        let (number, behind) = behind.split_at(end.unwrap_or(behind.len()));
+        if !is_name || number.parse::<f64>().is_err() {
+            return None;
+        }
+        let (unit, behind) = unit_before(behind);
+        pairs.push(Pair { label, number, unit });
+        rest = behind.trim_start_matches(|letter: char| letter.is_whitespace() || matches!(letter, ',' | ';' | '|'));
+    }
+    (!pairs.is_empty()).then_some(pairs)
+}
+
+/// The unit at the beginning, if there is one, and what follows it.
+fn unit_before(text: &str) -> (&str, &str) {
+    let bare = text.trim_start();
+    let end =
+        bare.find(|letter: char| letter.is_whitespace() || matches!(letter, ',' | ';' | '|')).unwrap_or(bare.len());
+    let (word, rest) = bare.split_at(end);
+    if !word.is_empty() && is_unit(word) { (word, rest) } else { ("", text) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(lines: &[&str], names: Option<&[&str]>, rows: &[Option<&str>]) {
+        let dress = Dress::of(lines);
+        let found = dress.names();
+        assert_eq!(
+            found.as_deref(),
+            names.map(|names| names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>()).as_deref()
+        );
+        let found: Vec<Option<String>> = lines.iter().map(|line| dress.undress(line)).collect();
+        let rows: Vec<Option<String>> = rows.iter().map(|row| row.map(str::to_owned)).collect();
+        assert_eq!(found, rows, "{lines:?}");
+    }
+
+    #[test]
+    fn labels_before_numbers_become_names() {
+        check(&["t:0 angle:57.3", "t:10\tangle:-5e-1"], Some(&["t", "angle"]), &[Some("0\t57.3"), Some("10\t-5e-1")]);
+        check(
+            &["ready", "Time: 0 ms, Angle = 1.5 deg", "Time: 10 ms, Angle = 1.4 deg", "Time: 20 ms, Angle = 1.2 deg"],
+            Some(&["Time ms", "Angle deg"]),
+            &[None, Some("0\t1.5"), Some("10\t1.4"), Some("20\t1.2")],
+        );
+    }
+
+    #[test]
+    fn the_clock_of_a_monitor_is_taken_only_where_there_is_no_other_time() {
+        check(&["12:34:05.120 -> 120,57.3", "12:34:05.130 -> 130,57.2"], None, &[Some("120,57.3"), Some("130,57.2")]);
+        check(
+            &["12:34:05.120 -> 57.3", "12:34:05.130 -> 57.2"],
+            None,
+            &[Some("12:34:05.120\t57.3"), Some("12:34:05.130\t57.2")],
+        );
+        check(&["12:34:05.120 -> angle:7"], Some(&["clock", "angle"]), &[Some("12:34:05.120\t7")]);
+    }
+
+    #[test]
+    fn brackets_around_a_row_fall_off_and_plain_rows_stay() {
+        check(&["(0.0, 1.5)", "[0.1, 1.4],"], None, &[Some("0.0, 1.5"), Some("0.1, 1.4")]);
+        check(&["0.0,1.5", "Time (s),Angle", "12:00:01,3", "a: b"], None, &[None, None, None, None]);
+    }
+}

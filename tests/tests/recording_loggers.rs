@@ -1,0 +1,227 @@
+//! One swing as microcontrollers, monitors, spreadsheets and plotting programs write it down: read rightly, or refused.
+//!
+//! The swing is integrated here: `θ̈ = −40 sin θ − 0.06 ω − 0.05 sgn ω`, let go at 1 rad, 100 samples a second.
+
+use host::recording::{Measured, ReadOptions, Recording, read_bytes};
+
+const RATE_HZ: usize = 100;
+
+/// Time (s), angle (rad), angular velocity (rad/s).
+type Row = (f64, f64, f64);
+
+fn swing(rate_hz: usize, seconds: usize) -> Vec<Row> {
+    swing_from(1.0, rate_hz, seconds)
+}
+
+/// Twenty steps of the classical fixed-step method a sample.
+fn swing_from(start_rad: f64, rate_hz: usize, seconds: usize) -> Vec<Row> {
+    let acceleration = |angle: f64, velocity: f64| {
+        -40.0 * angle.sin() - 0.06 * velocity - 0.05 * if velocity == 0.0 { 0.0 } else { velocity.signum() }
+    };
+    let dt = 1.0 / (20 * rate_hz) as f64;
+    let (mut angle, mut velocity) = (start_rad, 0.0_f64);
+    let mut rows = Vec::new();
+    for idx in 0..rate_hz * seconds {
+        rows.push((idx as f64 / rate_hz as f64, angle, velocity));
+        for _ in 0..20 {
+            let (v1, a1) = (velocity, acceleration(angle, velocity));
+            let (v2, a2) = (velocity + dt / 2.0 * a1, acceleration(angle + dt / 2.0 * v1, velocity + dt / 2.0 * a1));
+            let (v3, a3) = (velocity + dt / 2.0 * a2, acceleration(angle + dt / 2.0 * v2, velocity + dt / 2.0 * a2));
+            let (v4, a4) = (velocity + dt * a3, acceleration(angle + dt * v3, velocity + dt * a3));
+            angle += dt / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
+            velocity += dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+        }
+    }
+    rows
+}
+
+fn table(head: &str, row: impl Fn(Row) -> String) -> String {
+    format!("{head}{}", swing(RATE_HZ, 20).into_iter().map(|values| row(values) + "\n").collect::<String>())
+}
+
+fn open(text: &[u8], options: &ReadOptions) -> Result<Recording, String> {
+    read_bytes("swing.csv", text, options).map_err(|error| error.to_string())
+}
+
+fn told(columns: &str) -> ReadOptions {
+    ReadOptions { columns: Some(columns.parse().unwrap()), ..ReadOptions::default() }
+}
+
+/// Half a digit of the angle, and what the angle moves (6.3 rad/s at most) in half a digit of the time.
+#[track_caller]
+fn check(text: &str, options: &ReadOptions, within_rad: f64, note: &str) -> Recording {
+    let recording = open(text.as_bytes(), options).unwrap_or_else(|error| panic!("{error}"));
+    let truth = swing(RATE_HZ, 20);
+    assert_eq!(recording.len(), truth.len(), "{:?}", recording.notes());
+    let begin_s = recording.times_s()[0];
+    for (idx, (time_s, angle_rad, _)) in truth.iter().enumerate() {
+        let off_s = recording.times_s()[idx] - begin_s - time_s;
+        let off_rad = recording.angles_rad()[idx] - angle_rad;
+        assert!(
+            off_s.abs() < 1e-3 && off_rad.abs() < within_rad,
+            "{idx}: {off_s} s {off_rad} rad {:?}",
+            recording.notes()
+        );
+    }
+    let notes = recording.notes().join("; ");
+    assert!(notes.contains(note), "{notes}");
+    recording
+}
+
+#[track_caller]
+fn check_found(text: &str, within_rad: f64, note: &str) -> Recording {
+    check(text, &ReadOptions::default(), within_rad, note)
+}
+
+/// Half a hundredth of a degree.
+const CENTIDEGREES: f64 = 1e-4;
+
+#[test]
+fn lines_of_serial_monitors_and_plotters_are_rows() {
+    let ms = |t: f64| (1e3 * t).round();
+    let (t_ms, deg) = ("in milliseconds", "read as degrees");
+    let plotter = |(t, a, v): Row| format!("t:{} angle:{:.2} speed:{v:.1}", ms(t), a.to_degrees());
+    check_found(&table("", plotter), CENTIDEGREES, t_ms);
+    let words = |(t, a, _): Row| format!("Time: {} ms, Angle = {:.2} deg", ms(t), a.to_degrees());
+    check_found(&table("Sensor ready\nlet it go!\n", words), CENTIDEGREES, "");
+    let own_time = |(t, a, _): Row| format!("12:34:{:06.3} -> {},{:.2}", 5.0 + t * 1.001, ms(t), a.to_degrees());
+    check_found(&table("", own_time), CENTIDEGREES, deg);
+    let monitors_time = |(t, a, _): Row| format!("12:34:{:06.3} -> {:.2}", 5.0 + t, a.to_degrees());
+    check_found(&table("", monitors_time), CENTIDEGREES, deg);
+    check_found(&table("", |(t, a, _)| format!("({t:.2}, {a:.5})")), 1e-5, "column 0 read as time");
+    let nested = |(t, a, _): Row| format!("{{\"ts\": {}, \"imu\": {{\"angle\": {a:.5}}}}}", 1.7e12 + ms(t));
+    check_found(&table("", nested), 1e-5, "1970");
+}
+
+#[test]
+fn words_between_the_rows_and_units_in_the_cells_are_no_numbers() {
+    let plain = table("time,angle\n", |(t, a, _)| format!("{t:.2},{a:.5}"));
+    check_found(&format!("{plain}Done. 2000 samples\nbye\n"), 1e-5, "2 lines without any number left out");
+    check_found(&table("time,angle\n", |(t, a, _)| format!("{t:.2} s,{:.2} deg", a.to_degrees())), CENTIDEGREES, "");
+    // Small swings in degrees, which nothing but the sign in the cells tells.
+    let small = swing_from(0.05, RATE_HZ, 5).into_iter().map(|(t, a, _)| format!("{t:.2},{:.3}°\n", a.to_degrees()));
+    let small = format!("time,angle\n{}", small.collect::<String>());
+    let recording = open(small.as_bytes(), &ReadOptions::default()).unwrap();
+    assert!((recording.angles_rad()[0] - 0.05).abs() < 1e-5, "{:?}", recording.notes());
+}
+
+#[test]
+fn the_unit_of_the_time_is_the_one_in_which_a_pendulum_swings_so() {
+    for (factor, name) in [(1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds")] {
+        let text = table("", |(t, a, _)| format!("{},{a:.5}", (7.0 + factor * t).round()));
+        check_found(&text, 1e-5, name);
+    }
+    let days = |(t, a, _): Row| format!("{};{}", 46_082.5 + t / 86_400.0, a.to_degrees()).replace('.', ",");
+    check_found(&table("Datum;Winkel (°)\n", days), 1e-9, "in days");
+    // A pendulum of 17 s, a sample a second: in no other unit would that be one.
+    let slow = swing(RATE_HZ, 20).into_iter().step_by(6).enumerate().map(|(idx, (_, a, _))| format!("{idx},{a:.5}\n"));
+    let slow = open(slow.collect::<String>().as_bytes(), &ReadOptions::default()).unwrap();
+    assert!(slow.notes().join("; ").contains("in seconds") && slow.step_s() == 1.0, "{:?}", slow.notes());
+    // Time since the start-up of a microcontroller is no year, however many microseconds have gone by.
+    let long_on = table("", |(t, a, _)| format!("{},{a:.5}", (9e8 + 1e6 * t).round()));
+    check_found(&long_on, 1e-5, "microseconds");
+}
+
+#[test]
+fn counters_that_begin_anew_go_on() {
+    let wrapped = |bits: u32| {
+        move |(t, a, _): Row| {
+            let range = 1_i64 << bits;
+            format!("{},{a:.5}", (range - 4000 + (1e3 * t).round() as i64) % range)
+        }
+    };
+    check_found(&table("ms,rad\n", wrapped(16)), 1e-5, "counts of 16 bits that begin anew 1 times");
+    check_found(&table("ms,rad\n", wrapped(32)), 1e-5, "counts of 32 bits");
+    let signed =
+        |(t, a, _): Row| format!("{},{a:.5}", ((28_000 + (1e3 * t).round() as i64 + 32_768) % 65_536) - 32_768);
+    check_found(&table("ms,rad\n", signed), 1e-5, "16 bits");
+    // An encoder about the zero of its counter, and one of 12 bits about its own zero.
+    let counts = |range: i64| {
+        move |(t, a, _): Row| format!("{t},{}", ((a * 8192.0 / std::f64::consts::TAU).round() as i64).rem_euclid(range))
+    };
+    let half_a_count = 4e-4;
+    check(&table("t,counts\n", counts(65_536)), &told("theta=counts:8192/turn"), half_a_count, "begin anew");
+    check(&table("t,counts\n", counts(8192)), &told("theta=counts:8192/turn"), half_a_count, "wraps around");
+}
+
+#[test]
+fn a_clock_coarser_than_the_samples_is_spread_and_a_stopped_one_refused() {
+    let seconds = table("time,angle\n", |(t, a, _)| format!("12:00:{:02},{a:.5}", t as u32));
+    check_found(&seconds, 1e-5, "coarser than the samples");
+    let fast: Vec<Row> = swing(3000, 8);
+    let text: String = fast.iter().map(|(t, a, _)| format!("{},{a:.5}\n", (1e3 * t) as u64)).collect();
+    let recording = open(format!("ms,rad\n{text}").as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(recording.len(), fast.len());
+    let off_s = recording.times_s().iter().zip(&fast).map(|(time_s, row)| (time_s - row.0).abs()).fold(0.0, f64::max);
+    assert!(off_s < 4e-4, "{off_s}");
+    let stopped = table("t,theta\n", |(t, a, _)| format!("{:.2},{a:.5}", t.min(15.0)));
+    let refused = open(stopped.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("15 s stands there twice") && refused.contains("--rate"), "{refused}");
+}
+
+#[test]
+fn counts_and_volts_are_told_by_what_one_is_worth() {
+    let counts = table("time_ms,encoder\n", |(t, a, _)| {
+        format!("{},{}", (1e3 * t).round(), (a * 2400.0 / std::f64::consts::TAU).round())
+    });
+    let refused = open(counts.as_bytes(), &told("theta=encoder")).unwrap_err();
+    assert!(refused.contains("4096/turn"), "{refused}");
+    check(&counts, &told("theta=encoder:2400/turn"), 1.4e-3, "");
+    check(&counts, &told("theta=encoder:0.15deg"), 1.4e-3, "");
+    let volts = table("t,pot (V)\n", |(t, a, _)| format!("{t},{:.5}", 1.65 + a.to_degrees() / 54.5));
+    let options = ReadOptions { zero: Some(1.65), ..told("t=0,theta=1:54.5deg") };
+    check(&volts, &options, 1e-5, "");
+}
+
+#[test]
+fn the_right_columns_are_taken_whatever_stands_beside_them() {
+    check_found(&table("", |(t, a, _)| format!("{a:.5},{t:.2}")), 1e-5, "column 1 read as time");
+    let cart = |(t, a, v): Row| format!("{t:.2},{:.5},{:.5},{a:.5},{v:.5},0", 0.01 * a, 0.01 * v);
+    check_found(&table("time,cart_pos,cart_vel,pole_angle,pole_vel,force\n", cart), 1e-5, "");
+    let greek = |(t, a, _): Row| format!("{t:.2}\t{:.2}", a.to_degrees()).replace('.', ",");
+    check_found(&table("t / s\tα / °\n", greek), CENTIDEGREES, "");
+    // Names between spaces above columns between tabs; x and y of the bob stand before the angle.
+    let tabs = |(t, a, _): Row| format!("{t:.2}\t{:.5}\t{:.5}\t{a:.5}", 0.25 * a.sin(), -0.25 * a.cos());
+    let recording = check_found(&table("time x y theta\n", tabs), 1e-5, "");
+    assert!(recording.notes().is_empty(), "{:?}", recording.notes());
+    for head in ["x y dx dy\n", "x\ty\tdx\tdy\n"] {
+        let plotted = |(t, a, _): Row| format!("{t:.2}\t{a:.5}\t0.02\t0.01");
+        check_found(&table(head, plotted), 1e-5, "0 (x) goes on evenly: read as the time");
+    }
+    let six = |(t, a, v): Row| format!("{t:.2},{:.3},{:.3},0.02,0.1,-0.2,{v:.5}", 9.81 * a.sin(), 9.81 * a.cos());
+    let imu = open(table("time,ax,ay,az,gx,gy,gz\n", six).as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(imu.measured(), Measured::Rate);
+    assert!((imu.angles_rad()[25] - swing(RATE_HZ, 1)[25].2).abs() < 1e-5, "{:?}", imu.notes());
+    for (head, unit) in [("Tempo (s);Ângulo (graus)\n", 1.0), ("Tijd;Hoek [graden]\n", 1.0), ("时间(s);角度(°)\n", 1.0)]
+    {
+        check_found(&table(head, |(t, a, _)| format!("{t:.2};{:.3}", unit * a.to_degrees())), CENTIDEGREES, "");
+    }
+}
+
+#[test]
+fn a_column_that_never_moves_is_named_with_the_others() {
+    let text = table("t,theta,alpha\n", |(t, a, _)| format!("{t:.2},0.001,{a:.5}"));
+    let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+    for word in ["1 (theta) does not move", "0.001", "alpha", "--columns"] {
+        assert!(refused.contains(word), "{refused}");
+    }
+    check(&text, &told("t=0,theta=alpha"), 1e-5, "");
+}
+
+#[test]
+fn a_stated_unit_that_the_period_contradicts_is_doubted() {
+    let in_pi = table("t,angle (x pi rad)\n", |(t, a, _)| format!("{t:.2},{:.6}", a / std::f64::consts::PI));
+    let notes = open(in_pi.as_bytes(), &ReadOptions::default()).unwrap().notes().join("; ");
+    assert!(notes.contains("doubtful") && notes.contains("as large"), "{notes}");
+    // Half degrees grow a quarter as much: no degrees, and nothing that could be guessed.
+    let halves = table("", |(t, a, _)| format!("{t:.2},{:.4}", 2.0 * a.to_degrees()));
+    let refused = open(halves.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("--degrees") && refused.contains("4096/turn"), "{refused}");
+}
+
+#[test]
+fn an_old_workbook_is_named_as_such() {
+    let bytes = [b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1".as_slice(), &[0; 600]].concat();
+    let refused = open(&bytes, &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("workbook") && refused.contains("save the sheet as CSV"), "{refused}");
+}
