@@ -12,7 +12,9 @@
 //! 5. the windows are followed once more, for what each has of every candidate's step; neighbours are joined until at
 //!    most fourteen clusters are left ([`clusters`]);
 //! 6. each candidate is judged by what it gains and by whether all clusters agree ([`judge`], [`chance`]), and named
-//!    or not ([`findings`]).
+//!    or not ([`findings`]);
+//! 7. what is named is put into the model, as are those that can't be told from it, and the one that explains most comes
+//!    first (`contest`).
 //!
 //! A board keeps the last releases ([`tape`], [`keeper`]) and looks at them in its spare time ([`order`]).
 //!
@@ -21,6 +23,7 @@
 pub mod chance;
 pub mod clusters;
 pub mod column;
+mod contest;
 pub mod findings;
 pub mod follow;
 pub mod judge;

@@ -42,7 +42,7 @@ const PAIRS: [[&str; 2]; 6] = [
 const EACH_OF_TWO_LEAVES: f64 = 3.0;
 
 /// In at least this share of rigs with one effect of 1.5 noises or more it stands first …
-const FIRST: f64 = 0.87;
+const FIRST: f64 = 0.9;
 
 /// … and in this share it is named, alone or as one of those that can't be told apart.
 const AMONG: f64 = 0.96;
@@ -51,7 +51,7 @@ const AMONG: f64 = 0.96;
 const RIGHT: f64 = 0.99;
 
 /// Sizes lie within their 95 % interval, where the law hidden is the one named: less often than they should. In nine
-/// rounds 41 of 45 did.
+/// rounds 39 of 43 did.
 const WITHIN: f64 = 0.88;
 
 /// The law hidden in the plant is the very law of the list, in one number that can be compared.
@@ -228,6 +228,18 @@ fn check_all(outcomes: &[Outcome]) {
 fn innocents_are_not_accused_and_what_is_missing_is_named() {
     const { assert!(LSB_RAD > 1e-3, "a 12-bit converter") };
     check_all(&round(0, 24));
+}
+
+/// One linear step takes a spring or a lag for a gain of the sensor: only in the model they explain more.
+#[test]
+fn of_those_that_are_tied_the_one_that_explains_most_in_the_model_comes_first() {
+    for (index, name) in [(3, "torsional-spring"), (7, "torsional-spring"), (1, "sensor-lag"), (3, "sensor-lag")] {
+        let place = effects().iter().position(|effect| *effect == name).unwrap();
+        let said = found(&one(index, place, name).0);
+        let named = named(&said);
+        assert_eq!(named.first(), Some(&name), "round {index}: {named:?}");
+        assert!(named.contains(&"sensor-gain") && !said.suspects[0].is_tied, "round {index}: {said:?}");
+    }
 }
 
 #[test]

@@ -7,8 +7,8 @@
 
 use super::chance::upper_tail;
 use super::clusters::Clusters;
-use super::column::{Candidate, Columns, MAX_JUDGED, MAX_STRENGTHS, N_BASE, N_STARTS, Strengths};
-use super::judge::{Evidence, Sizes, jackknife, share_of_known};
+use super::column::{Candidate, Columns, MAX_JUDGED, N_BASE, N_STARTS, Strengths};
+use super::judge::{Evidence, Sizes};
 use super::refit::{Bench, Refitted, Releases};
 use super::window::Readings;
 use crate::effect::{Effect, MAX_VALUES};
@@ -43,7 +43,7 @@ const TIE_OF_REST: f64 = 0.1;
 const TIE_SPREAD: f64 = 1.0;
 
 /// From this share of the noise's squares on, more than noise is there.
-const EXCESS: f64 = 0.1;
+pub(super) const EXCESS: f64 = 0.1;
 
 /// An effect that may be missing.
 #[derive(Clone, Debug)]
@@ -139,10 +139,10 @@ impl<R: Real<Mask = bool>> Findings<R> {
 pub struct Room<R: 'static> {
     /// What was found.
     pub findings: Findings<R>,
-    model: Refitted<R>,
-    larger: Refitted<R>,
-    bench: Bench<R>,
-    clusters: Clusters<R>,
+    pub(super) model: Refitted<R>,
+    pub(super) larger: Refitted<R>,
+    pub(super) bench: Bench<R>,
+    pub(super) clusters: Clusters<R>,
 }
 
 impl<R: Copy> Room<R> {
@@ -200,8 +200,7 @@ impl<R: Real<Mask = bool>> Room<R> {
         self.findings.begin(on.noise_rad);
         let Some(free) = self.suspect_all(as_given, on, error) else { return };
         if self.findings.reason.is_none() {
-            let left = self.settle_first(on);
-            self.findings.left = left.map(|square| excess(square, free, on.noise_rad));
+            self.contest(on, free);
         }
     }
 
@@ -278,20 +277,9 @@ impl<R: Real<Mask = bool>> Room<R> {
         let (weight, score) = (all.known[N_STARTS][N_STARTS], all.known_score[N_STARTS]);
         if R::zero().lt(weight) { all.square - score * score / weight } else { all.square }
     }
-
-    /// The sizes of what is named, with the effect in the model: a single step is too short for a large one. Gives the
-    /// squares that are left then.
-    fn settle_first<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>) -> Option<R> {
-        let Self { findings, model, larger, bench, clusters } = self;
-        let suspect = findings.suspects.first_mut()?;
-        let n_values = suspect.effect.parameters.len();
-        let effect = (suspect.effect.id, &suspect.values[..n_values]);
-        larger.copy(model);
-        let has_settled = larger.settle_with(on, effect, &suspect.evidence.known_step, bench);
-        if has_settled { measure(suspect, larger, on, bench, clusters) } else { None }
-    }
 }
 
+/// What is left beyond the noise, as a share of its squares.
 fn excess<R: Real<Mask = bool>>(square: R, free: R, noise_rad: R) -> R {
     square / (free * noise_rad * noise_rad) - R::one()
 }
@@ -335,7 +323,7 @@ fn take_in<R: Real<Mask = bool>>(best: &mut Vec<Promise<R>, MAX_JUDGED>, promise
 }
 
 /// By what candidates are ordered: the gain, less for each of so many numbers that share in it, on so many readings.
-fn rank<R: Real<Mask = bool>>(chi_square: R, n_numbers: usize, n: R) -> R {
+pub(super) fn rank<R: Real<Mask = bool>>(chi_square: R, n_numbers: usize, n: R) -> R {
     let q = R::of(n_numbers as f64);
     chi_square * (R::one() - R::of(SHARE_A_NUMBER) * q) - q * n.ln()
 }
@@ -422,34 +410,4 @@ fn n_effects<R: Real<Mask = bool>>(columns: &Columns<R>) -> usize {
         last = Some(candidate.effect.id);
     }
     n.max(1)
-}
-
-/// The sizes in a model that has the effect, and what it leaves.
-#[inline(never)]
-fn measure<R: Real<Mask = bool>, D: Readings<R> + ?Sized>(
-    suspect: &mut Suspect<R>,
-    larger: &Refitted<R>,
-    on: &Releases<R, D>,
-    bench: &mut Bench<R>,
-    clusters: &mut Clusters<R>,
-) -> Option<R> {
-    bench.columns.fill(&larger.parameters, larger.has_band);
-    let is_own = |(id, _): &(u16, u8)| *id == suspect.effect.id;
-    let column = N_STARTS + N_BASE + bench.columns.present.iter().position(is_own)?;
-    let mut square = R::zero();
-    clusters.clear();
-    larger.each_window(on, false, larger.n_periods(on), bench, &mut |window, _, _, _| {
-        square = square + window.square;
-        clusters.add(|share| share_of_known(window, column, share));
-    });
-    let (step, stds, gain) = jackknife(clusters, bench.columns.known.len())?;
-    let own = bench.columns.present.iter().enumerate().filter(|(_, present)| is_own(present));
-    for ((place, (id, index)), c) in own.zip(0..MAX_STRENGTHS) {
-        let column = N_STARTS + N_BASE + place;
-        let value = larger.parameters.values(*id).and_then(|values| values.get(usize::from(*index)));
-        let size = value.copied().unwrap_or(R::zero()) + step[column];
-        (suspect.evidence.sizes[c], suspect.evidence.stds[c]) = (size, stds[column]);
-        suspect.values[usize::from(*index)] = size;
-    }
-    Some(square - gain)
 }

@@ -32,9 +32,8 @@ const NEAR_INERTIA: f64 = 6e-3;
 const STEPS_WITH_EFFECT: usize = 9;
 
 /// After a step that promised to lower the squares by less than this many squares of the noise, what is left to do is
-/// linear, and is solved for wherever something is judged or measured. With a ten-thousandth of it, or ten times as
-/// much, hidden effects have the same sizes and gains to four digits.
-const STILL: f64 = 50.0;
+/// linear. With half, a tenth or twice of it nine rounds of blind rigs come out alike; a tenth takes a tenth more work.
+pub const STILL: f64 = 500.0;
 
 /// If the last step still moves the inertia about the pivot by more than this share, the model is none of this
 /// pendulum.
@@ -75,6 +74,31 @@ impl<'a, R: Real<Mask = bool>, D: Readings<R> + ?Sized> Releases<'a, R, D> {
         }
         let noise_rad = (squares / n.max(R::one())).sqrt();
         Self { readings: last.iter().copied().collect(), interval_s, noise_rad }
+    }
+}
+
+/// Somebody who watches steps: what is kept of the last one's windows, and whether it was enough.
+pub trait Watch<R: 'static> {
+    /// A step begins, with these columns.
+    fn begin(&mut self, columns: &Columns<R>);
+
+    /// What one of its windows says.
+    fn take(&mut self, window: &Sums<R>);
+
+    /// Is a step enough that will leave these squares, so much less than before (in squares of the noise)?
+    fn is_enough(&self, left: R, gain: R) -> bool;
+}
+
+/// Nobody does.
+struct Unwatched;
+
+impl<R: Real<Mask = bool>> Watch<R> for Unwatched {
+    fn begin(&mut self, _: &Columns<R>) {}
+
+    fn take(&mut self, _: &Sums<R>) {}
+
+    fn is_enough(&self, _: R, gain: R) -> bool {
+        gain.lt(R::of(STILL))
     }
 }
 
@@ -149,26 +173,30 @@ impl<R: Real<Mask = bool>> Refitted<R> {
     pub fn settle_band<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>, bench: &mut Bench<R>) -> bool {
         self.has_band = true;
         self.set_stiction(R::zero());
-        self.steps(on, STEPS_WITH_EFFECT, bench)
+        self.steps(on, STEPS_WITH_EFFECT, bench, &mut Unwatched)
     }
 
     fn set_stiction(&mut self, velocity_band: R) {
         let _ = self.parameters.set(base::STICTION, &[R::zero(), velocity_band]);
     }
 
-    /// Is put right by the readings; from near, it begins with long windows. False where they do not determine it.
+    /// Is put right by the readings. From near, it begins with the step that the bench knows, and goes on with long
+    /// windows. False where the readings do not determine it.
     pub fn settle<D: Readings<R> + ?Sized>(
         &mut self,
         on: &Releases<R, D>,
         is_near: bool,
         bench: &mut Bench<R>,
     ) -> bool {
-        (is_near || self.short_steps(on, bench)) && self.steps(on, LONG_STEPS, bench)
+        if is_near {
+            self.apply(&bench.columns, &bench.known.step);
+        }
+        (is_near || self.short_steps(on, bench)) && self.steps(on, LONG_STEPS, bench, &mut Unwatched)
     }
 
     fn short_steps<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>, bench: &mut Bench<R>) -> bool {
         for _ in 0..SHORT_STEPS {
-            match self.step(on, 1, bench) {
+            match self.step(on, 1, bench, &mut Unwatched) {
                 None => return false,
                 Some((moved, _)) if is_small(moved) => break,
                 Some(_) => {}
@@ -192,21 +220,28 @@ impl<R: Real<Mask = bool>> Refitted<R> {
         (id, values): (u16, &[R]),
         known_step: &[R; MAX_KNOWN],
         bench: &mut Bench<R>,
+        watched: &mut dyn Watch<R>,
     ) -> bool {
         bench.columns.fill(&self.parameters, self.has_band);
         self.apply(&bench.columns, known_step);
         self.has_band = true;
-        self.parameters.set(id, values).is_ok() && self.steps(on, STEPS_WITH_EFFECT, bench)
+        self.parameters.set(id, values).is_ok() && self.steps(on, STEPS_WITH_EFFECT, bench, watched)
     }
 
     /// Steps over windows of a look's length.
-    fn steps<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>, n_most: usize, bench: &mut Bench<R>) -> bool {
-        let (n_periods, still) = (self.n_periods(on), R::of(STILL) * on.noise_rad * on.noise_rad);
+    fn steps<D: Readings<R> + ?Sized>(
+        &mut self,
+        on: &Releases<R, D>,
+        n_most: usize,
+        bench: &mut Bench<R>,
+        watched: &mut dyn Watch<R>,
+    ) -> bool {
+        let (n_periods, unit) = (self.n_periods(on), on.noise_rad * on.noise_rad);
         let mut last = R::zero();
         for _ in 0..n_most {
-            let Some((moved, gain)) = self.step(on, n_periods, bench) else { return false };
+            let Some((moved, gain)) = self.step(on, n_periods, bench, watched) else { return false };
             last = moved.abs();
-            if gain.lt(still) {
+            if watched.is_enough(bench.known.square / unit, gain / unit) {
                 break;
             }
         }
@@ -258,10 +293,15 @@ impl<R: Real<Mask = bool>> Refitted<R> {
         on: &Releases<R, D>,
         n_periods: usize,
         bench: &mut Bench<R>,
+        watched: &mut dyn Watch<R>,
     ) -> Option<(R, R)> {
         bench.columns.fill(&self.parameters, self.has_band);
         bench.all.clear();
-        self.each_window(on, false, n_periods, bench, &mut |window, all, _, _| all.add(window));
+        watched.begin(&bench.columns);
+        self.each_window(on, false, n_periods, bench, &mut |window, all, _, _| {
+            all.add(window);
+            watched.take(window);
+        });
         let Bench { columns, all, known, .. } = bench;
         if !known.solve(all, columns.known.len()) {
             return None;
