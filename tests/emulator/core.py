@@ -245,6 +245,12 @@ class Core:
         """
         self._most.value = self._counter.value
 
+    def must_take(self):
+        """Is an interrupt to be taken at once? Where all are masked, and where another one is being handled, the run ends
+        by itself before the next may be taken.
+        """
+        return self.nvic.next() is not None and not self._primask.read()[0]
+
     def stall_until(self, time):
         """The flash is busy: no instruction can be fetched."""
         self.stalled_until = max(self.stalled_until, time)
@@ -386,7 +392,7 @@ class Core:
             uc.emu_stop()
 
     def _on_unmasked(self, uc, address, size, _):
-        if self.nvic.candidates and not self._primask.read()[0] and self.nvic.next() is not None:
+        if self.nvic.candidates and self.must_take():
             uc.emu_stop()
 
     def _on_exception(self, uc, number, _):

@@ -64,7 +64,7 @@ class Nvic(Peripheral):
 
     def _changed(self):
         self._look()
-        if self.candidates:
+        if self.candidates and self.chip.core.must_take():
             self.chip.core.stop()
 
     def next(self):

@@ -12,10 +12,10 @@ const MOST_LOOKS: u32 = 10_000;
 
 /// From now on it has to be fed.
 pub fn start() {
-    IWDG.kr().write(|w| w.set_key(Key::START));
     IWDG.kr().write(|w| w.set_key(Key::ENABLE));
     IWDG.pr().write(|w| w.set_pr(Pr::DIVIDE_BY64));
     IWDG.rlr().write(|w| w.set_rl(RELOAD - 1));
+    IWDG.kr().write(|w| w.set_key(Key::START));
     // The two registers are taken over by the slow clock, within five of its cycles.
     let _ = (0..MOST_LOOKS).find(|_| !IWDG.sr().read().rvu());
     feed();
