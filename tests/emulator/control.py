@@ -106,8 +106,8 @@ class Control:
     # The USB cable
 
     def usb(self, what):
-        """unplug, plug, bus_reset, suspend, resume, wake_with_reset, die, open or close."""
-        allowed = ("unplug", "plug", "bus_reset", "suspend", "resume", "wake_with_reset", "die", "open", "close")
+        """unplug, plug, bus_reset, suspend, resume, go_on, wake_with_reset, die, open or close."""
+        allowed = ("unplug", "plug", "bus_reset", "suspend", "resume", "go_on", "wake_with_reset", "die", "open", "close")
         if what not in allowed:
             raise ValueError(f"USB knows no {what}")
         getattr(self._chip.host, what)()

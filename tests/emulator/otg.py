@@ -27,7 +27,8 @@ CONFIGURATION = 0x003C_87FF
 AHB_IDLE, FLUSH_RX, FLUSH_TX, CORE_RESET = 1 << 31, 1 << 4, 1 << 5, 1 << 0
 ALL_FIFOS = 16
 SOFT_DISCONNECT = 1 << 1
-FULL_SPEED = 3 << 1
+# In DSTS.
+FULL_SPEED, LINES_IDLE = 3 << 1, 1 << 0
 GLOBAL_INTERRUPT = 1 << 0
 
 
@@ -216,7 +217,9 @@ class Otg(Peripheral):
         return status
 
     def read_DSTS(self):
-        return FULL_SPEED | (self.host.frame_number() << 8 if self.host else 0)
+        if not self.host:
+            return FULL_SPEED
+        return FULL_SPEED | self.host.frame_number() << 8 | (LINES_IDLE if self.host.is_quiet() else 0)
 
     def read_DAINT(self):
         inward, outward = self._pending(everything=True)

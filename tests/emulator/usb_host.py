@@ -99,6 +99,12 @@ class Host:
         self.otg.bus_event(device.WAKE_UP)
         self.on_endpoint_changed()
 
+    def go_on(self):
+        """The bus goes on without a word, as behind a hub that lost its power for a moment."""
+        self._stop_suspend()
+        self.awake = True
+        self.on_endpoint_changed()
+
     def wake_with_reset(self):
         """The PC wakes and resets the port, as after hibernation."""
         self._stop_suspend()
@@ -117,6 +123,10 @@ class Host:
         if not self.plugged:
             self.configured = False
             self._run(None)
+
+    def is_quiet(self):
+        """Is the bus suspended?"""
+        return not (self.plugged and self.awake)
 
     def _stop_suspend(self):
         if self._suspend_event:
@@ -172,7 +182,7 @@ class Host:
         self.otg.setup(struct.pack("<BBHHH", kind, number, value, index, length))
         yield gap
         came = b""
-        if kind & 0x80:
+        if kind & 0x80 and length:
             while len(came) < length:
                 packet = yield from self._data(lambda: self.otg.take(0), limit, what)
                 if packet == "stall":

@@ -4,32 +4,62 @@
 //! A PC may choose the configuration once more while the board is sending. The driver then empties the queue of a
 //! packet that waits but leaves its endpoint enabled, so that the next write would wait for ever; and it goes on with
 //! whichever of DATA0 and DATA1 is next, so that one side takes the other's first packet for one that it has already.
+//!
+//! And a bus that goes on without saying so is one that goes on: while it believes in a suspended bus, the driver answers
+//! no request.
 
 use super::usb_recovery::take_back;
+use embassy_futures::select::{Either, select};
 use embassy_stm32::pac::USB_OTG_FS as OTG;
+use embassy_time::Timer;
 use embassy_usb::driver::{Bus, EndpointAddress, Event, Unsupported};
 
+/// A suspended bus is looked at this often. Half of it would cost more than it brings, twice as much could be felt.
+const LOOK_EVERY_MS: u64 = 10;
+
 /// A bus with such endpoints.
-pub struct CarefulBus<B>(B);
+pub struct CarefulBus<B> {
+    bus: B,
+    is_suspended: bool,
+}
 
 impl<B> CarefulBus<B> {
     /// Around this bus.
     pub fn new(bus: B) -> Self {
-        Self(bus)
+        Self { bus, is_suspended: false }
+    }
+}
+
+/// Returns when the lines are not idle any more.
+async fn goes_on() {
+    loop {
+        Timer::after_millis(LOOK_EVERY_MS).await;
+        if !OTG.dsts().read().suspsts() {
+            return;
+        }
     }
 }
 
 impl<B: Bus> Bus for CarefulBus<B> {
     async fn enable(&mut self) {
-        self.0.enable().await;
+        self.bus.enable().await;
     }
 
     async fn disable(&mut self) {
-        self.0.disable().await;
+        self.bus.disable().await;
     }
 
     async fn poll(&mut self) -> Event {
-        self.0.poll().await
+        let event = if self.is_suspended {
+            match select(self.bus.poll(), goes_on()).await {
+                Either::First(event) => event,
+                Either::Second(()) => Event::Resume,
+            }
+        } else {
+            self.bus.poll().await
+        };
+        self.is_suspended = matches!(event, Event::Suspend);
+        event
     }
 
     fn endpoint_set_enabled(&mut self, endpoint: EndpointAddress, enabled: bool) {
@@ -37,22 +67,22 @@ impl<B: Bus> Bus for CarefulBus<B> {
             take_back(endpoint.index());
         }
         begin_with_data0(endpoint);
-        self.0.endpoint_set_enabled(endpoint, enabled);
+        self.bus.endpoint_set_enabled(endpoint, enabled);
     }
 
     fn endpoint_set_stalled(&mut self, endpoint: EndpointAddress, stalled: bool) {
         if !stalled {
             begin_with_data0(endpoint);
         }
-        self.0.endpoint_set_stalled(endpoint, stalled);
+        self.bus.endpoint_set_stalled(endpoint, stalled);
     }
 
     fn endpoint_is_stalled(&mut self, endpoint: EndpointAddress) -> bool {
-        self.0.endpoint_is_stalled(endpoint)
+        self.bus.endpoint_is_stalled(endpoint)
     }
 
     async fn remote_wakeup(&mut self) -> Result<(), Unsupported> {
-        self.0.remote_wakeup().await
+        self.bus.remote_wakeup().await
     }
 }
 

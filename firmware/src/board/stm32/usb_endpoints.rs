@@ -3,8 +3,11 @@
 //! It takes the number of an endpoint as it comes and panics behind its last one, so that any program on the PC could
 //! restart the board by asking for the status of endpoint 15. USB 2.0, 9.4: such a request is an error.
 //!
-//! And it keeps data that came with a request which was refused meanwhile. They would fill the place of the next ones,
-//! which then never reach the board: no PC could set it up again. So would an answer that the PC never fetched.
+//! It keeps data that came with a request which was refused meanwhile. They would fill the place of the next ones, which
+//! then never reach the board: no PC could set it up again. So would an answer that the PC never fetched.
+//!
+//! It waits for data and for an answer's end although the PC has given up and asks something else. And it leaves a
+//! request for nothing, which has only to be agreed to, without an answer.
 
 use super::usb_bus::CarefulBus;
 use super::usb_recovery;
@@ -19,6 +22,9 @@ use embassy_usb::driver::{
 /// Of a request's first byte: who it is for, and "an endpoint" among them (USB 2.0, table 9-2).
 const RECIPIENT: u8 = 0x1f;
 const ENDPOINT: u8 = 2;
+
+/// Set there if the board is to send something.
+const ASKS: u8 = 0x80;
 
 /// Of the address of an endpoint: its number, and set if it sends (USB 2.0, figure 9-2).
 const NUMBER: u8 = 0x0f;
@@ -95,24 +101,47 @@ impl<'d, D: Driver<'d>> Driver<'d> for Careful<D> {
     }
 }
 
-/// A control pipe that passes on what concerns endpoints that are there, with its own data only.
+/// A control pipe that passes on what concerns endpoints that are there, with its own data only, and gives up what the PC
+/// has given up.
 pub struct CarefulPipe<P> {
     pipe: P,
     known: Known,
 }
 
 impl<P: ControlPipe> CarefulPipe<P> {
-    /// Until the driver has taken a request, all data that it has are older than this request. No interrupt may bring
-    /// any between the two looks; the driver's future holds nothing, so that a new one goes on where it was.
+    /// Until the driver has taken a request, all that it has to receive or to send is older than this request. No
+    /// interrupt may bring anything in between; the driver's futures hold nothing, so that new ones go on where it was.
     fn look_for_request(&mut self, context: &mut Context<'_>) -> Poll<[u8; 8]> {
         cortex_m::interrupt::free(|_| {
-            let _ = poll_once(self.pipe.data_out(&mut [0; PACKET], true, true));
             let request = pin!(self.pipe.setup()).poll(context);
             if request.is_ready() {
-                usb_recovery::has_taken_request();
+                let _ = poll_once(self.pipe.data_out(&mut [0; PACKET], true, true));
+                usb_recovery::take_back(0);
             }
             request
         })
+    }
+
+    /// Looks until something is done, or another request has come in its place.
+    async fn unless_given_up<T>(
+        &mut self,
+        mut look: impl FnMut(&mut P, &mut Context<'_>) -> Poll<Result<T, EndpointError>>,
+    ) -> Result<T, EndpointError> {
+        poll_fn(|context| match look(&mut self.pipe, context) {
+            Poll::Pending => self.look_for_request(context).map(|request| {
+                usb_recovery::put_off(request);
+                Err(EndpointError::Disabled)
+            }),
+            done => done,
+        })
+        .await
+    }
+
+    async fn next_request(&mut self) -> [u8; 8] {
+        match usb_recovery::was_put_off() {
+            Some(request) => request,
+            None => poll_fn(|context| self.look_for_request(context)).await,
+        }
     }
 }
 
@@ -123,21 +152,29 @@ impl<P: ControlPipe> ControlPipe for CarefulPipe<P> {
 
     async fn setup(&mut self) -> [u8; 8] {
         loop {
-            let request = poll_fn(|context| self.look_for_request(context)).await;
-            let [kind, _, _, _, address, ..] = request;
-            if kind & RECIPIENT != ENDPOINT || self.known.has(address) {
+            let request = self.next_request().await;
+            let [kind, _, _, _, address, _, length @ ..] = request;
+            if kind & RECIPIENT == ENDPOINT && !self.known.has(address) {
+                self.pipe.reject().await;
+            } else if kind & ASKS != 0 && length == [0, 0] {
+                self.pipe.accept().await;
+            } else {
                 return request;
             }
-            self.pipe.reject().await;
         }
     }
 
     async fn data_out(&mut self, bytes: &mut [u8], first: bool, last: bool) -> Result<usize, EndpointError> {
-        self.pipe.data_out(bytes, first, last).await
+        self.unless_given_up(|pipe, context| pin!(pipe.data_out(bytes, first, last)).poll(context)).await
     }
 
     async fn data_in(&mut self, bytes: &[u8], first: bool, last: bool) -> Result<(), EndpointError> {
-        self.pipe.data_in(bytes, first, last).await
+        self.unless_given_up(|pipe, context| pin!(pipe.data_in(bytes, first, false)).poll(context)).await?;
+        if last {
+            // The PC says by an empty packet that it has everything.
+            self.data_out(&mut [], first, last).await?;
+        }
+        Ok(())
     }
 
     async fn accept(&mut self) {

@@ -5,9 +5,10 @@
 //! ever (RM0090, 34.17.5, device core: an endpoint is disabled by asking it to be). And while a control transfer waits
 //! for a host that is gone, nobody looks at the bus.
 
-use core::sync::atomic::{AtomicU8, Ordering};
+use core::cell::Cell;
 use embassy_futures::select::select;
 use embassy_stm32::pac::USB_OTG_FS as OTG;
+use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
 use embassy_time::Timer;
 use embassy_usb::{Handler, UsbDevice, driver::Driver};
 
@@ -22,29 +23,29 @@ const MOST_LOOKS: u32 = 1000;
 const LOOK_EVERY_MS: u64 = 10;
 const MOST_UNANSWERED: u32 = 3;
 
-/// Requests that the control endpoint could take when the driver had taken the last one. It can take fewer while one
-/// waits; before the first one this says nothing.
-static SETUPS: AtomicU8 = AtomicU8::new(0);
-
 /// Takes packets back that were meant for the host before the reset.
 pub struct TakeBack;
 
 impl Handler for TakeBack {
     fn reset(&mut self) {
+        was_put_off();
         (0..ENDPOINTS).for_each(take_back);
         // A suspension that was noticed together with the reset came before it.
         OTG.gintsts().write(|w| w.set_usbsusp(true));
     }
 }
 
-/// The driver has taken a request: an answer that still waits was to another one.
-pub(super) fn has_taken_request() {
-    take_back(0);
-    SETUPS.store(setups(), Ordering::Relaxed);
+/// A request that came while another one was being answered; a reset of the bus ends it.
+static NEXT: Mutex<CriticalSectionRawMutex, Cell<Option<[u8; 8]>>> = Mutex::new(Cell::new(None));
+
+/// This request is to be answered next.
+pub(super) fn put_off(request: [u8; 8]) {
+    NEXT.lock(|next| next.set(Some(request)));
 }
 
-fn setups() -> u8 {
-    OTG.doeptsiz(0).read().rxdpid_stupcnt()
+/// The one that is to be answered next, once.
+pub(super) fn was_put_off() -> Option<[u8; 8]> {
+    NEXT.lock(Cell::take)
 }
 
 /// An endpoint's packet will not be sent.
@@ -86,13 +87,12 @@ pub async fn run<'d, D: Driver<'d>>(mut device: UsbDevice<'d, D>) -> ! {
     }
 }
 
-/// Returns when something has come over the bus and nobody takes it.
+/// Returns when the bus was reset and nobody notices.
 async fn left_alone() {
     let mut unanswered = 0;
     while unanswered < MOST_UNANSWERED {
         Timer::after_millis(LOOK_EVERY_MS).await;
         let bus = OTG.gintsts().read();
-        let waits = bus.usbrst() || bus.enumdne() || setups() < SETUPS.load(Ordering::Relaxed);
-        unanswered = if waits { unanswered + 1 } else { 0 };
+        unanswered = if bus.usbrst() || bus.enumdne() { unanswered + 1 } else { 0 };
     }
 }
