@@ -41,7 +41,7 @@ def arguments():
     parser.add_argument("image", help="an .elf of that board")
     parser.add_argument("--cpi", type=float, default=2, help="cycles an instruction takes")
     parser.add_argument("--worst-flash", action="store_true", help="the longest erase and program times")
-    parser.add_argument("--flash-beside", action="store_true", help="the processor runs on while the flash works")
+    parser.add_argument("--flash-beside", action="store_true", help="the flash stops nothing and interrupts nobody")
     parser.add_argument("--protect", type=int, nargs="*", default=[], help="sectors that must not be written to")
     parser.add_argument("--lsi-hz", type=int, default=32_000, help="the watchdog's oscillator, 17 to 47 kHz")
     parser.add_argument("--no-crystal", action="store_true", help="the crystal or the clock from outside is missing")

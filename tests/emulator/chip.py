@@ -65,7 +65,7 @@ class Settings:
     lsi_hz: int = 32_000
     crystal: bool = True
     seed: int = 1
-    # The processor stands still while the flash works.
+    # The processor stands still while the flash works, which interrupts when it has done.
     flash_stops: bool = True
     # Sectors that the option bytes protect against writing.
     protected: tuple = ()

@@ -1,7 +1,8 @@
 """The flash memory's interface. RM0090 3.9, RM0390 3.8; times: DS8626 table 40 and DS10693 table 46.
 
 An erase or a program stops every fetch of code; the interrupts wait, converter, timers and DMA go on. A program that
-runs from RAM or from the instruction cache goes on, too, until it needs the flash: a setting.
+runs from RAM or from the instruction cache goes on, too, until it needs the flash: a setting, with which the flash does
+not interrupt either.
 """
 
 import random
@@ -118,7 +119,7 @@ class Flash(Peripheral):
     def _interrupt(self):
         status, control = self.values["SR"], self.values["CR"]
         asserted = status & EOP and control & EOPIE or status & OPERR and control & ERRIE
-        self.chip.nvic.set_line(INTERRUPT, bool(asserted))
+        self.chip.nvic.set_line(INTERRUPT, bool(asserted) and self.chip.settings.flash_stops)
 
     # Erasing
 

@@ -31,7 +31,7 @@ pub struct Chip {
     pub cpi: f64,
     /// The longest erase and program times of the data sheet instead of the typical ones.
     pub worst_flash: bool,
-    /// The processor runs on while the flash works, as from its instruction cache.
+    /// The processor runs on while the flash works, as from its instruction cache, and nothing interrupts it then.
     pub flash_beside: bool,
     /// Sectors that the option bytes protect against writing.
     pub protected: &'static [u32],

@@ -224,7 +224,7 @@ fn protected_sectors_refuse_the_save_and_the_rig_goes_on() {
 }
 
 #[test]
-fn nothing_rests_on_the_processor_standing_still_while_the_flash_works() {
+fn nothing_rests_on_the_processor_standing_still_while_the_flash_works_or_on_its_interrupt() {
     let mut board = Emulated::new(&Chip { flash_beside: true, ..Chip::of(Board::NucleoF446) });
     fill_with_noise(&mut board, SECTORS[0], 3 * SECTOR, &mut Chance::new(5));
     cut_power(&mut board);
