@@ -158,14 +158,21 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     let (before, after) = (noises(diagnosis.rmse_before), noises(diagnosis.rmse_after));
     match (diagnosis.verdict.as_slice(), diagnosis.unexplained) {
         ([], false) => format!("Nothing is missing at this noise level: the base model leaves {after}."),
-        ([], true) if diagnosis.unproven.is_empty() => format!(
-            "The base model leaves {before}, but no effect of the list explains it.\n\
-             Not explained by any candidate: look where it fails with `host compare`."
-        ),
-        ([], true) => format!(
-            "The base model leaves {before}, and no effect of the list holds on every part of the swings:\n\
-             none of these. Look where it fails with `host compare`."
-        ),
+        (offset, true) if diagnosis.has_no_law() => {
+            let zero = match offset {
+                [] => String::new(),
+                names => format!(" With the sensor's zero put right ({}) it leaves {after}.", names.join(" and ")),
+            };
+            let why = match diagnosis.unproven.is_empty() {
+                true => "explains it",
+                false => "holds on every part of the swings",
+            };
+            let words = format!(
+                "The base model leaves {before}.{zero} More than noise is left, but no effect of the list {why}: none of \
+                 these. Look where it fails with `host compare`."
+            );
+            wrapped(&words, 0)
+        }
         (names, false) => {
             format!("Missing: {}. With it the error falls from {before},\nto {after}.", names.join(" and "))
         }

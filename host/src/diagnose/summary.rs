@@ -146,6 +146,11 @@ pub struct Diagnosis {
 const SUSPECTED_SHARE: f64 = 0.8;
 
 impl Diagnosis {
+    /// Is no law named, only the sensor's zero at most?
+    pub fn has_no_law(&self) -> bool {
+        self.staircase.len() == 1
+    }
+
     /// The unproven claim that would explain most of what is left: likely the cause, though other releases must show
     /// it.
     pub fn suspect(&self) -> Option<&Holding> {

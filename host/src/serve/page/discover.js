@@ -39,9 +39,11 @@ function showWords() {
   const why = (claim) => (claim.standing === 'too-short' ? 'there are too few periods to check it on' : 'not on every part of the swings');
   const dropped = found.unproven.map((claim) => ` Not claimed: ${claim.effect}. It lowers the error to ${mrad(claim.rmse)}, but ${why(claim)}.`).join('');
   const tie = found.family ? ` It is ${found.family.words}; its shape is undecided between ${found.family.members.join(' and ')}.` : found.undecided.length ? ` These swings cannot tell it from ${found.undecided.join(', ')}.` : '';
-  words.textContent = found.verdict.length === 0
-    ? (found.unexplained ? `More than noise is left, but no effect of the list explains it.${dropped}` : 'Nothing is missing at this noise level.')
-    : `Missing: ${names}. With it the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${tie}${dropped}${rest}`;
+  const zero = found.verdict.length ? ` With the sensor's zero put right (${names}) it leaves ${mrad(found.rmse_after)}.` : '';
+  const hasNoLaw = found.staircase.length === 1;
+  words.textContent = hasNoLaw && found.unexplained
+    ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left, but no effect of the list explains it.${dropped}`
+    : found.verdict.length === 0 ? 'Nothing is missing at this noise level.' : `Missing: ${names}. With it the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${tie}${dropped}${rest}`;
 }
 
 /** Small formulas for what no effect explains. */
