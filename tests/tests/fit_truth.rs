@@ -46,6 +46,24 @@ fn the_stated_uncertainty_is_the_spread_over_repeated_measurements() {
     }
 }
 
+/// A third of the critical damping, and no other friction to speak of: a motor at the shaft, or a paddle in oil.
+#[test]
+fn a_pendulum_that_swings_a_few_times_only_is_fitted_too() {
+    let light = Rig { releases_rad: vec![1.2, -0.8], ..pendulum() };
+    let inertia = light.inertia_kg_m2 + light.mass_kg * light.length_m * light.length_m;
+    let critical = 2.0 * (light.mass_kg * light.gravity_m_s2 * light.length_m * inertia).sqrt();
+    let rig = Rig {
+        viscous: critical / 3.0,
+        coulomb_nm: 0.1 * light.coulomb_nm,
+        stiction_nm: 0.1 * light.stiction_nm,
+        ..light
+    };
+    let [viscous, coulomb, inertia] = fitted(&rig);
+    assert!((viscous[0] / rig.viscous - 1.0).abs() < 0.02, "{viscous:?} of {}", rig.viscous);
+    assert!((coulomb[0] - rig.coulomb_nm).abs() < 0.02 * rig.mass_kg * rig.gravity_m_s2 * rig.length_m, "{coulomb:?}");
+    assert!((inertia[0] / rig.inertia_kg_m2 - 1.0).abs() < 0.02, "{inertia:?} of {}", rig.inertia_kg_m2);
+}
+
 /// Of 60 random pendulums, so many 95 % intervals hold the truth at least that a true 95 % leaves fewer only once in a
 /// thousand runs.
 #[test]

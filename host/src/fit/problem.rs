@@ -62,19 +62,20 @@ impl Unknown {
     }
 
     /// A number of an effect, within its physical range. Friction scales with m·g·l, and what has seconds in its unit
-    /// with the period.
+    /// with the period; viscous friction may be as large as a pendulum can have that still swings.
     pub fn of_effect(effect: &'static Effect<f64>, index: usize, parameters: &Parameters<f64>) -> Self {
         let parameter: &Parameter = &effect.parameters[index];
         let size = parameters.pendulum.gravity_torque_nm() / USUAL_GRAVITY_TORQUE_NM;
         let grows = if parameter.unit.starts_with("N·m") { size.max(1.0) } else { 1.0 };
         let grows = grows * pace::scale(parameter.unit, pace::of_pendulum(&parameters.pendulum));
+        let high = parameter.high * grows;
         Self {
             quantity: Quantity::Effect { id: effect.id, index },
             symbol: parameter.symbol,
             name: effect.name,
             unit: parameter.unit,
             low: parameter.low * grows,
-            high: parameter.high * grows,
+            high: if effect.id == base::VISCOUS { high.max(critical_damping(parameters)) } else { high },
             scale: SCALE_OF_RANGE * (parameter.high - parameter.low) * grows,
         }
     }
@@ -127,6 +128,12 @@ const USUAL_GRAVITY_TORQUE_NM: f64 = 0.22;
 
 /// The usual change of a parameter as a share of its range.
 const SCALE_OF_RANGE: f64 = 0.02;
+
+/// Viscous friction with which a pendulum swings no more, N·m·s/rad: 2·√(m·g·l·J). Source: any textbook of vibrations.
+fn critical_damping(parameters: &Parameters<f64>) -> f64 {
+    let pendulum = &parameters.pendulum;
+    2.0 * (pendulum.gravity_torque_nm() * pendulum.pivot_inertia_kg_m2()).sqrt()
+}
 
 /// How one swing began, and where the sensor's zero lay.
 #[derive(Clone, Copy, Debug, PartialEq)]
