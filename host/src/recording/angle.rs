@@ -145,7 +145,11 @@ impl Angles<'_> {
             _ => return Ok(()),
         };
         let may_be_spring = swings.largest_rad < SPRING_RAD && unit.is_none();
-        if is_told || may_be_spring {
+        if is_told {
+            self.notes.push(format!("doubtful: {}; is it an angle, and in that unit?", fault.evidence()));
+            return Ok(());
+        }
+        if may_be_spring {
             self.notes.push(format!("doubtful: {fault}"));
             return Ok(());
         }

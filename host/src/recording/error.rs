@@ -391,6 +391,21 @@ impl From<FileError> for WriteError {
     }
 }
 
+impl Fault {
+    /// What speaks against the unit of the angle, without what to do about it.
+    pub(super) fn evidence(&self) -> String {
+        match self {
+            Self::NotRadians { predicted_percent, found_percent, .. } => {
+                growth_in_words(*predicted_percent, *found_percent)
+            }
+            Self::NotDegrees { factor, .. } => {
+                format!("the period grows with the amplitude as it does for angles {factor:.0} times as large")
+            }
+            other => other.to_string(),
+        }
+    }
+}
+
 /// What the period should do and does; beyond half a turn no pendulum swings to and fro.
 fn growth_in_words(predicted_percent: f64, found_percent: f64) -> String {
     if predicted_percent.is_finite() {

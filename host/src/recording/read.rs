@@ -12,6 +12,7 @@ use super::Recording;
 use super::choose::Sources;
 use super::columns::{AngleUnit, Columns};
 use super::error::{Fault, ReadError};
+use super::grid;
 use super::header::{Header, HeaderReader};
 use super::lost;
 use super::measured::Measured;
@@ -90,8 +91,12 @@ fn parse(reader: impl BufRead, options: &ReadOptions) -> Result<Recording, Fault
     let header = read_header(&table)?;
     let sources = Sources::choose(&table, &header, options, &mut notes)?;
     let is_ours = header.version.is_some();
-    let samples = Samples::collect(&mut table, &sources, is_ours, &mut notes)?;
+    let mut samples = Samples::collect(&mut table, &sources, is_ours, &mut notes)?;
     let mut times_s = sources.time.times_s(&samples, &mut notes)?;
+    if !is_ours && samples.codes.is_empty() {
+        grid::make_even(&mut times_s, &mut notes);
+        samples.leave_out_spikes(&mut times_s, &mut notes);
+    }
     let mut readings = sources.readings(&table, &samples, &times_s, &header, options, &mut notes)?;
     // Rigs of ours count their samples, and rows that are counted have no times to be wrong.
     if !is_ours && samples.codes.is_empty() && !sources.counts_rows() {

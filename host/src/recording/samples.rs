@@ -4,6 +4,7 @@ use super::choose::{Sources, TimeSource};
 use super::clock;
 use super::error::{Fault, check_step};
 use super::number::{Cell, Numerals};
+use super::spikes;
 use super::table::Table;
 use super::ticks;
 
@@ -186,18 +187,39 @@ impl Samples {
     }
 
     fn drop_doubled(&mut self, n_doubled: usize) {
-        if n_doubled == 0 {
+        if n_doubled > 0 {
+            let kept: Vec<bool> = (0..self.len()).map(|idx| !self.is_doubled(idx)).collect();
+            self.keep(&kept);
+        }
+    }
+
+    fn keep(&mut self, kept: &[bool]) {
+        keep(&mut self.times, kept);
+        self.readings.iter_mut().for_each(|list| keep(list, kept));
+        keep(&mut self.codes, kept);
+        keep(&mut self.rows, kept);
+    }
+
+    /// Readings that jump out of the swing and back become gaps; of several axes none is looked at before one is chosen.
+    pub(super) fn leave_out_spikes(&mut self, times_s: &mut Vec<f64>, notes: &mut Vec<String>) {
+        if self.readings.len() > 2 || times_s.len() != self.len() {
             return;
         }
-        let kept: Vec<bool> = (0..self.len()).map(|idx| !self.is_doubled(idx)).collect();
-        let keep = |values: &mut Vec<f64>| {
-            let mut kept = kept.iter();
-            values.retain(|_| *kept.next().unwrap_or(&true));
-        };
-        keep(&mut self.times);
-        self.readings.iter_mut().for_each(keep);
-        let mut kept = kept.iter();
-        self.codes.retain(|_| *kept.next().unwrap_or(&true));
+        let mut kept = vec![true; self.len()];
+        // Of a point x tells: y is level where the pendulum hangs, and stands there in steps.
+        for list in self.readings.iter().take(1) {
+            spikes::spikes(times_s, list).iter().zip(&mut kept).for_each(|(is_spike, kept)| *kept &= !is_spike);
+        }
+        let Some(first) = kept.iter().position(|kept| !kept) else { return };
+        let n = kept.iter().filter(|kept| !**kept).count();
+        let n_places = 1 + kept[first + 1..].windows(2).filter(|pair| pair[0] && !pair[1]).count();
+        notes.push(format!(
+            "{n} readings at {n_places} places jump out of the swing and back, at {:.3} s first, as when a tracker or a bus \
+             loses it: they are left out as gaps",
+            times_s[first]
+        ));
+        keep(times_s, &kept);
+        self.keep(&kept);
     }
 
     /// Time goes on, and there is an end to it.
@@ -230,6 +252,12 @@ impl Samples {
         self.readings.iter_mut().for_each(Vec::shrink_to_fit);
         self.codes.shrink_to_fit();
     }
+}
+
+/// Keeps what is marked, of a list that has something for each mark.
+fn keep<T>(list: &mut Vec<T>, kept: &[bool]) {
+    let mut marks = kept.iter();
+    list.retain(|_| *marks.next().unwrap_or(&true));
 }
 
 impl Missing {

@@ -246,10 +246,13 @@ fn notes(
             notes.push(format!("cut {before_s:.2} s held still before the release at {:.3} s", start.release_s));
         }
         (Some(still), None) if start.free_idx > cut.asked.start => {
-            notes.push(format!("cut {before_s:.2} s: still for {:.2} s, then moved by hand", cut.duration_s(still)))
+            notes.push(format!("cut {before_s:.2} s: still for {:.2} s, then moved by hand", cut.duration_s(still)));
         }
         (None, None) if start.free_idx > cut.asked.start => {
-            notes.push(format!("cut the first {before_s:.2} s: a hand was still moving it"));
+            notes.push(format!(
+                "cut the first {before_s:.2} s: until then it does not follow a free swing (a hand, a stop, or a tracker that \
+                 lost it); --from begins earlier"
+            ));
         }
         _ => {}
     }
@@ -263,10 +266,28 @@ fn notes(
         (_, Some(to_s)) => notes.push(format!("free swing taken up to {to_s} s, as told")),
         (Some(rest), _) => notes.push(format!("cut {:.2} s hanging still at the end", cut.duration_s(rest))),
         _ if free.end < cut.asked.end => notes.push(format!(
-            "cut everything after {:.2} s: something other than gravity and friction moved it there",
+            "cut everything after {:.2} s: something other than gravity and friction moved it there (a hand, a stop, or a \
+             tracker that lost it); --to ends later",
             cut.times_s()[free.end]
         )),
         _ => {}
+    }
+    if let Some(other) = cut.other_swing(free) {
+        let (from_s, to_s) = (cut.times_s()[other.start], cut.times_s()[other.end - 1]);
+        notes.push(format!(
+            "a free swing from {from_s:.2} to {to_s:.2} s is left out, the longest one is taken; --from {from_s:.2} --to \
+             {to_s:.2} takes that one"
+        ));
+    }
+    if cut.states.is_empty() {
+        notes.push(
+            "too few samples a swing to see a hand in it: --from and --to tell where it swings freely".to_owned(),
+        );
+    }
+    if !cut.fades(free) {
+        notes.push(
+            "doubtful: its swings don't become smaller, as free ones do; does a motor or a hand drive it?".to_owned(),
+        );
     }
     notes
 }

@@ -23,6 +23,10 @@ const SAMPLES_BESIDE: f64 = 5.5;
 /// … as long as it spans no more than this of a half swing on either side.
 const WIDEST: f64 = 0.45;
 
+/// A parabola has two samples on either side where a swing has so few that a quartic spans too much of it: with eight a
+/// period its top is 4 % too low.
+const FEW_BESIDE: f64 = 2.5;
+
 /// First look: the angle must fall by this many noise rms …
 const ROUGH_FALL_NOISE: f64 = 14.0;
 
@@ -173,7 +177,8 @@ fn refine(
     let top = |centre_s: f64| top_of::<5>(times_s, angles_rad, centre_s, width_s);
     let (time_s, angle_rad, spread) = top(rough.time_s)
         .and_then(|(first_s, ..)| top(first_s))
-        .or_else(|| top_of::<3>(times_s, angles_rad, rough.time_s, width_s))?;
+        .or_else(|| top_of::<3>(times_s, angles_rad, rough.time_s, width_s))
+        .or_else(|| top_of::<3>(times_s, angles_rad, rough.time_s, FEW_BESIDE * median_step_s(times_s)))?;
     Some(TurningPoint { time_s, angle_rad, spread_rad: noise_rms_rad * spread, is_maximum: rough.is_maximum })
 }
 

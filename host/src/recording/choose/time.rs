@@ -175,7 +175,8 @@ pub(super) fn plotted_axes(table: &Table, asked: &Columns) -> Option<(usize, usi
     let steps: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let typical = median(&mut steps.clone());
     let is_even = |step: &f64| (0.5 * typical..=1.5 * typical).contains(step);
-    let is_time = steps.len() >= MIN_SAMPLES && typical > 0.0 && steps.iter().all(is_even);
+    let n_even = steps.iter().filter(|step| is_even(step)).count();
+    let is_time = steps.len() >= MIN_SAMPLES && steps.iter().all(|step| *step > 0.0) && 10 * n_even > 9 * steps.len();
     is_time.then_some(axes)
 }
 

@@ -66,6 +66,9 @@ fn law_terms(state: &State, scale: Scale) -> Law {
 impl Cut<'_> {
     /// Fits the law and marks the states that break it.
     pub(super) fn find_disturbances(&mut self) -> Option<()> {
+        if self.states.is_empty() {
+            return Some(());
+        }
         let amplitude_rad = self.typical_amplitude_rad();
         let frequency_rad_s = PI / self.half_swing_s;
         let (scale, share) = match self.recording.measured() {

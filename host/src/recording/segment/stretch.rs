@@ -1,7 +1,9 @@
 //! The stretch that is swung freely, and the rest at its end.
 
+use super::super::median;
 use super::super::turning::TurningPoint;
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
+use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Half swings at the end that may be too small to be seen.
@@ -9,6 +11,16 @@ const N_UNSEEN: f64 = 3.0;
 
 /// Swings from turn to turn below this many noise rms are too uncertain to say that they grew.
 const GROWTH_NOISE: f64 = 20.0;
+
+/// A swing with so many turning points beside the free one is worth a word.
+const WORTH_A_LOOK: usize = 2 * MIN_TURNING_POINTS;
+
+/// Quality factor of the best clocks; with half of it a clock would be doubted, with twice of it a motor that holds its swing
+/// to a thousandth in thirty periods would not.
+const BEST_QUALITY: f64 = 2e4;
+
+/// Half swings in each third, at least, before it is said that they don't become smaller.
+const FADING_SWINGS: usize = 6;
 
 impl Cut<'_> {
     /// The stretch between disturbances with the most turning points, cut again where the swings grow.
@@ -25,7 +37,10 @@ impl Cut<'_> {
     }
 
     /// Index ranges between the disturbances.
-    fn stretches(&self) -> Vec<Range<usize>> {
+    pub(super) fn stretches(&self) -> Vec<Range<usize>> {
+        if self.states.is_empty() {
+            return vec![self.asked.clone()];
+        }
         let n_states = self.states.len();
         let mut stretches = Vec::new();
         let mut start = None;
@@ -58,6 +73,11 @@ impl Cut<'_> {
 
     /// A free swing never grows: what comes before the last growth was pushed.
     fn after_last_growth(&self, range: Range<usize>) -> Range<usize> {
+        self.fading_parts(range.clone()).pop().unwrap_or(range)
+    }
+
+    /// What lies between the growths, in order.
+    fn fading_parts(&self, range: Range<usize>) -> Vec<Range<usize>> {
         let inside: Vec<&TurningPoint> =
             self.turns.iter().filter(|turn| range.contains(&self.recording.index_at(turn.time_s))).collect();
         let grows = |three: &[&TurningPoint]| {
@@ -67,10 +87,42 @@ impl Cut<'_> {
             let alternate = three[0].is_maximum != three[1].is_maximum && three[1].is_maximum != three[2].is_maximum;
             alternate && after > GROWTH_NOISE * self.noise_rms_rad && after > before * 1.02 + 6.0 * spread_rad
         };
-        match inside.windows(3).rposition(grows) {
-            Some(growth_idx) => self.recording.index_at(inside[growth_idx + 2].time_s)..range.end,
-            None => range,
+        let index_of = |turn: &TurningPoint| self.recording.index_at(turn.time_s);
+        let mut parts = Vec::new();
+        let mut start = range.start;
+        for three in inside.windows(3).filter(|three| grows(three)) {
+            parts.push(start..index_of(three[1]).max(start));
+            start = index_of(three[2]);
         }
+        parts.push(start..range.end);
+        parts
+    }
+
+    /// The largest swing that is left out beside the free one, if there is one worth a look.
+    pub(super) fn other_swing(&self, free: &Range<usize>) -> Option<Range<usize>> {
+        let is_apart = |range: &Range<usize>| range.end <= free.start || range.start >= free.end;
+        let others = self.stretches().into_iter().flat_map(|range| self.fading_parts(range)).filter(is_apart);
+        let longest = others.max_by_key(|range| self.count_turns(range))?;
+        (self.count_turns(&longest) >= WORTH_A_LOOK).then_some(longest)
+    }
+
+    /// Do the swings become smaller, as without a motor they must? From the first and the last third of many.
+    pub(super) fn fades(&self, free: &Range<usize>) -> bool {
+        let inside: Vec<f64> = self
+            .turns
+            .iter()
+            .filter(|turn| free.contains(&self.recording.index_at(turn.time_s)))
+            .map(|turn| turn.angle_rad)
+            .collect();
+        let mut sizes: Vec<f64> = inside.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+        let third = sizes.len() / 3;
+        if third < FADING_SWINGS {
+            return true;
+        }
+        let n_between = (sizes.len() - third) as f64;
+        let late = median(&mut sizes.split_off(sizes.len() - third));
+        let early = median(&mut sizes[..third]);
+        (early / late).ln() > n_between * PI / (2.0 * BEST_QUALITY)
     }
 
     /// Hanging still at the end: from some half swings after the last motion that can be seen, because the very last

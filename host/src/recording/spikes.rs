@@ -1,0 +1,173 @@
+//! Readings that jump out of the swing and back: a marker that a tracker lost, a failed bus transfer, a disturbed wire.
+//!
+//! In: times and readings in any unit. Out: which readings to leave out, as gaps. A reading is suspected where a cubic
+//! through its neighbours misses it; it is left out where one smooth curve goes through what stands before and behind it,
+//! and not through it. A pendulum that is pushed, stopped or let go does not come back to the curve it was on.
+
+use super::smooth::LocalFit;
+use super::{median, median_step_s, turning};
+use std::ops::Range;
+
+/// A suspected reading is off by so many times what is usual …
+const SUSPECT: f64 = 8.0;
+
+/// … and by this share of the range of the readings. Half of it would take a tracker's wobble for a loss; with twice of it
+/// readings of zero would stay near the lowest point, where they are least wrong.
+const LEAST_SHARE: f64 = 0.03;
+
+/// A loss is no longer than so many readings …
+const LONGEST: usize = 12;
+
+/// … nor than a quarter of a half swing, with so many on either side to tell where the motion goes on. All together span no more than half a swing, or a
+/// quartic through what stands beside a loss would follow any motion.
+const BESIDE: usize = 4;
+
+/// The curve around a loss leaves this many times what is usual at most.
+const CLEAN: f64 = 4.0;
+
+/// It begins and ends abruptly, by this share of how far it goes: what pushes a pendulum begins at nothing.
+const ABRUPT_SHARE: f64 = 0.3;
+
+/// More than this share of all readings are no losses but the sensor.
+const MOST_SHARE: f64 = 0.05;
+
+/// Which readings jump out of the swing and back; none where that would be too many.
+pub(super) fn spikes(times: &[f64], readings: &[f64]) -> Vec<bool> {
+    let none = vec![false; readings.len()];
+    if readings.len() < 4 * (LONGEST + BESIDE) {
+        return none;
+    }
+    let misses: Vec<f64> = (0..readings.len()).map(|idx| miss(times, readings, idx)).collect();
+    let usual = median(&mut misses.iter().map(|miss| miss.abs()).collect::<Vec<f64>>()) / 0.6745;
+    let least = (SUSPECT * usual).max(LEAST_SHARE * range(readings));
+    let Some(half_swing) = turning::half_swing_s(times, readings, usual) else { return none };
+    let in_half_swing = (half_swing / median_step_s(times)) as usize;
+    let longest = LONGEST.min(in_half_swing / 4).min(in_half_swing.saturating_sub(2 * BESIDE));
+    let suspects: Vec<usize> = (0..misses.len()).filter(|idx| misses[*idx].abs() > least / 3.0).collect();
+    if suspects.len() as f64 > 3.0 * MOST_SHARE * readings.len() as f64 {
+        return none;
+    }
+    let mut is_spike = none.clone();
+    for idx in suspects {
+        if !is_spike[idx]
+            && let Some(lost) = lost_around(times, readings, &is_spike, idx, (usual, least), longest)
+        {
+            is_spike[lost].fill(true);
+        }
+    }
+    let n = is_spike.iter().filter(|is_spike| **is_spike).count();
+    if n as f64 > MOST_SHARE * readings.len() as f64 { none } else { is_spike }
+}
+
+/// How far a reading is from the cubic through two neighbours on either side.
+fn miss(times: &[f64], readings: &[f64], idx: usize) -> f64 {
+    if idx < 2 || idx + 2 >= readings.len() {
+        return 0.0;
+    }
+    let others = [idx - 2, idx - 1, idx + 1, idx + 2];
+    let weight = |i: usize| -> f64 {
+        others.iter().filter(|j| **j != i).map(|j| (times[idx] - times[*j]) / (times[i] - times[*j])).product()
+    };
+    readings[idx] - others.iter().map(|i| weight(*i) * readings[*i]).sum::<f64>()
+}
+
+/// Of the middle 98 % of the readings, so that losses do not count.
+fn range(readings: &[f64]) -> f64 {
+    let mut sorted = readings.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let end = sorted.len() / 100;
+    sorted[sorted.len() - 1 - end] - sorted[end]
+}
+
+/// The shortest stretch with this reading in it without which a smooth curve goes through its surroundings.
+fn lost_around(
+    times: &[f64],
+    readings: &[f64],
+    is_spike: &[bool],
+    idx: usize,
+    sizes: (f64, f64),
+    longest: usize,
+) -> Option<Range<usize>> {
+    let stretches = (1..=longest).flat_map(|n| (0..n).map(move |before| (before, n)));
+    let within = |(before, n): (usize, usize)| {
+        let begin = idx.checked_sub(before)?;
+        (begin >= BESIDE && begin + n + BESIDE <= readings.len()).then_some(begin..begin + n)
+    };
+    stretches.filter_map(within).find(|lost| is_lost(times, readings, is_spike, lost, sizes))
+}
+
+fn is_lost(
+    times: &[f64],
+    readings: &[f64],
+    is_spike: &[bool],
+    lost: &Range<usize>,
+    (usual, least): (f64, f64),
+) -> bool {
+    let kept = |idx: &usize| !is_spike[*idx];
+    let before: Vec<usize> = (0..lost.start).rev().filter(kept).take(BESIDE).collect();
+    let behind: Vec<usize> = (lost.end..readings.len()).filter(kept).take(BESIDE).collect();
+    if before.len() + behind.len() < 2 * BESIDE {
+        return false;
+    }
+    let around: Vec<usize> = before.into_iter().rev().chain(behind).collect();
+    let (t, y): (Vec<f64>, Vec<f64>) = around.iter().map(|idx| (times[*idx], readings[*idx])).unzip();
+    let (middle, half) = ((t[0] + t[t.len() - 1]) / 2.0, 0.5001 * (t[t.len() - 1] - t[0]));
+    let Some(curve) = LocalFit::<5>::new(&t, &y, middle, half) else { return false };
+    let squares: f64 = t.iter().zip(&y).map(|(t, y)| (y - curve.angle_rad(*t)).powi(2)).sum();
+    let left = (squares / (t.len() - 5) as f64).sqrt();
+    let off = |idx: usize| (readings[idx] - curve.angle_rad(times[idx])).abs();
+    // What the curve is off by itself in the hole, for the noise of what stands around.
+    let noise = |idx: usize| left.max(usual) * (1.0 + curve.angle_spread(times[idx]).powi(2)).sqrt();
+    let most = lost.clone().map(off).fold(0.0, f64::max);
+    let is_abrupt = off(lost.start).min(off(lost.end - 1)) > ABRUPT_SHARE * most;
+    left < CLEAN * usual.max(least / SUSPECT / CLEAN)
+        && most > least
+        && is_abrupt
+        && lost.clone().all(|idx| off(idx) > SUSPECT * noise(idx))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A swing of 1 s at 60 samples a second, with noise of a thousandth.
+    fn swing() -> (Vec<f64>, Vec<f64>) {
+        let noise = |idx: u32| f64::from(idx.wrapping_mul(2_654_435_761) >> 16) / 65536.0 - 0.5;
+        let times: Vec<f64> = (0..1200_u32).map(|idx| f64::from(idx) / 60.0).collect();
+        let wave = |(idx, t): (usize, &f64)| (-t / 15.0).exp() * (6.3 * t).cos() + 3e-3 * noise(idx as u32);
+        let readings = times.iter().enumerate().map(wave).collect();
+        (times, readings)
+    }
+
+    #[test]
+    fn losses_of_one_and_of_several_readings_are_found_and_nothing_else() {
+        let (times, mut readings) = swing();
+        assert!(spikes(&times, &readings).iter().all(|is_spike| !is_spike));
+        let lost = [100..101, 333..337, 640..646, 901..902];
+        for (range, value) in lost.iter().zip([0.0, -0.9, 0.7, 5.0]) {
+            readings[range.clone()].fill(value);
+        }
+        let found = spikes(&times, &readings);
+        let expected: Vec<usize> = lost.into_iter().flatten().collect();
+        let found: Vec<usize> = (0..found.len()).filter(|idx| found[*idx]).collect();
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_push_a_stop_a_release_and_a_step_are_no_losses() {
+        let (times, readings) = swing();
+        let pushed =
+            times.iter().zip(&readings).map(|(t, y)| if *t < 7.0 { *y } else { 1.7 * y }).collect::<Vec<f64>>();
+        let stopped: Vec<f64> = readings.iter().map(|y| y.min(0.6)).collect();
+        let held: Vec<f64> = readings.iter().enumerate().map(|(idx, y)| if idx < 60 { 1.0 } else { *y }).collect();
+        let stepped: Vec<f64> =
+            readings.iter().enumerate().map(|(idx, y)| if idx < 600 { *y } else { y + 0.5 }).collect();
+        let wrapped: Vec<f64> = readings.iter().map(|y| (y + 0.5).rem_euclid(1.0)).collect();
+        for (name, readings) in
+            [("pushed", pushed), ("stopped", stopped), ("held", held), ("step", stepped), ("wrap", wrapped)]
+        {
+            let n = spikes(&times, &readings).iter().filter(|is_spike| **is_spike).count();
+            assert_eq!(n, 0, "{name}");
+        }
+    }
+}
