@@ -28,7 +28,7 @@ const LONG_STEPS: usize = 6;
 /// same.
 const NEAR_INERTIA: f64 = 6e-3;
 
-/// Where an effect has been added, whose size may be far off yet.
+/// Where an effect has been added, whose size may be far off yet; its sizes are measured by one more.
 const STEPS_WITH_EFFECT: usize = 9;
 
 /// After a step that promised to lower the squares by less than this many squares of the noise, what is left to do is
@@ -225,7 +225,7 @@ impl<R: Real<Mask = bool>> Refitted<R> {
         bench.columns.fill(&self.parameters, self.has_band);
         self.apply(&bench.columns, known_step);
         self.has_band = true;
-        self.parameters.set(id, values).is_ok() && self.steps(on, STEPS_WITH_EFFECT, bench, watched)
+        self.parameters.set(id, values).is_ok() && self.steps(on, STEPS_WITH_EFFECT + 1, bench, watched)
     }
 
     /// Steps over windows of a look's length.
