@@ -13,8 +13,8 @@
 //!    most fourteen clusters are left ([`clusters`]);
 //! 6. each candidate is judged by what it gains and by whether all clusters agree ([`judge`], [`chance`]), and named
 //!    or not ([`findings`]);
-//! 7. what is named is put into the model, as are those that can't be told from it, and the one that explains most comes
-//!    first (`contest`).
+//! 7. what is named is put into the model, and so is the likeliest of those that can't be told from it; the one that
+//!    explains more comes first (`contest`).
 //!
 //! A board keeps the last releases ([`tape`], [`keeper`]) and looks at them in its spare time ([`order`]).
 //!

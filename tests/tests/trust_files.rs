@@ -191,8 +191,9 @@ fn a_read_only_folder_is_named_and_what_lies_in_it_stays() {
 fn a_file_that_is_replaced_while_it_is_read_is_read_whole_before_or_after() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("swing.csv");
+    let angle = |k: i32| 0.1 + 1e-4 * f64::from(k);
     let text = |side: f64| {
-        let row = |k: i32| format!("{:.3},{}\n", 1e-3 * f64::from(k), side * (0.1 + 1e-4 * f64::from(k)));
+        let row = |k: i32| format!("{:.3},{}\n", 1e-3 * f64::from(k), side * angle(k));
         format!("t,theta\n{}", (0..2000).map(row).collect::<String>())
     };
     let texts = [text(1.0), text(-1.0)];
@@ -216,8 +217,9 @@ fn a_file_that_is_replaced_while_it_is_read_is_read_whole_before_or_after() {
         while seen.iter().any(|n| *n < 50) && began.elapsed() < HANG {
             let recording = read().unwrap();
             let angles = recording.angles_rad();
-            let is_one_side = angles.iter().all(|angle| (*angle < 0.0) == (angles[0] < 0.0));
-            assert!(angles.len() == 2000 && is_one_side, "a mixture");
+            let side = angles[0].signum();
+            let is_whole = angles.iter().zip(0..).all(|(found, k)| *found == side * angle(k));
+            assert!(angles.len() == 2000 && is_whole, "a mixture");
             seen[usize::from(angles[0] < 0.0)] += 1;
         }
         assert!(seen.iter().all(|n| *n >= 50), "{seen:?}");

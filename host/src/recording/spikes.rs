@@ -18,8 +18,8 @@ const LEAST_SHARE: f64 = 0.03;
 /// A loss is no longer than so many readings …
 const LONGEST: usize = 12;
 
-/// … nor than a quarter of a half swing, with so many on either side to tell where the motion goes on. All together span no more than half a swing, or a
-/// quartic through what stands beside a loss would follow any motion.
+/// … nor than a quarter of a half swing, with so many on either side to tell where the motion goes on. All together span
+/// no more than half a swing, or a quartic through what stands beside a loss would follow any motion.
 const BESIDE: usize = 4;
 
 /// The curve around a loss leaves this many times what is usual at most.

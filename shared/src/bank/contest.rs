@@ -1,7 +1,7 @@
-//! The first suspect put into the model, and those that can't be told from it in its place.
+//! The first suspect put into the model, and in its place the likeliest of those that can't be told from it.
 //!
 //! Candidates are picked by one linear step, which errs by a few per cent of a large gain: more than what separates a
-//! spring from a sensor's gain. In the model each takes as many steps as it needs, and the one that explains most takes
+//! spring from a sensor's gain. In the model each takes as many steps as it needs, and the one that explains more takes
 //! the first place.
 
 use super::clusters::Clusters;
@@ -29,7 +29,7 @@ const MOST_LEFT: f64 = 0.4;
 const STILL_WHERE_CURVED: f64 = 1.0;
 
 impl<R: Real<Mask = bool>> Room<R> {
-    /// Puts the suspects that may be the one into the model, one after the other; the one that explains most is the
+    /// Puts the suspects that may be the one into the model, one after the other; the one that explains more is the
     /// first then. `free`: how many readings more there are than free numbers.
     #[inline(never)]
     pub(super) fn contest<D: Readings<R> + ?Sized>(&mut self, on: &Releases<R, D>, free: R) {
