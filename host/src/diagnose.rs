@@ -1,17 +1,19 @@
 //! Discovery: which physical effect is missing from the model?
 //!
-//! The base model is fitted first. If it leaves more than the noise, every effect of the list is tried: a score test
-//! ([`score`]) tells in one linearised step what each could gain, the promising ones are fitted in earnest
-//! ([`crate::fit::refine`]), and [`mod@search`] goes on with pairs until nothing significant is left. `verdict` says what
-//! may be claimed, what can't be told apart ([`replacement`], `ties`), what is only a shifted zero of the sensor
-//! ([`zero`]), and what stays unexplained; nothing is claimed that does not hold on every part of the swings ([`holds`]).
-//! For what is left, [`formulas`] searches small laws if somebody wishes.
+//! The base model is fitted first, and the bank has a [`mod@first_look`] around it. If the model leaves more than the
+//! noise, every effect of the list is tried: a score test ([`score`]) tells in one linearised step what each could
+//! gain, the promising ones are fitted in earnest ([`crate::fit::refine`]), and [`mod@search`] goes on with pairs
+//! until nothing significant is left. `verdict` says what may be claimed, what can't be told apart ([`replacement`],
+//! `ties`), what is only a shifted zero of the sensor ([`zero`]), and what stays unexplained; nothing is claimed that
+//! does not hold on every part of the swings ([`holds`]). For what is left, [`formulas`] searches small laws if
+//! somebody wishes.
 
 mod budget;
 pub mod curve;
 mod doubt;
 pub mod evidence;
 mod extension;
+pub mod first_look;
 pub mod formulas;
 pub mod holds;
 mod models;
@@ -29,6 +31,7 @@ pub mod zero;
 pub use budget::Effort;
 pub use curve::FrictionCurve;
 pub use evidence::Evidence;
+pub use first_look::first_look;
 pub use holds::{Holding, Standing};
 pub use summary::{Diagnosis, NotTried, SpecialCase, Step, Suggestion};
 pub use ties::FamilyClaim;
@@ -41,6 +44,7 @@ use crate::formula::effect_of;
 use crate::recording::Measured;
 use crate::swing::Swing;
 use crate::verdict::Left;
+use crate::watch::Look;
 use budget::Budget;
 use search::search;
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
@@ -63,6 +67,8 @@ pub struct Wishes {
     pub typed: Option<&'static Effect<f64>>,
     /// Small formulas are searched for what no effect explains; that takes up to a minute.
     pub formulas: bool,
+    /// Who is told the first look, long before the rest is known.
+    pub at_first_look: Option<fn(&Look)>,
 }
 
 /// The same with more than the effects of the list; a typed one that the rig has already is tried in any case.
@@ -81,6 +87,10 @@ pub fn diagnose_counted(
     let began = Instant::now();
     let problem = base_problem(swings, rig, count);
     let base = fitted_as_it_is(&problem);
+    let first_look = first_look(swings, &base.parameters);
+    if let (Some(look), Some(tell)) = (&first_look, wishes.at_first_look) {
+        tell(look);
+    }
     let (mut candidates, not_tried) = candidates(swings);
     candidates.extend(wishes.typed.or(effect_of(rig, CUSTOM_FORMULA_ID)));
     let decimated = problem.decimated();
@@ -115,6 +125,7 @@ pub fn diagnose_counted(
     let carries = judge.carries(&claimed, held_out, count);
     let parts = Summary {
         judge,
+        first_look,
         claimed,
         curve,
         undecided,

@@ -5,6 +5,7 @@
 //! bytes come in, and time goes on by one sample whenever somebody waits for bytes.
 
 mod bench;
+mod looks;
 mod noise;
 mod paced;
 mod scenario;
@@ -15,6 +16,7 @@ pub use scenario::Scenario;
 
 use crate::link::{LinkError, Port};
 use bench::Bench;
+use looks::Looks;
 use shared::potentiometer::FULL_SCALE_12_BIT;
 use shared::rig::{Finished, MAX_STORED, Outcome, Request, Rig, Stored};
 use shared::wire::{self, Command, Deframer, Frame, MAX_FRAME, Refusal, StoreState};
@@ -45,6 +47,8 @@ pub fn open(name: &str, scenario: &str) -> Result<Box<dyn Port>, LinkError> {
 pub struct SimulatedRig {
     rig: Rig,
     bench: Bench,
+    /// None with firmware that does not look by itself.
+    looks: Option<Looks>,
     deframer: Deframer,
     output: VecDeque<u8>,
     flash: Option<Vec<u8>>,
@@ -56,8 +60,9 @@ impl SimulatedRig {
     pub fn new(scenario: &Scenario, seed: u64) -> Self {
         let rig = Rig::new(NAME, FULL_SCALE_12_BIT, Err(StoreState::Empty));
         let bench = Bench::new(scenario, seed);
-        let mut new =
-            Self { rig, bench, deframer: Deframer::new(), output: VecDeque::new(), flash: None, elapsed_s: 0.0 };
+        let looks = scenario.looks.then(|| Looks::new(&rig));
+        let (deframer, output) = (Deframer::new(), VecDeque::new());
+        let mut new = Self { rig, bench, looks, deframer, output, flash: None, elapsed_s: 0.0 };
         if let Some(sensor) = scenario.sensor {
             let settings = new.rig.settings().with_sensor(sensor);
             new.carry_out(Request::Save(Stored { parameters: new.rig.parameters().clone(), settings }));
@@ -83,6 +88,9 @@ impl SimulatedRig {
         let code = self.bench.sample(&self.rig.settings().sensor, dt_s);
         let output = &mut self.output;
         self.rig.on_sample(code, |frame| put(output, &frame));
+        if let Some(looks) = &mut self.looks {
+            looks.take(code, &self.rig);
+        }
         self.elapsed_s += dt_s;
     }
 
@@ -126,6 +134,9 @@ impl SimulatedRig {
                 put(&mut self.output, &answer);
             }
         }
+        if let Some(looks) = &mut self.looks {
+            looks.notice_changes(&self.rig);
+        }
     }
 
     fn carry_out(&mut self, request: Request) -> Finished {
@@ -142,8 +153,11 @@ impl SimulatedRig {
                 Ok(stored) => Finished::Loaded(stored),
                 Err(_) => Finished::Failed(Refusal::NothingStored),
             },
-            // What it sends is looked at by the program.
-            Request::Suspects => Finished::Failed(Refusal::NotHere),
+            Request::Suspects => match &mut self.looks {
+                Some(looks) => Finished::Suspects(looks.answer()),
+                // What it sends is looked at by the program.
+                None => Finished::Failed(Refusal::NotHere),
+            },
             Request::SetRate(_) | Request::Reset | Request::Bootloader => Finished::Done,
         }
     }
@@ -154,6 +168,7 @@ impl SimulatedRig {
 
     fn restart(&mut self) {
         self.rig = Rig::new(NAME, FULL_SCALE_12_BIT, self.stored());
+        self.looks = self.looks.is_some().then(|| Looks::new(&self.rig));
     }
 }
 

@@ -8,7 +8,7 @@ mod by_rig;
 mod words;
 
 pub use by_rig::{Asked, OwnLooks};
-pub use words::{disconnected, sentence};
+pub use words::{at_first_look, disconnected, sentence};
 
 use crate::record::{Listener, Stage};
 use serde::Serialize;
@@ -17,7 +17,7 @@ use shared::bank::refit::{MAX_RELEASES, Releases};
 use shared::parameters::Parameters;
 
 /// The bank looks at so many readings a second; faster ones are averaged.
-const RATE_HZ: f64 = 250.0;
+pub(crate) const RATE_HZ: f64 = 250.0;
 
 /// A pendulum that was held is let go when it has moved so far, rad.
 const MOVED_RAD: f64 = 0.03;
@@ -229,7 +229,8 @@ impl Listener for Watcher<'_> {
     }
 }
 
-fn said(findings: &Findings<f64>, swings: usize) -> Look {
+/// What was found in so many swings.
+pub(crate) fn said(findings: &Findings<f64>, swings: usize) -> Look {
     Look {
         named: findings.named().take(1).map(|suspect| suspect.effect.name).collect(),
         candidates: findings.suspects.iter().map(|suspect| candidate(suspect, findings.n_clusters)).collect(),

@@ -30,6 +30,9 @@ fn a_hidden_drag_is_named_added_and_the_error_falls_to_the_noise() {
     let number = |key: &str| found[key].as_f64().unwrap();
     assert!(number("rmse_before") > 1.5 * number("noise") && number("rmse_after") < 1.05 * number("noise"));
     assert_eq!(found["unexplained"], false);
+    assert_eq!(found["first_look"]["named"], serde_json::json!(["quadratic-drag"]));
+    let told = host(folder.path(), "diagnose one.csv two.csv").stderr;
+    assert!(told.contains("first look, as a rig makes it by itself: missing is quadratic-drag"), "{told}");
     for key in ["ranked", "undecided", "held_out_before", "held_out_after", "seconds", "simulations", "candidates"] {
         assert!(found.get(key).is_some(), "{key}");
     }

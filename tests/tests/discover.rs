@@ -53,6 +53,20 @@ fn the_examples_are_all_recognised() {
         assert_eq!(sorted(&diagnosis.verdict), sorted(&truth), "{name}");
         let left = diagnosis.rmse_after / diagnosis.noise;
         assert!(left < 1.05 && !diagnosis.unexplained, "{name}: {left} times the noise is left");
+        let look = diagnosis.first_look.as_ref().unwrap();
+        let could_be: Vec<&str> = look
+            .candidates
+            .iter()
+            .filter(|other| other.tied || look.named.contains(&other.name))
+            .map(|it| it.name)
+            .collect();
+        let is_hidden = |name: &&str| truth.iter().any(|hidden| hidden == name);
+        match truth.iter().all(|hidden| hidden == "angle-offset") {
+            true => assert!(look.named.is_empty(), "{name}: at first look {:?}", look.named),
+            false => {
+                assert!(!look.named.is_empty() && could_be.iter().any(is_hidden), "{name}: at first look {look:?}")
+            }
+        }
     }
 }
 

@@ -46,6 +46,7 @@ fn bars_grow_a_name_appears_and_once_it_is_added_the_next_swing_is_not_suspect()
         assert!(unnamed.len() >= 3 && unnamed[0]["p"].as_f64() < Some(1e-6), "{unnamed:?}");
         assert!(unnamed.iter().all(is_no_claim), "{unnamed:?}");
         assert!(unnamed[0]["width"].as_f64() > Some(0.4), "{unnamed:?}");
+        assert_eq!(browser.text("#evidence-judge").await, "Judged by the rig itself.");
         browser.keep_picture("16-bars-without-a-name").await;
         keep_for_docs(&browser, "bars").await;
 
@@ -54,14 +55,14 @@ fn bars_grow_a_name_appears_and_once_it_is_added_the_next_swing_is_not_suspect()
         browser.keep_picture("17-named-while-it-swings").await;
         let told = ended(&browser, "2 releases").await;
         let named = bars(&browser).await;
-        assert!(told.starts_with("Missing: drifting-friction (Mc1 = ("), "{told}");
+        assert!(told.starts_with("The rig itself names what is missing: drifting-friction (Mc1 = ("), "{told}");
         assert!(!browser.text("#evidence-meaning").await.is_empty());
         assert_eq!(
             (&named[0]["name"], &named[0]["kind"]),
             (&json!("drifting-friction"), &json!("claimed")),
             "{named:?}"
         );
-        assert!(browser.text("#evidence-judge").await.contains("this program"));
+        assert_eq!(browser.text("#evidence-judge").await, "Judged by the rig itself.");
         browser.keep_picture("17-named").await;
         keep_for_docs(&browser, "named").await;
 
@@ -105,24 +106,33 @@ fn is_no_claim(bar: &Value) -> bool {
 fn looked_at(server: &Server, n: &str) -> Value {
     let after = format!("after {n}");
     server.tab().wait_for(|state| {
-        let is_ended = state["evidence"]["stage"] == "waiting";
+        let is_ended = state["evidence"]["stage"] == "waiting" && state["evidence"]["is_rig_due"] == false;
         is_ended && state["evidence"]["sentence"].as_str().is_some_and(|told| told.contains(&after))
     })
 }
 
-/// The simulated rig's own friction and inertia are those of a drawing.
+/// The simulated rig's own friction and inertia are those of a drawing. With older firmware the program judges.
 #[test]
 fn numbers_that_are_wrong_are_fitted_from_the_live_view_and_nothing_is_missing_then() {
+    for (scenario, judge) in [("sim", "rig"), ("sim:old-firmware", "program")] {
+        fits_wrong_numbers(scenario, judge);
+    }
+}
+
+fn fits_wrong_numbers(scenario: &str, judge: &str) {
     let folder = tempfile::tempdir().unwrap();
-    let server = server(&folder, "sim");
+    let server = server(&folder, scenario);
     let evidence = &looked_at(&server, "one release")["evidence"];
     assert!(evidence["sentence"].as_str().unwrap().contains("numbers are wrong"), "{evidence}");
-    assert_eq!((&evidence["named"], &evidence["asks_for_a_fit"]), (&json!([]), &json!(true)));
+    assert_eq!(
+        (&evidence["named"], &evidence["asks_for_a_fit"], &evidence["judge"]),
+        (&json!([]), &json!(true), &json!(judge))
+    );
     assert_eq!(server.post("/api/rig/suspect", "{\"effect\":null}").status, 204);
     assert_eq!(server.post("/api/rig/push", "{}").status, 204);
     let state = looked_at(&server, "2 releases");
     assert!(state["evidence"]["sentence"].as_str().unwrap().contains("nothing is missing"), "{}", state["evidence"]);
-    assert_eq!((&state["evidence"]["asks_for_a_fit"], &state["evidence"]["judge"]), (&json!(false), &json!("program")));
+    assert_eq!((&state["evidence"]["asks_for_a_fit"], &state["evidence"]["judge"]), (&json!(false), &json!(judge)));
 }
 
 #[test]
@@ -153,4 +163,22 @@ fn another_rig_brings_its_own_model_and_takes_along_what_was_listened_to() {
     let state = looked_at(&server, "one release");
     assert_eq!(state["rig"]["port"], "sim:drag");
     assert!(!has(&state, "backlash") && state["recordings"] == json!([]), "{}", state["model"]);
+}
+
+/// A pause ends what is listened to, not what was found; what is recorded is looked at like what is only listened to.
+#[test]
+fn a_pause_keeps_what_was_found_and_a_recording_feeds_the_bars() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = server(&folder, "sim:old-firmware");
+    let found = looked_at(&server, "one release")["evidence"].clone();
+    assert_eq!(server.post("/api/rig/pause", "{}").status, 204);
+    let paused = server.tab().wait_for(|state| state["evidence"]["stage"].is_null());
+    assert_eq!((&paused["evidence"]["sentence"], &paused["rig"]["listening"]), (&found["sentence"], &json!(false)));
+    assert_eq!(server.post("/api/rig/record", "{}").status, 204);
+    let state = looked_at(&server, "2 releases");
+    let state = match state["recordings"].as_array().map(Vec::len) {
+        Some(0) => server.tab().wait_for(|state| state["recordings"].as_array().is_some_and(|all| !all.is_empty())),
+        _ => state,
+    };
+    assert_eq!(state["recordings"].as_array().map(Vec::len), Some(1));
 }

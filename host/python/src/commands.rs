@@ -161,7 +161,8 @@ pub(crate) fn diagnose(
     formulas: bool,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(String, Vec<String>)> {
-    let prepared = || Ok((Wishes { typed: effect_of(effect)?, formulas }, reading.reading(Some(&rig.file))?));
+    let prepared =
+        || Ok((Wishes { typed: effect_of(effect)?, formulas, ..Wishes::default() }, reading.reading(Some(&rig.file))?));
     let (wishes, reading) = prepared().map_err(|failure: Failure| raised(&failure))?;
     let file = rig.file.clone();
     compute(py, progress, move |tell| {

@@ -9,6 +9,7 @@ use crate::operations::diagnose::Fields;
 use crate::operations::json::all_named;
 use crate::plot::friction::friction;
 use crate::plot::svg::svg;
+use crate::watch::{Look, at_first_look};
 use clap::Args;
 use shared::effect::Effect;
 use std::path::PathBuf;
@@ -48,7 +49,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let swings = options.given.swings(&model)?;
     let held_out = options.given.held_out(&model, &options.hold_out, &swings)?;
     output::say("fitting the base model, then every effect …");
-    let wishes = Wishes { typed: options.effect, formulas: options.formulas };
+    let wishes = Wishes { typed: options.effect, formulas: options.formulas, at_first_look: Some(first_look) };
     let diagnosis = diagnose_with(&swings, &held_out, model.parameters(), wishes);
     if options.given.json {
         output::json("diagnose", &Fields { recordings: &all_named(&options.given.recordings), diagnosis: &diagnosis });
@@ -56,6 +57,10 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         output::result(&evidence::in_words(&diagnosis));
     }
     draw(options, &diagnosis)
+}
+
+fn first_look(look: &Look) {
+    output::say(&format!("first look, as a rig makes it by itself: {}", at_first_look(look)));
 }
 
 fn draw(options: &Options, diagnosis: &Diagnosis) -> Result<(), Failure> {

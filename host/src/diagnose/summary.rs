@@ -15,6 +15,7 @@ use crate::fit::identify::{Carries, held_out_rmse};
 use crate::recording::Measured;
 use crate::swing::{Swing, Window};
 use crate::verdict::Left;
+use crate::watch::Look;
 use serde::Serialize;
 use shared::effect::CUSTOM_FORMULA_NAME;
 use shared::parameters::Parameters;
@@ -77,6 +78,9 @@ pub struct Diagnosis {
     pub version: u32,
     /// What the recordings hold; of rates, errors are in rad/s.
     pub measured: Measured,
+    /// What a rig would say of these swings, which looks with the base model; `None` where the readings are rates or not
+    /// even in time.
+    pub first_look: Option<Look>,
     /// Effects claimed to be missing from the base model; empty: nothing is missing, or nothing could be named.
     pub verdict: Vec<&'static str>,
     /// Effects that the data can't tell from one of the verdict.
@@ -174,6 +178,7 @@ pub struct Step {
 /// Puts the result together.
 pub(super) struct Summary<'a, 'b, 'c> {
     pub(super) judge: Judge<'a, 'b>,
+    pub(super) first_look: Option<Look>,
     pub(super) claimed: Fitted,
     pub(super) curve: Option<FrictionCurve>,
     pub(super) undecided: Vec<&'static str>,
@@ -225,6 +230,7 @@ impl Summary<'_, '_, '_> {
         Diagnosis {
             version: 1,
             measured,
+            first_look: self.first_look,
             family: family(&self.claimed, &self.undecided),
             undecided: self.undecided,
             not_tried: self.not_tried,

@@ -22,6 +22,8 @@ pub struct Scenario {
     pub sensor: Option<Sensor>,
     /// The wiper loses contact so many seconds after the set-up.
     pub breaks_after_s: Option<f64>,
+    /// Does the rig itself look for what its model lacks?
+    pub looks: bool,
 }
 
 /// Both directions, small and large.
@@ -38,6 +40,7 @@ const PLAIN: Scenario = Scenario {
     noise_codes: NOISE_CODES,
     sensor: None,
     breaks_after_s: None,
+    looks: true,
 };
 
 /// A rig whose hidden effect is to be found; `host simulate NAME --reveal` tells it.
@@ -74,6 +77,12 @@ impl Scenario {
             name: "encoder",
             summary: "an incremental encoder of 1024 lines instead of the potentiometer",
             sensor: Some(Sensor::Encoder(Encoder::new(4096))),
+            ..PLAIN
+        },
+        Self {
+            name: "old-firmware",
+            summary: "the paper's rig with firmware that does not look for what is missing",
+            looks: false,
             ..PLAIN
         },
         Self { name: "broken-wire", summary: "the potentiometer's wire is broken", breaks_after_s: Some(0.0), ..PLAIN },

@@ -27,18 +27,35 @@ pub(super) fn of_reason(reason: Reason) -> &'static str {
 
 /// What a look says, for a person.
 pub fn sentence(look: &Look) -> String {
-    let Some(first) = look.candidates.first().filter(|_| !look.named.is_empty()) else {
+    let Some(first) = named(look) else {
         let reason = look.reason.unwrap_or_default();
         return format!("Nothing is named after {}: {reason}.", releases(look.swings));
     };
-    let others: Vec<&str> = look.candidates.iter().skip(1).filter(|other| other.tied).map(|other| other.name).collect();
-    let tied = match others.as_slice() {
+    let tied = match tied(look).as_slice() {
         [] => String::new(),
         names => format!(" These swings can't tell it from {}.", names.join(" or ")),
     };
     let more = if look.left.is_some_and(|left| left > MORE) { " More than noise is left with it." } else { "" };
     let who = if look.judge == Judge::Rig { "The rig itself names what is missing" } else { "Missing" };
     format!("{who}: {} ({}), after {}.{tied}{more}", first.name, numbers(first), releases(look.swings))
+}
+
+/// The same in short, where the thorough answer follows.
+pub fn at_first_look(look: &Look) -> String {
+    let Some(first) = named(look) else {
+        return look.reason.unwrap_or("nothing").to_owned();
+    };
+    let names: Vec<&str> = [first.name].into_iter().chain(tied(look)).collect();
+    format!("missing is {}", names.join(" or "))
+}
+
+fn named(look: &Look) -> Option<&Candidate> {
+    look.candidates.first().filter(|_| !look.named.is_empty())
+}
+
+/// What these swings can't tell from the first suspect.
+fn tied(look: &Look) -> Vec<&'static str> {
+    look.candidates.iter().skip(1).filter(|other| other.tied).map(|other| other.name).collect()
 }
 
 fn releases(n: usize) -> String {
