@@ -13,8 +13,10 @@ use super::problem::{PER_SWING, Problem, Quantity, Unknown};
 use super::ridge::roughness;
 use super::solve::Factor;
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use shared::curve::{Curve, Spline};
 use shared::effect::Effect;
+use std::array;
 use std::ops::Range;
 
 /// Numbers of knots that are tried, beside two: a straight line, Coulomb and viscous friction.
@@ -88,29 +90,29 @@ pub fn choice(on: &Problem, fine: &Fitted, begin: Begin) -> Option<Choice> {
     let told = (0..curve.torques_nm().len()).map(|k| all.matrix[(first + k, first + k)]).sum::<f64>();
     let unit = told / (curve.torques_nm().len() * n_samples) as f64;
     let n_fine = curve.torques_nm().len();
-    let shape = |n_knots: usize, strength: f64| Shape::new(&curve, &free, n_knots, strength);
-    let straight = shape(2, 0.0);
-    let tried = N_KNOTS.into_iter().filter(|n_knots| *n_knots <= n_fine);
-    let shapes = tried.flat_map(|n_knots| STRENGTHS.map(move |power| (n_knots, unit * 10f64.powi(power))));
-    let straight_squares = straight.left_out(&blocks);
-    let mut best: Option<(f64, Shape, Vec<f64>)> = None;
-    for (n_knots, strength) in shapes {
-        let shape = shape(n_knots, strength);
-        let squares = shape.left_out(&blocks);
-        let left = mean_of_logs(&squares);
-        if left.is_finite() && best.as_ref().is_none_or(|(lowest, ..)| left < *lowest) {
-            best = Some((left, shape, squares));
+    let shape = |n_knots: usize| Shape::new(&curve, &free, n_knots);
+    let straight_squares = shape(2).left_out(&blocks, &[0.0]).swap_remove(0);
+    let strengths: Vec<f64> = STRENGTHS.map(|power| unit * 10f64.powi(power)).collect();
+    let tried: Vec<Shape> = N_KNOTS.into_iter().filter(|n_knots| *n_knots <= n_fine).map(shape).collect();
+    let left_out: Vec<Vec<Vec<f64>>> = tried.par_iter().map(|shape| shape.left_out(&blocks, &strengths)).collect();
+    let mut best: Option<(f64, &Shape, f64, &Vec<f64>)> = None;
+    for (shape, of_strengths) in tried.iter().zip(&left_out) {
+        for (strength, squares) in strengths.iter().zip(of_strengths) {
+            let left = mean_of_logs(squares);
+            if left.is_finite() && best.as_ref().is_none_or(|(lowest, ..)| left < *lowest) {
+                best = Some((left, shape, *strength, squares));
+            }
         }
     }
-    let (lowest, shape, squares) = best?;
-    let solution = shape.solution(&all, n_samples);
+    let (lowest, shape, strength, squares) = best?;
+    let solution = shape.solution(shape.sums(&all), n_samples, strength);
     let torques: Vec<f64> = solution.iter().skip(first).map(|torque| torque.max(0.0)).collect();
     Some(Choice {
         curve: Curve::new(&shape.speeds_rad_s, &torques)?,
-        strength: shape.strength,
+        strength,
         left_out_rad: (0.5 * lowest).exp(),
         straight_rad: (0.5 * mean_of_logs(&straight_squares)).exp(),
-        better_by: better_by(&squares, &straight_squares),
+        better_by: better_by(squares, &straight_squares),
         n_blocks: blocks.len(),
     })
 }
@@ -150,10 +152,9 @@ fn total<'a>(blocks: impl Iterator<Item = &'a Block>) -> Sums {
     sums.unwrap_or(Sums::zeros(0))
 }
 
-/// A number of knots and a ridge.
+/// A number of knots.
 struct Shape {
     speeds_rad_s: Vec<f32>,
-    strength: f64,
     /// The finest curve's torques from this one's: a column a knot.
     finer: DMatrix<f64>,
     first: usize,
@@ -162,10 +163,10 @@ struct Shape {
 }
 
 impl Shape {
-    fn new(fine: &Curve<f64>, free: &[bool], n_knots: usize, strength: f64) -> Self {
+    fn new(fine: &Curve<f64>, free: &[bool], n_knots: usize) -> Self {
         let speeds_rad_s = knots(fine.speeds_rad_s(), n_knots);
         let finer = between(&speeds_rad_s, fine.speeds_rad_s());
-        Self { speeds_rad_s, strength, finer, first: free.len(), free: free.to_vec() }
+        Self { speeds_rad_s, finer, first: free.len(), free: free.to_vec() }
     }
 
     /// The equations of samples over the unknowns and this curve's knots.
@@ -177,31 +178,37 @@ impl Shape {
         Sums { matrix: change.tr_mul(&(&fine.matrix * &change)), gradient: change.tr_mul(&fine.gradient) }
     }
 
-    fn solution(&self, fine: &Sums, n_samples: usize) -> DVector<f64> {
-        let Sums { mut matrix, gradient } = self.sums(fine);
+    /// The numbers that suit samples best, of which these are the [`Shape::sums`], with a ridge of this strength.
+    fn solution(&self, sums: Sums, n_samples: usize, strength: f64) -> DVector<f64> {
+        let Sums { mut matrix, gradient } = sums;
         let n_knots = self.speeds_rad_s.len();
         let squares: Vec<f64> = matrix.diagonal().iter().copied().collect();
         let mut corner = matrix.view_mut((self.first, self.first), (n_knots, n_knots));
-        corner += self.strength * n_samples as f64 * roughness(&self.speeds_rad_s);
+        corner += strength * n_samples as f64 * roughness(&self.speeds_rad_s);
         Factor::of_squares(&matrix, &squares, |j| self.free.get(j).is_none_or(|free| *free)).solve(&gradient)
     }
 
-    /// The mean square of each block, predicted from the others.
-    fn left_out(&self, blocks: &[Block]) -> Vec<f64> {
-        let of_fold = |fold: usize| {
+    /// The mean square of each block, predicted from the others, for each strength of the ridge. All of them share
+    /// what the knots make of the blocks, which takes longer than to solve for the torques.
+    fn left_out(&self, blocks: &[Block], strengths: &[f64]) -> Vec<Vec<f64>> {
+        let own: Vec<Sums> = blocks.iter().map(|block| self.sums(&block.sums)).collect();
+        let kept = |fold: usize| {
             let kept = || blocks.iter().enumerate().filter(move |(k, _)| k % FOLDS != fold).map(|(_, block)| block);
-            let solution = self.solution(&total(kept()), kept().map(|block| block.n_samples).sum());
-            let square = move |(k, block): (usize, &Block)| {
-                let Sums { matrix, gradient } = self.sums(&block.sums);
-                let square = block.square - 2.0 * gradient.dot(&solution) + solution.dot(&(matrix * &solution));
-                // Rounding may take the last digit of a block that is met exactly.
-                (k, (square / block.n_samples as f64).max(f64::MIN_POSITIVE))
-            };
-            blocks.iter().enumerate().filter(move |(k, _)| k % FOLDS == fold).map(square).collect::<Vec<_>>()
+            (self.sums(&total(kept())), kept().map(|block| block.n_samples).sum::<usize>())
         };
-        let mut all: Vec<(usize, f64)> = (0..FOLDS).flat_map(of_fold).collect();
-        all.sort_by_key(|(k, _)| *k);
-        all.into_iter().map(|(_, square)| square).collect()
+        let kept: [(Sums, usize); FOLDS] = array::from_fn(kept);
+        let with = |strength: &f64| {
+            let solve = |(sums, n_samples): &(Sums, usize)| self.solution(sums.clone(), *n_samples, *strength);
+            let solutions = kept.each_ref().map(solve);
+            let square = |(k, block): (usize, &Block)| {
+                let (Sums { matrix, gradient }, solution) = (&own[k], &solutions[k % FOLDS]);
+                let square = block.square - 2.0 * gradient.dot(solution) + solution.dot(&(matrix * solution));
+                // Rounding may take the last digit of a block that is met exactly.
+                (square / block.n_samples as f64).max(f64::MIN_POSITIVE)
+            };
+            blocks.iter().enumerate().map(square).collect()
+        };
+        strengths.iter().map(with).collect()
     }
 }
 
