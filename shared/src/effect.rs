@@ -58,6 +58,7 @@ effects! {
     sensor_gain,
     angle_offset,
     sensor_lag,
+    zero_drift,
 }
 
 /// The most parameters an effect may have.

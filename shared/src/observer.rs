@@ -263,6 +263,25 @@ mod tests {
         assert!((time_s - 32.0).abs() < 0.03, "{time_s}");
     }
 
+    /// An hour of streaming is no hour of drift: time begins anew where the pendulum hangs.
+    #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
+    fn a_zero_that_drifts_does_so_from_the_release_however_long_the_rig_hung() {
+        let (mut truth, dt_s, drift) = (Parameters::paper(), 1e-2, 2e-3);
+        let effects = crate::effect::Effect::<f64>::ALL.iter();
+        let id = effects.filter(|effect| effect.name == "zero-drift").map(|effect| effect.id).next().unwrap();
+        truth.set(id, &[drift]).unwrap();
+        let model = Model::new(&truth);
+        let mut observer = Observer::new(&truth, 3.0);
+        (0..360_000).for_each(|_| assert!(observer.on_measurement(0.0, dt_s).innovation_rad.abs() < 1e-9 + drift));
+        let mut swing = model.release(1.0, 0.0);
+        (0..3000).for_each(|_| {
+            observer.on_measurement(swing.angle_rad + drift * swing.time_s, dt_s);
+            model.step(&mut swing, dt_s);
+        });
+        assert!(observer.innovation_rms_rad() < 2e-3, "{}", observer.innovation_rms_rad());
+    }
+
     /// An error of the state swings with the pendulum's own frequency and dies away with the bandwidth.
     #[test]
     fn its_poles_are_where_the_documentation_says() {

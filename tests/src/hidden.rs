@@ -164,6 +164,7 @@ impl Hidden {
             "sensor-gain" => (sign * 0.03, [0.0; 2], 0.15),
             "angle-offset" => (sign * 5e-3, [0.0; 2], 0.05),
             "sensor-lag" => (5e-3, [0.0; 2], 0.1),
+            "zero-drift" => (sign * 2e-3, [0.0; 2], 0.02),
             _ => return Self::by_the_list(name, random),
         };
         Self::of(name, own, false)
@@ -298,6 +299,11 @@ impl Rig {
 
     /// One recording, from before the release until rest.
     pub fn recording(&self, release_idx: usize) -> Recording {
+        self.recording_in_steps(release_idx, LSB_RAD)
+    }
+
+    /// The same by another converter.
+    pub fn recording_in_steps(&self, release_idx: usize, step_rad: f64) -> Recording {
         let mut random = Random::new(self.seed ^ (0x1111 * (release_idx as u64 + 1)));
         let release_s = random.between(0.2, 1.0);
         let angle_rad = self.releases_rad[release_idx];
@@ -305,7 +311,7 @@ impl Rig {
         let mut angles_rad = Vec::new();
         let (mut time_s, mut rest_s) = (-release_s, 0.0);
         while rest_s < REST_S && time_s < self.longest_s {
-            angles_rad.push(sensor.read(self.noise_rad, &mut random));
+            angles_rad.push(sensor.read(time_s, step_rad, self.noise_rad, &mut random));
             let next_s = angles_rad.len() as f64 / self.rate_hz / self.clock - release_s;
             follow(&mut plant, &mut sensor, time_s.max(0.0), next_s);
             rest_s = if time_s > 0.0 && plant.rests() { rest_s + next_s - time_s } else { 0.0 };

@@ -112,3 +112,40 @@ fn an_offset_below_the_step_of_the_sensor_is_not_named() {
         assert_eq!(verdict.contains(&"angle-offset"), is_named, "{steps} steps: {verdict:?}");
     }
 }
+
+/// The files of rigs whose zero wanders: in each from where it was when the file began, by so many rad/s.
+fn wandering(bench: &Workbench, rig: &Rig, zeros_rad: &[f64], drift_rad_s: f64) {
+    for (release_idx, zero_rad) in zeros_rad.iter().enumerate() {
+        let recording = rig.recording(release_idx);
+        let read = |(time_s, angle_rad): (&f64, &f64)| angle_rad + zero_rad + drift_rad_s * time_s;
+        let angles_rad = recording.times_s().iter().zip(recording.angles_rad()).map(read).collect();
+        let file = bench.folder().join(format!("swing{}.csv", release_idx + 1));
+        save(&Recording::uniform(rig.rate_hz, angles_rad).unwrap(), &file, Existing::Overwrite).unwrap();
+    }
+}
+
+/// An integrated gyroscope, or a track that warms up: its readings keep the gain, and no torque of the angle is there.
+/// Where the zero was at the release comes out beside it, of every release its own.
+#[test]
+fn a_zero_that_wanders_is_named_and_nothing_in_its_place() {
+    for (releases_rad, zeros_rad, degrees_s, named) in [
+        (&[0.9][..], &[0.02][..], 0.1, &["zero-drift", "angle-offset"][..]),
+        (&[0.9], &[0.05], -0.5, &["zero-drift", "angle-offset"]),
+        (&[1.2, -0.8], &[0.03, -0.1], 0.5, &["zero-drift"]),
+        (&[1.2, -0.8], &[0.03, -0.1], 0.0, &[]),
+    ] {
+        let rig = Rig { coulomb_nm: 4e-4, stiction_nm: 4e-4, ..quick(61, releases_rad) };
+        let (bench, swings) = Workbench::with_recordings(&rig);
+        let drift_rad_s = f64::to_radians(degrees_s);
+        wandering(&bench, &rig, zeros_rad, drift_rad_s);
+        let found = bench.json(&format!("diagnose {swings}"));
+        assert_eq!(texts(&found, "verdict"), named, "{degrees_s} °/s: {found}");
+        let noises = number(&found, "rmse_after") / rig.total_noise_rad();
+        assert!(noises < 1.05, "{degrees_s} °/s: {noises} noises left");
+        let of_drift = found["values"].as_array().unwrap().iter().find(|value| value["symbol"] == "dz");
+        for value in of_drift.into_iter() {
+            let (size, std) = (number(value, "value"), number(value, "std"));
+            assert!((size - drift_rad_s).abs() < 3.5 * std && std < 1e-4, "{size} ± {std} for {drift_rad_s}");
+        }
+    }
+}

@@ -6,7 +6,7 @@ use host::recording::{Existing, save};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use tests::hidden::{Gyroscope, Random, Rig};
+use tests::hidden::{Gyroscope, Hidden, Random, Rig};
 use tests::page::Server;
 use tests::program::host;
 
@@ -88,6 +88,23 @@ fn a_drag_that_hides_in_rates_is_found() {
     let folder = phone_on(&rig, PHONE, "rad/s", 1.0);
     let diagnosed = json(folder.path(), "diagnose swing1.csv swing2.csv");
     assert_eq!(diagnosed["verdict"], Value::from(vec!["quadratic-drag"]), "{diagnosed}");
+}
+
+/// A bias that wanders as the chip warms up, by a quarter of a degree per second in half a minute.
+#[test]
+fn a_bias_that_wanders_is_named() {
+    let drift = Hidden { name: "zero-drift", size: 1.5e-4, shape: [0.0; 2], largest: 1.0, is_listed: false };
+    let rig = Rig { hidden: vec![drift], ..rig(9) };
+    let folder = phone_on(&rig, PHONE, "rad/s", 1.0);
+    let diagnosed = json(folder.path(), "diagnose swing1.csv swing2.csv");
+    assert_eq!(diagnosed["verdict"], Value::from(vec!["zero-drift"]), "{diagnosed}");
+    check_value(&diagnosed, "dz", drift.size);
+}
+
+fn check_value(diagnosed: &Value, symbol: &str, truth: f64) {
+    let value = diagnosed["values"].as_array().unwrap().iter().find(|value| value["symbol"] == symbol).unwrap();
+    let (found, std) = (value["value"].as_f64().unwrap(), value["std"].as_f64().unwrap());
+    assert!((found - truth).abs() < MOST_STDS * std && std < 0.2 * truth, "{symbol}: {found} ± {std}, truth {truth}");
 }
 
 #[test]

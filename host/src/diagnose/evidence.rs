@@ -1,6 +1,7 @@
 //! What an effect does to one swing, told by numbers that a person can picture: energy lost, period, reading.
 //!
-//! The fitted model swings once from a usual amplitude, with the effect and without it.
+//! The fitted model swings once from a usual amplitude, with the effect and without it; and once more where the longest
+//! recording ends, because a reading may wander.
 
 use crate::fit::problem::Problem;
 use crate::formula::effect_of;
@@ -20,6 +21,9 @@ const LEAST_LOSS: f64 = 0.01;
 const LEAST_PERIOD: f64 = 1e-4;
 const LEAST_READING: f64 = 1e-3;
 
+/// A reading that is moved so many times further at the end of a swing than at its beginning wanders in time.
+const WANDERS: f64 = 2.0;
+
 /// A law that changes the period by more than this part of what it changes the loss is one of the period: a spring changes
 /// the speed and with it the loss a little, a drag hardly the period.
 const LOSS_PER_PERIOD: f64 = 10.0;
@@ -35,7 +39,7 @@ pub struct Evidence {
     pub loss_share: f64,
     /// By how much it lengthens the period, as a share.
     pub period_share: f64,
-    /// The most by which it moves the reading of the same motion, rad.
+    /// The most by which it moves the reading of the same motion, rad; of one that wanders, until the swing's end.
     pub reading_rad: f64,
     /// The same in words.
     pub words: String,
@@ -56,26 +60,27 @@ pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence
     let reached_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
     let amplitude_rad = AMPLITUDE_RAD.min(0.9 * reached_rad);
     let added = parameters.effects.iter().filter_map(|present| effect_of(parameters, present.id));
+    let longest_s = problem.longest_s();
     let of = |effect: &'static shared::effect::Effect<f64>| {
         let mut without = parameters.clone();
         without.remove(effect.id);
-        Some(compared(
-            effect.name,
-            amplitude_rad,
-            &period(parameters, amplitude_rad)?,
-            &period(&without, amplitude_rad)?,
-        ))
+        let [with, late] = [0.0, longest_s].map(|time_s| period(parameters, amplitude_rad, time_s));
+        let [without, late_without] = [0.0, longest_s].map(|time_s| period(&without, amplitude_rad, time_s));
+        let found = compared(effect.name, amplitude_rad, &with?, &without?);
+        let late_rad = late.zip(late_without).map_or(0.0, |(with, without)| reading_apart(&with, &without));
+        Some(found.wandering(late_rad, longest_s))
     };
     added.filter(|effect| !effect.is_base() && !problem.is_free_scale(effect)).filter_map(of).collect()
 }
 
-/// From a turning point to the next on the same side; `None` if it comes to rest before.
-fn period(parameters: &Parameters<f64>, amplitude_rad: f64) -> Option<Period> {
+/// From a turning point, so long after the release, to the next on the same side; `None` if it comes to rest before.
+fn period(parameters: &Parameters<f64>, amplitude_rad: f64, time_s: f64) -> Option<Period> {
     let model = Model::new(parameters);
     let pendulum = parameters.pendulum;
     let small_s = 2.0 * std::f64::consts::PI * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt();
     let step_s = small_s / STEPS;
     let mut state = model.release(amplitude_rad, 0.0);
+    state.time_s = time_s;
     let mut sensor = model.sensor_at_rest(&state);
     let (energy_j, mut readings_rad, mut turns) = (model.energy_j(&state), Vec::new(), 0);
     for _ in 0..(3.0 * STEPS) as usize {
@@ -85,18 +90,34 @@ fn period(parameters: &Parameters<f64>, amplitude_rad: f64) -> Option<Period> {
         let (old, new) = (before.velocity_rad_s, state.velocity_rad_s);
         turns += usize::from(old * new < 0.0);
         if turns == 2 {
-            let period_s = before.time_s + step_s * old / (old - new);
+            let period_s = before.time_s - time_s + step_s * old / (old - new);
             return Some(Period { lost_j: energy_j - model.energy_j(&state), period_s, readings_rad });
         }
     }
     None
 }
 
+/// The most by which two readings of the same motion differ, rad.
+fn reading_apart(with: &Period, without: &Period) -> f64 {
+    let apart = with.readings_rad.iter().zip(&without.readings_rad).map(|(a, b)| (a - b).abs());
+    apart.fold(0.0, f64::max)
+}
+
+impl Evidence {
+    /// The same where its reading is moved so far at the end of the longest swing.
+    fn wandering(self, late_rad: f64, longest_s: f64) -> Self {
+        if late_rad < WANDERS * self.reading_rad || late_rad < LEAST_READING * self.amplitude_rad {
+            return self;
+        }
+        let words = format!("in {longest_s:.0} s it moves the reading by {:.1} mrad", 1e3 * late_rad);
+        Self { reading_rad: late_rad, words, picture: "Measured minus modelled", ..self }
+    }
+}
+
 fn compared(effect: &'static str, amplitude_rad: f64, with: &Period, without: &Period) -> Evidence {
     let loss_share = 1.0 - without.lost_j / with.lost_j;
     let period_share = with.period_s / without.period_s - 1.0;
-    let apart = with.readings_rad.iter().zip(&without.readings_rad).map(|(a, b)| (a - b).abs());
-    let reading_rad = apart.fold(0.0, f64::max);
+    let reading_rad = reading_apart(with, without);
     let at = format!("at {amplitude_rad:.2} rad amplitude");
     let percent = |share: f64| format!("{:.2} %", 100.0 * share.abs());
     let is_of_loss = loss_share.abs() > LEAST_LOSS.max(LOSS_PER_PERIOD * period_share.abs());
@@ -129,10 +150,14 @@ mod tests {
     use std::sync::atomic::AtomicUsize;
 
     fn of(name: &str, values: &[f64], viscous: f64) -> Evidence {
+        of_swing(name, values, viscous, &[0.0, 0.1, 0.2])
+    }
+
+    fn of_swing(name: &str, values: &[f64], viscous: f64, times_s: &[f64]) -> Evidence {
         let mut parameters = Parameters::paper();
         parameters.set_friction(viscous, 0.0, 0.0, 0.0);
         parameters.set(Effect::<f64>::by_name(name).unwrap().id, values).unwrap();
-        let swings = [Swing::new("wide", &[0.0, 0.1, 0.2], &[1.4, 1.3, 1.1], 1e-3)];
+        let swings = [Swing::new("wide", times_s, &[1.4, 1.3, 1.1], 1e-3)];
         let count = AtomicUsize::new(0);
         evidence(&problem_of(&swings, &parameters, &count), &parameters).remove(0)
     }
@@ -156,6 +181,13 @@ mod tests {
         assert!((spring.period_share / (-0.5 * stiffer) - 1.0).abs() < 0.25, "{spring:?}");
         assert!(spring.words.contains("shorter") && spring.picture == "Period against amplitude", "{spring:?}");
         let gain = of("sensor-gain", &[0.02], 1e-4);
-        assert!((gain.reading_rad - 0.02).abs() < 1e-3 && gain.words.contains("mrad"), "{gain:?}");
+        assert!((gain.reading_rad - 0.02).abs() < 1e-3 && gain.words.contains("amplitude it moves"), "{gain:?}");
+    }
+
+    #[test]
+    fn a_zero_that_wanders_is_told_by_what_it_comes_to() {
+        let drift = of_swing("zero-drift", &[2e-3], 1e-4, &[0.0, 10.0, 20.0]);
+        // The period that is looked at begins where the swing ends.
+        assert!((drift.reading_rad - 0.041).abs() < 1e-3 && drift.words.starts_with("in 20 s"), "{drift:?}");
     }
 }

@@ -16,7 +16,8 @@ pub struct Gyroscope {
 }
 
 impl Gyroscope {
-    /// The file of one release, from before it until rest; `per_rad` and `unit` of the rates.
+    /// The file of one release, from before it until rest; `per_rad` and `unit` of the rates. The bias wanders where the
+    /// rig hides a drift of its zero, by so many rad/s a second.
     pub fn file(&self, rig: &Rig, release_idx: usize, unit: &str, per_rad: f64) -> String {
         let mut random = Random::new(rig.seed ^ (0x2222 * (release_idx as u64 + 1)));
         let release_s = random.between(0.5, 1.0);
@@ -24,11 +25,12 @@ impl Gyroscope {
         let mut text = format!(
             "\"Time (s)\",\"Gyroscope x ({unit})\",\"Gyroscope y ({unit})\",\"Gyroscope z ({unit})\",\"Absolute ({unit})\"\n"
         );
+        let drift = rig.hidden("zero-drift").map_or(0.0, |hidden| hidden.size);
         let (mut time_s, mut rest_s, mut n_samples) = (-release_s, 0.0, 0_u32);
         while rest_s < REST_S && time_s < LONGEST_S {
             let rate = if time_s < 0.0 { 0.0 } else { plant.motion().0[1] };
-            let mut read =
-                |rate: f64| (self.scale * rate + self.bias_rad_s + self.noise_rad_s * random.normal()) * per_rad;
+            let bias_rad_s = self.bias_rad_s + drift * time_s;
+            let mut read = |rate: f64| (self.scale * rate + bias_rad_s + self.noise_rad_s * random.normal()) * per_rad;
             let axes = [read(0.0), read(0.0), read(rate)];
             let size = axes.iter().map(|axis| axis * axis).sum::<f64>().sqrt();
             let [x, y, z] = axes;

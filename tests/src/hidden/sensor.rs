@@ -1,7 +1,7 @@
-//! From the shaft's angle to a code: play, an uneven characteristic, gain, zero, lag, noise, steps.
+//! From the shaft's angle to a code: play, an uneven characteristic, gain, zero, lag, drift, noise, steps.
 
 use super::listed::Listed;
-use super::{LSB_RAD, Random, Rig};
+use super::{Random, Rig};
 
 /// The measuring chain of one recording.
 pub(super) struct Sensor {
@@ -10,6 +10,7 @@ pub(super) struct Sensor {
     bend: [f64; 2],
     offset_rad: f64,
     lag_s: f64,
+    drift_rad_s: f64,
     wiper_rad: f64,
     before_rad: f64,
     lagging_rad: f64,
@@ -30,6 +31,7 @@ impl Sensor {
             bend: [uneven[0] * uneven[1], uneven[0] * uneven[2]],
             offset_rad: rig.offset_rad + size("angle-offset"),
             lag_s: size("sensor-lag"),
+            drift_rad_s: size("zero-drift"),
             wiper_rad: angle_rad + 0.5 * play_rad * place,
             before_rad: 0.0,
             lagging_rad: 0.0,
@@ -61,9 +63,11 @@ impl Sensor {
         self.reading_rad = self.listed.read(self.lagging_rad, at, time_s);
     }
 
-    /// The reading in rad, with noise and in steps of the converter.
-    pub(super) fn read(&self, noise_rad: f64, random: &mut Random) -> f64 {
-        ((self.reading_rad + noise_rad * random.normal()) / LSB_RAD).round() * LSB_RAD
+    /// The reading in rad so long after the release, with noise and in steps of a converter. A zero that drifts did so
+    /// before the release too.
+    pub(super) fn read(&self, time_s: f64, step_rad: f64, noise_rad: f64, random: &mut Random) -> f64 {
+        let reading_rad = self.reading_rad + self.drift_rad_s * time_s;
+        ((reading_rad + noise_rad * random.normal()) / step_rad).round() * step_rad
     }
 }
 
