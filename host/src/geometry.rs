@@ -6,6 +6,7 @@
 
 use crate::recording::Measured;
 use crate::recording::plausible::{Swings, lengthening};
+use crate::recording::turning::half_swing_s;
 use crate::swing::Swing;
 use shared::effect::{Action, CUSTOM_FORMULA_ID, Effect};
 use shared::motion::Pendulum;
@@ -163,13 +164,19 @@ pub fn begin_with_the_period(pendulum: &mut Pendulum<f64>, swings: &[Swing]) {
     if pendulum.length_m > UNKNOWN_LENGTH_M {
         return;
     }
-    let Some(seen) = swings.first().and_then(seen) else { return };
+    let Some(period_s) = swings.first().and_then(period_s) else { return };
     let needed_kg_m2 =
-        (inertia_about_pivot(pendulum, seen.small_period_s()) - pendulum.mass_kg * pendulum.length_m.powi(2)).max(0.0);
+        (inertia_about_pivot(pendulum, period_s) - pendulum.mass_kg * pendulum.length_m.powi(2)).max(0.0);
     let off = needed_kg_m2 / pendulum.inertia_kg_m2;
     if needed_kg_m2.is_finite() && !(MOST_OFF.recip()..MOST_OFF).contains(&off) {
         pendulum.inertia_kg_m2 = needed_kg_m2;
     }
+}
+
+/// The period of small swings; of a few swings in much noise, that of all.
+fn period_s(swing: &Swing) -> Option<f64> {
+    let rough_s = || half_swing_s(&swing.times_s, &swing.angles_rad, swing.noise_rad).map(|half_s| 2.0 * half_s);
+    seen(swing).map(|seen| seen.small_period_s()).or_else(rough_s)
 }
 
 /// The swings as angles show them.

@@ -3,6 +3,7 @@
 //!
 //! The swings come from the independent plant, their noise is known, and everything is read from what the program prints.
 
+use host::recording::{Existing, save};
 use tests::hidden::Rig;
 use tests::program::host;
 use tests::rates::fewest_hits;
@@ -62,6 +63,32 @@ fn a_pendulum_that_swings_a_few_times_only_is_fitted_too() {
     assert!((viscous[0] / rig.viscous - 1.0).abs() < 0.02, "{viscous:?} of {}", rig.viscous);
     assert!((coulomb[0] - rig.coulomb_nm).abs() < 0.02 * rig.mass_kg * rig.gravity_m_s2 * rig.length_m, "{coulomb:?}");
     assert!((inertia[0] / rig.inertia_kg_m2 - 1.0).abs() < 0.02, "{inertia:?} of {}", rig.inertia_kg_m2);
+}
+
+/// Swings of a few thousandths of a radian and less in a sensor that shows them, with a model file that guesses its
+/// friction: it would hold them where they were let go.
+#[test]
+fn small_swings_are_fitted_as_well_as_large_ones() {
+    for release_rad in [5e-4, 2e-3, 1e-2, 2e-2] {
+        let large = pendulum();
+        let share = release_rad / large.releases_rad[0];
+        let rig = Rig {
+            coulomb_nm: share * large.coulomb_nm,
+            stiction_nm: share * large.stiction_nm,
+            offset_rad: share * large.offset_rad,
+            noise_rad: share * large.noise_rad,
+            releases_rad: vec![release_rad],
+            ..large
+        };
+        let recording = rig.recording_in_steps(0, rig.noise_rad);
+        let bench = Workbench::new(&rig);
+        host(bench.folder(), "init --unknown-geometry --force").succeeded();
+        save(&recording, &bench.folder().join("small.csv"), Existing::Overwrite).unwrap();
+        for method in ["least-squares", "both"] {
+            let fit = bench.json(&format!("fit small.csv --method {method} -o fitted.toml --force"));
+            assert_eq!(fit["left"], "noise", "{release_rad} rad, {method}: {fit}");
+        }
+    }
 }
 
 /// Of 60 random pendulums, so many 95 % intervals hold the truth at least that a true 95 % leaves fewer only once in a

@@ -4,6 +4,7 @@ use super::descent::Tolerance;
 use super::fitted::{Fitted, Stiction};
 use super::identify::Progress;
 use super::problem::{Point, Problem, Quantity};
+use super::ranges::largest_coulomb_nm;
 use super::refine::Band;
 use super::scouts::scouted;
 use super::start;
@@ -22,18 +23,23 @@ pub fn fitted_as_it_is(problem: &Problem) -> Fitted {
 pub(super) fn least_squares(problem: &Problem, first: &Point, progress: &(dyn Fn(Progress) + Sync)) -> Fitted {
     progress(Progress::Descent);
     let mut begin = Fitted::at(problem, first).with_stiction(Stiction::NONE);
-    start_in_the_middle(&mut begin);
+    start_in_the_middle(problem, &mut begin);
     let grown = begin.regrown(problem);
     progress(Progress::Stiction);
     grown.refined(problem, Band::Searched, Tolerance::JUDGE)
 }
 
-/// Friction that is unknown starts at a usual value, because at zero its bound would hold it there.
-fn start_in_the_middle(model: &mut Fitted) {
+/// Friction that is unknown starts at a usual value, because at zero its bound would hold it there; dry friction at no
+/// more than the swings have.
+fn start_in_the_middle(problem: &Problem, model: &mut Fitted) {
     for unknown in &model.unknowns {
-        let is_friction = matches!(unknown.quantity, Quantity::Effect { id: base::VISCOUS | base::COULOMB, .. });
-        if is_friction && unknown.get(&model.parameters) <= unknown.low {
-            unknown.set(&mut model.parameters, unknown.scale);
+        let most = match unknown.quantity {
+            Quantity::Effect { id: base::VISCOUS, .. } => f64::INFINITY,
+            Quantity::Effect { id: base::COULOMB, .. } => largest_coulomb_nm(problem),
+            _ => continue,
+        };
+        if unknown.get(&model.parameters) <= unknown.low {
+            unknown.set(&mut model.parameters, unknown.scale.min(most));
         }
     }
 }

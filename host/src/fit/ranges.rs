@@ -4,6 +4,7 @@ use super::problem::{Problem, Quantity, Unknown};
 use super::sequential::Ranges;
 use crate::swing::{Swing, Window};
 use shared::parameters::base;
+use std::f64::consts::PI;
 
 /// m·l² + I is sought within this share of its first guess.
 const INERTIA_SHARE: f64 = 0.2;
@@ -17,6 +18,9 @@ const STICTION_SHARE: f64 = 0.05;
 /// The velocity band is sought up to this at the usual pace, rad/s.
 const WIDEST_BAND: f64 = 0.06;
 
+/// And up to this share of what would hold a swing at its largest angle, or of its largest speed.
+const HELD_SHARE: f64 = 0.5;
+
 /// How a swing decays over its lively part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Decay {
@@ -29,6 +33,28 @@ struct Decay {
     seconds: f64,
 }
 
+impl Decay {
+    /// Coulomb friction that shrinks the swing so if it is alone, N·m: by 2·Mc/mgl a half swing.
+    fn coulomb_nm(&self, gravity_nm: f64) -> f64 {
+        0.5 * gravity_nm * (self.from_rad - self.to_rad) / self.n_half_swings
+    }
+}
+
+/// The most Coulomb friction that the swings allow, N·m: more would end one of them sooner than it does.
+pub fn largest_coulomb_nm(problem: &Problem) -> f64 {
+    let pendulum = &problem.template.pendulum;
+    let gravity_nm = pendulum.gravity_torque_nm();
+    let half_swing_s = PI * (pendulum.pivot_inertia_kg_m2() / gravity_nm).sqrt();
+    let lasting = |swing: &Swing| {
+        let n_samples = swing.samples_within(Window::Lively);
+        let seconds = n_samples.checked_sub(1).map_or(0.0, |last| swing.times_s[last]);
+        let from_rad = swing.sizes_rad().take(n_samples).fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+        Decay { from_rad, to_rad: 0.0, n_half_swings: (seconds / half_swing_s).max(1.0), seconds }
+            .coulomb_nm(gravity_nm)
+    };
+    problem.swings.iter().map(lasting).fold(f64::INFINITY, f64::min)
+}
+
 /// Ranges for all unknowns; `inertia_kg_m2` is the first guess at I.
 pub fn from_recording(problem: &Problem, inertia_kg_m2: f64) -> Ranges {
     let decays: Vec<Decay> = problem.swings.iter().filter_map(decay).collect();
@@ -37,9 +63,11 @@ pub fn from_recording(problem: &Problem, inertia_kg_m2: f64) -> Ranges {
     let gravity = pendulum.gravity_torque_nm();
     let orbital = pendulum.mass_kg * pendulum.length_m * pendulum.length_m;
     let pivot = orbital + inertia_kg_m2;
-    // Alone, viscous friction shrinks the amplitude by exp(−Mw·t/2J), Coulomb friction by 2·Mc/mgl a half swing.
+    // Alone, viscous friction shrinks the amplitude by exp(−Mw·t/2J).
     let viscous = largest(&|d| 2.0 * pivot * (d.from_rad / d.to_rad).ln() / d.seconds);
-    let coulomb = largest(&|d| 0.5 * gravity * (d.from_rad - d.to_rad) / d.n_half_swings);
+    let coulomb = largest(&|d| d.coulomb_nm(gravity));
+    // A level that holds the release, or a band that no swing leaves, is seen by nothing.
+    let reached_rad = HELD_SHARE * if decays.is_empty() { f64::INFINITY } else { largest(&|d| d.from_rad) };
     let range = |unknown: &Unknown| match unknown.quantity {
         Quantity::Inertia => {
             let half = INERTIA_SHARE * pivot;
@@ -47,8 +75,10 @@ pub fn from_recording(problem: &Problem, inertia_kg_m2: f64) -> Ranges {
         }
         Quantity::Effect { id: base::VISCOUS, .. } => (0.0, FRICTION_FACTOR * viscous.max(1e-3 * unknown.scale)),
         Quantity::Effect { id: base::COULOMB, .. } => (0.0, FRICTION_FACTOR * coulomb.max(1e-3 * unknown.scale)),
-        Quantity::Effect { id: base::STICTION, index: 0 } => (0.0, STICTION_SHARE * gravity),
-        Quantity::Effect { id: base::STICTION, .. } => (0.0, WIDEST_BAND / problem.pace()),
+        Quantity::Effect { id: base::STICTION, index: 0 } => (0.0, gravity * reached_rad.min(STICTION_SHARE)),
+        Quantity::Effect { id: base::STICTION, .. } => {
+            (0.0, (reached_rad * (gravity / pivot).sqrt()).min(WIDEST_BAND / problem.pace()))
+        }
         Quantity::Effect { .. } | Quantity::Knot(_) => (unknown.low, unknown.high),
     };
     Ranges(problem.unknowns.iter().map(range).collect())

@@ -1,8 +1,10 @@
 //! A first guess from the swings themselves.
 
 use super::problem::{Point, Problem, Quantity, Start};
+use super::ranges::largest_coulomb_nm;
 use crate::swing::{Swing, Window};
 use shared::motion::Pendulum;
+use shared::parameters::base;
 
 /// The inertia is first sought by its share of the period in so many seconds of the swing, at the usual pace.
 const FIRST_WINDOW_S: f64 = 1.2;
@@ -23,9 +25,11 @@ pub fn starts(swings: &[Swing]) -> Vec<Start> {
         .collect()
 }
 
-/// The template's values, with the inertia that follows the first second of the swings best.
+/// The template's values, dry friction no more than the swings have, with the inertia that follows their first second
+/// best.
 pub fn guess(problem: &Problem) -> Point {
-    let here = Point { values: problem.template_values(), starts: starts(problem.swings) };
+    let mut here = Point { values: problem.template_values(), starts: starts(problem.swings) };
+    limit_coulomb(problem, &mut here.values);
     let Some(inertia) = problem.unknowns.iter().position(|unknown| unknown.quantity == Quantity::Inertia) else {
         return here;
     };
@@ -37,12 +41,32 @@ pub fn guess(problem: &Problem) -> Point {
         .map(|inertia_kg_m2| {
             let mut trial = here.clone();
             trial.values[inertia] = inertia_kg_m2;
+            without_stiction(problem, &mut trial.values);
             trial
         })
         .collect();
     let costs = problem.costs(Window::First(FIRST_WINDOW_S * problem.pace()), &trials);
     let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map(|(index, _)| index);
-    best.map_or(here, |index| trials[index].clone())
+    if let Some(best) = best {
+        here.values[inertia] = trials[best].values[inertia];
+    }
+    here
+}
+
+/// Dry friction of another rig may end small swings at once.
+fn limit_coulomb(problem: &Problem, values: &mut [f64]) {
+    let most_nm = largest_coulomb_nm(problem);
+    for (unknown, value) in problem.unknowns.iter().zip(values) {
+        if matches!(unknown.quantity, Quantity::Effect { id: base::COULOMB, .. }) {
+            *value = value.min(most_nm);
+        }
+    }
+}
+
+/// Stiction of another rig may hold them where they were let go: then no inertia follows them.
+fn without_stiction(problem: &Problem, values: &mut [f64]) {
+    let stiction = problem.unknowns.iter().zip(values).filter(|(unknown, _)| unknown.is_stiction());
+    stiction.for_each(|(unknown, value)| *value = unknown.low);
 }
 
 fn tried_factors() -> impl Iterator<Item = f64> {
