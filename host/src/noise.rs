@@ -5,8 +5,10 @@
 //! have Σ w² = 1, leave the noise and nearly nothing of the motion. With even steps they are binomial (the fourth:
 //! 1 −4 6 −4 1 over √70); with uneven ones they are divided differences with the true times.
 //! Fourth differences serve from 100 Hz on; slower recordings leak motion, so the order rises until two more orders
-//! change nothing. On simulated rigs of known noise (0.6–1.8 steps of the converter, 200–400 Hz) within 2 %.
+//! change nothing; where none does, pieces of the swing are fitted with sinusoids (`sinusoids`). On simulated rigs of known noise (0.6–1.8 steps of the converter, 200–400 Hz) within 2 %.
 //! J. von Neumann et al., Ann. Math. Stat. 12 (1941) 153, is the idea with first differences.
+
+mod sinusoids;
 
 use std::ops::Range;
 
@@ -78,6 +80,13 @@ fn lsb(recording: &Recording) -> Option<f64> {
 pub fn of_samples(times_s: &[f64], angles_rad: &[f64], lsb: Option<f64>) -> Noise {
     let frozen = frozen_blocks(angles_rad, lsb);
     let (order, differences) = agreeing_order(times_s, angles_rad, &frozen);
+    // Few samples a period: both are upper bounds.
+    if order == HIGHEST_ORDER
+        && let Some(rms) = sinusoids::rms(times_s, angles_rad, &frozen, differences.rms())
+        && rms < differences.rms()
+    {
+        return with_parts(rms, lsb, "what pieces of a few periods leave beyond sinusoids".to_owned());
+    }
     let method = format!("differences of order {order} over {} windows", differences.n_windows);
     with_parts(differences.rms(), lsb, method)
 }
@@ -270,6 +279,27 @@ mod tests {
         let noise = estimate(&swing(20.0, 4.0, 1.5e-3, 0.0, 11));
         assert!((noise.total_rms / 1.5e-3 - 1.0).abs() < 0.06, "{noise:?}");
         assert_eq!(noise.lsb, None);
+    }
+
+    #[test]
+    fn six_to_twelve_samples_a_period_are_enough() {
+        // A swing from 1 rad: a pendulum's third harmonic is θ³/192 of it, and its frequency falls by θ²/16.
+        let angle = |time_s: f64| {
+            let size = (-time_s / 300.0_f64).exp();
+            let phase = 6.0 * (time_s - 300.0 / 32.0 * (1.0 - size * size));
+            size * phase.cos() - size.powi(3) / 192.0 * (3.0 * phase).cos()
+        };
+        for n_samples in [6.0, 6.5, 7.0, 8.0, 10.0, 12.0] {
+            for sigma_rad in [5e-4, 5e-3] {
+                let mut random = Random(13);
+                let times_s: Vec<f64> =
+                    (0..600).map(|idx| f64::from(idx) * std::f64::consts::TAU / 6.0 / n_samples).collect();
+                let angles_rad: Vec<f64> = times_s.iter().map(|t| angle(*t) + sigma_rad * random.normal()).collect();
+                let noise = of_samples(&times_s, &angles_rad, None);
+                let ratio = noise.total_rms / sigma_rad;
+                assert!((0.9..1.1).contains(&ratio), "{n_samples} a period, {sigma_rad}: {ratio} ({})", noise.method);
+            }
+        }
     }
 
     #[test]
