@@ -5,7 +5,8 @@
 //! have Σ w² = 1, leave the noise and nearly nothing of the motion. With even steps they are binomial (the fourth:
 //! 1 −4 6 −4 1 over √70); with uneven ones they are divided differences with the true times.
 //! Fourth differences serve from 100 Hz on; slower recordings leak motion, so the order rises until two more orders
-//! change nothing; where none does, pieces of the swing are fitted with sinusoids (`sinusoids`). On simulated rigs of known noise (0.6–1.8 steps of the converter, 200–400 Hz) within 2 %.
+//! change nothing; of a swing with few samples a period pieces are fitted with sinusoids (`sinusoids`). On simulated rigs
+//! of known noise (0.6–1.8 steps of the converter, 200–400 Hz) within 2 %.
 //! J. von Neumann et al., Ann. Math. Stat. 12 (1941) 153, is the idea with first differences.
 
 mod sinusoids;
@@ -80,9 +81,8 @@ fn lsb(recording: &Recording) -> Option<f64> {
 pub fn of_samples(times_s: &[f64], angles_rad: &[f64], lsb: Option<f64>) -> Noise {
     let frozen = frozen_blocks(angles_rad, lsb);
     let (order, differences) = agreeing_order(times_s, angles_rad, &frozen);
-    // Few samples a period: both are upper bounds.
-    if order == HIGHEST_ORDER
-        && let Some(rms) = sinusoids::rms(times_s, angles_rad, &frozen, differences.rms())
+    // Both are upper bounds.
+    if let Some(rms) = sinusoids::rms(times_s, angles_rad, &frozen, differences.rms())
         && rms < differences.rms()
     {
         return with_parts(rms, lsb, "what pieces of a few periods leave beyond sinusoids".to_owned());
@@ -216,7 +216,8 @@ pub fn smallest_step(values: &[f64]) -> Option<f64> {
     is_stepped.then(|| fitting.iter().sum::<f64>() / fitting.iter().map(whole).sum::<f64>())
 }
 
-fn rms_about_line(values: &[f64]) -> f64 {
+/// Scatter about a straight line.
+pub(crate) fn rms_about_line(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let centred = |idx: usize| idx as f64 - (n - 1.0) / 2.0;

@@ -47,6 +47,7 @@ fn start_in_the_middle(problem: &Problem, model: &mut Fitted) {
 /// A model that begins anew may end in another valley than the one that was given, which may have been improved with
 /// care: then that one is fitted on from where it is, and the better one counts.
 pub(super) fn not_worse_than_given(problem: &Problem, found: Fitted) -> Fitted {
+    let found = if follows(problem, &found) { found } else { found.better(from_the_period(problem)) };
     let point = Point { values: problem.template_values(), starts: start::starts(problem.swings) };
     let given = Fitted::at(problem, &point).started(problem);
     let nothing_to_gain = problem.chi_square(found.cost).left() == Left::Noise && found.cost <= given.cost;
@@ -54,6 +55,23 @@ pub(super) fn not_worse_than_given(problem: &Problem, found: Fitted) -> Fitted {
         return found;
     }
     found.better(given.refined(problem, Band::Free, Tolerance::JUDGE).better(given))
+}
+
+/// Does a model follow the swings at least roughly?
+fn follows(problem: &Problem, model: &Fitted) -> bool {
+    let squares: f64 = problem.swings.iter().flat_map(|swing| &swing.angles_rad).map(|angle| angle * angle).sum();
+    model.cost < HALF_LOST * squares
+}
+
+/// A model that leaves this share of the readings' squares has lost them: then the first second is no guide, because noise
+/// or a hand fills it.
+const HALF_LOST: f64 = 0.25;
+
+/// Fitted from the inertia that the problem begins with, which is that of the period, with nothing that holds the swings.
+fn from_the_period(problem: &Problem) -> Fitted {
+    let point = start::without_what_holds(problem);
+    let begin = Fitted::at(problem, &point).with_stiction(Stiction::NONE).started(problem);
+    begin.refined(problem, Band::Free, Tolerance::JUDGE)
 }
 
 /// A given model is fitted on if, with its starts fitted alone, it costs no more than so many times the one begun anew.

@@ -16,6 +16,7 @@
 use super::linear::{Linear, SwingLinear, dot};
 use super::problem::{PER_SWING, Problem, Start};
 use super::solve::Factor;
+use crate::swing::Swing;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -151,11 +152,46 @@ fn whole_swings(on: &Problem, linear: &Linear) -> Vec<Cluster> {
     })
 }
 
-/// Where the predicted angle goes upward through the middle.
+/// Where the predicted angle goes upward through the middle: through zero, or halfway where a zero that drifts has carried
+/// a swing beyond it.
 pub(super) fn upward_crossings(on: &Problem, swing: &SwingLinear, swing_idx: usize, offset_rad: f64) -> Vec<usize> {
-    let angles = &on.swings[swing_idx].angles_rad;
-    let predicted = |i: usize| angles[i] - swing.residuals[i] - offset_rad;
-    (1..swing.residuals.len()).filter(|i| predicted(i - 1) < 0.0 && predicted(*i) >= 0.0).collect()
+    let Swing { angles_rad, noise_rad, .. } = &on.swings[swing_idx];
+    let predicted: Vec<f64> =
+        swing.residuals.iter().zip(angles_rad).map(|(residual, angle)| angle - residual - offset_rad).collect();
+    let passes = |i: &usize, level: f64| predicted[i - 1] < level && predicted[*i] >= level;
+    let halfway = |rise: Range<usize>| {
+        let level = 0.5 * (predicted[rise.start] + predicted[rise.end]);
+        (rise.start + 1..=rise.end).find(|i| passes(i, level))
+    };
+    let is_beyond = |rise: &Range<usize>| predicted[rise.start] >= 0.0 || predicted[rise.end] < 0.0;
+    let beyond = rises(&predicted, SEEN_NOISES * noise_rad).into_iter().filter(is_beyond).filter_map(halfway);
+    let mut crossings: Vec<usize> = (1..predicted.len()).filter(|i| passes(i, 0.0)).chain(beyond).collect();
+    crossings.sort_unstable();
+    crossings
+}
+
+/// A swing beyond zero that rises by fewer noises than this is none.
+const SEEN_NOISES: f64 = 4.0;
+
+/// From a lowest value to the next highest one, where at least so much lies between them and behind it.
+fn rises(values: &[f64], least: f64) -> Vec<Range<usize>> {
+    let mut found = Vec::new();
+    let (mut low, mut high, mut is_rising) = (0, 0, false);
+    for (i, value) in values.iter().enumerate() {
+        if is_rising {
+            high = if *value > values[high] { i } else { high };
+            if values[high] - value > least {
+                found.push(low..high);
+                (low, is_rising) = (i, false);
+            }
+        } else {
+            low = if *value < values[low] { i } else { low };
+            if value - values[low] > least {
+                (high, is_rising) = (i, true);
+            }
+        }
+    }
+    found
 }
 
 /// Ranges of so many periods; what is before the first and behind the last belongs to these.

@@ -28,8 +28,7 @@ pub fn starts(swings: &[Swing]) -> Vec<Start> {
 /// The template's values, dry friction no more than the swings have, with the inertia that follows their first second
 /// best.
 pub fn guess(problem: &Problem) -> Point {
-    let mut here = Point { values: problem.template_values(), starts: starts(problem.swings) };
-    limit_coulomb(problem, &mut here.values);
+    let mut here = given_but_coulomb(problem);
     let Some(inertia) = problem.unknowns.iter().position(|unknown| unknown.quantity == Quantity::Inertia) else {
         return here;
     };
@@ -53,14 +52,23 @@ pub fn guess(problem: &Problem) -> Point {
     here
 }
 
-/// Dry friction of another rig may end small swings at once.
-fn limit_coulomb(problem: &Problem, values: &mut [f64]) {
+/// The template's values without Ms and DV, and no more dry friction than the swings have.
+pub(super) fn without_what_holds(problem: &Problem) -> Point {
+    let mut here = given_but_coulomb(problem);
+    without_stiction(problem, &mut here.values);
+    here
+}
+
+/// The template's values; dry friction of another rig may end small swings at once.
+fn given_but_coulomb(problem: &Problem) -> Point {
+    let mut here = Point { values: problem.template_values(), starts: starts(problem.swings) };
     let most_nm = largest_coulomb_nm(problem);
-    for (unknown, value) in problem.unknowns.iter().zip(values) {
+    for (unknown, value) in problem.unknowns.iter().zip(&mut here.values) {
         if matches!(unknown.quantity, Quantity::Effect { id: base::COULOMB, .. }) {
             *value = value.min(most_nm);
         }
     }
+    here
 }
 
 /// Stiction of another rig may hold them where they were let go: then no inertia follows them.

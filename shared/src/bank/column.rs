@@ -23,10 +23,10 @@ pub const N_BASE: usize = 4;
 pub const MAX_KNOWN: usize = 12;
 
 /// The most columns of candidates.
-pub const MAX_COLUMNS: usize = 72;
+pub const MAX_COLUMNS: usize = 76;
 
 /// The most candidates.
-pub const MAX_CANDIDATES: usize = 52;
+pub const MAX_CANDIDATES: usize = 56;
 
 /// So many candidates are judged to the end: those whose effects promise most.
 pub const MAX_JUDGED: usize = 8;
