@@ -2,6 +2,7 @@
 
 mod step;
 
+use crate::noise::rms_about_line;
 use crate::pace;
 use crate::recording::plausible::Swings;
 use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
@@ -84,6 +85,8 @@ pub struct Swing {
     pub noise_rad: f64,
     /// Is that the rounding to a count, which comes again with every swing, instead of noise?
     pub is_counted: bool,
+    /// Does it not become smaller? Then something drives the pendulum.
+    pub is_driven: bool,
     /// A reading of so much is an amplitude of a radian: 1, or for rates the angular frequency of small swings.
     reading_per_rad: f64,
     /// How slowly the pendulum swings.
@@ -125,7 +128,7 @@ impl Swing {
     /// Other readings of the same sensor on the same pendulum.
     pub fn like(&self, times_s: &[f64], readings: &[f64]) -> Self {
         let other = Self::build(&self.name, self.measured, self.reading_per_rad, times_s, readings, self.noise_rad);
-        Self { is_counted: self.is_counted, ..other }
+        Self { is_counted: self.is_counted, is_driven: self.is_driven, ..other }
     }
 
     fn build(
@@ -155,8 +158,14 @@ impl Swing {
             pace,
             noise_rad,
             is_counted: false,
+            is_driven: false,
             longest_step_s,
         }
+    }
+
+    /// Names of those that a motor or a hand drives.
+    pub fn driven(swings: &[Self]) -> Vec<String> {
+        swings.iter().filter(|swing| swing.is_driven).map(|swing| swing.name.clone()).collect()
     }
 
     /// The readings as sizes of the motion, rad: angles as they are, rates as the amplitude that would make them.
@@ -196,7 +205,8 @@ impl Swing {
         let part = recording.part(range)?;
         let noise = segments.noise.total_rms;
         let swing = Self::of(name, recording.measured(), part.times_s(), part.angles_rad(), noise);
-        Ok((Self { is_counted: recording.header().sensor.is_some(), ..swing }, segments))
+        let is_counted = recording.header().sensor.is_some();
+        Ok((Self { is_counted, is_driven: !segments.fades, ..swing }, segments))
     }
 
     /// How to step through the times with this model.
@@ -225,13 +235,11 @@ impl Swing {
         self.times_s.last().copied().unwrap_or(0.0)
     }
 
-    /// Does it end at rest? Its last samples then scatter no more than the noise.
+    /// Does it end at rest? Its last samples then scatter no more than the noise, about a line because a zero may drift.
     pub fn comes_to_rest(&self) -> bool {
         let from = self.times_s.partition_point(|t| *t < self.duration_s() - REST_S * self.pace);
         let last = &self.angles_rad[from..];
-        let mean = last.iter().sum::<f64>() / last.len().max(1) as f64;
-        let scatter = (last.iter().map(|angle| (angle - mean).powi(2)).sum::<f64>() / last.len().max(1) as f64).sqrt();
-        last.len() >= MIN_START_SAMPLES && scatter < REST_NOISES * self.noise_rad
+        last.len() >= MIN_START_SAMPLES && rms_about_line(last) < REST_NOISES * self.noise_rad
     }
 
     /// Half of how far it still swings in its last period, rad.

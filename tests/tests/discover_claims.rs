@@ -131,7 +131,7 @@ fn a_zero_that_wanders_is_named_and_nothing_in_its_place() {
     for (releases_rad, zeros_rad, degrees_s, named) in [
         (&[0.9][..], &[0.02][..], 0.1, &["zero-drift", "angle-offset"][..]),
         (&[0.9], &[0.05], -0.5, &["zero-drift", "angle-offset"]),
-        (&[1.2, -0.8], &[0.03, -0.1], 0.5, &["zero-drift"]),
+        (&[1.2, -0.8], &[0.03, -0.1], 0.1, &["zero-drift"]),
         (&[1.2, -0.8], &[0.03, -0.1], 0.0, &[]),
     ] {
         let rig = Rig { coulomb_nm: 4e-4, stiction_nm: 4e-4, ..quick(61, releases_rad) };
@@ -147,5 +147,32 @@ fn a_zero_that_wanders_is_named_and_nothing_in_its_place() {
             let (size, std) = (number(value, "value"), number(value, "std"));
             assert!((size - drift_rad_s).abs() < 3.5 * std && std < 1e-4, "{size} ± {std} for {drift_rad_s}");
         }
+    }
+}
+
+/// A motor that gives back what friction takes: fit and diagnosis say so, and take no friction for what it is not.
+#[test]
+fn a_pendulum_that_is_driven_is_said_to_be() {
+    let rig = quick(71, &[0.8]);
+    let bench = Workbench::new(&rig);
+    let own_rad_s = 0.97
+        * (rig.mass_kg * rig.gravity_m_s2 * rig.length_m
+            / (rig.inertia_kg_m2 + rig.mass_kg * rig.length_m * rig.length_m))
+            .sqrt();
+    for (name, growth_s) in [("steady", f64::INFINITY), ("grows", 60.0)] {
+        let angle = |t: f64| 0.5 * (t / growth_s).exp() * (own_rad_s * t).cos();
+        let angles_rad = (0..3000).map(|idx| (angle(f64::from(idx) / 100.0) / 1e-4).round() * 1e-4).collect();
+        let file = format!("{name}.csv");
+        save(&Recording::uniform(100.0, angles_rad).unwrap(), &bench.folder().join(&file), Existing::Keep).unwrap();
+        let fit = bench.json(&format!("fit {file} --method least-squares"));
+        let warnings = texts(&fit, "warnings").join("; ");
+        assert!(
+            warnings.contains("a motor or a hand drives") && !warnings.contains("physics is missing"),
+            "{warnings}"
+        );
+        let found = bench.json(&format!("diagnose {file}"));
+        assert_eq!(texts(&found, "driven"), [file.as_str()]);
+        let said = host(bench.folder(), &format!("diagnose {file}"));
+        assert!(said.succeeded().starts_with(&format!("The swings of {file} don't become smaller")), "{said:?}");
     }
 }

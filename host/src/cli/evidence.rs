@@ -15,7 +15,7 @@ const HINT: &str = "With --formulas small formulas are searched for what remains
 
 /// The whole diagnosis for a person.
 pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
-    let mut parts = vec![verdict(diagnosis)];
+    let mut parts: Vec<String> = driven(diagnosis).into_iter().chain([verdict(diagnosis)]).collect();
     parts.extend(diagnosis.suspect().map(|claim| suspected(diagnosis, claim)));
     parts.extend(diagnosis.verdict.iter().filter_map(|name| claimed(diagnosis, name)));
     if let Some(family) = &diagnosis.family {
@@ -52,6 +52,16 @@ pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
     parts.push(staircase(diagnosis));
     parts.push(ranking(diagnosis));
     parts.join("\n\n")
+}
+
+/// That a motor or a hand drives the swings.
+fn driven(diagnosis: &Diagnosis) -> Option<String> {
+    let words = format!(
+        "The swings of {} don't become smaller, as free ones do: a motor or a hand drives them. What follows takes them for \
+         free ones and says nothing of this pendulum.",
+        diagnosis.driven.join(", ")
+    );
+    (!diagnosis.driven.is_empty()).then(|| wrapped(&words, 0))
 }
 
 /// What the held-out swings say.
@@ -278,13 +288,20 @@ pub(super) fn treads(diagnosis: &Diagnosis) -> Vec<Tread> {
 const BAR_WIDTH: f64 = 30.0;
 
 fn ranking(diagnosis: &Diagnosis) -> String {
+    let shown = &diagnosis.candidates[..diagnosis.candidates.len().min(SHOWN)];
+    let widest = shown.iter().map(|candidate| candidate.name.len()).fold(NAME_WIDTH, usize::max);
     let line = |candidate: &Candidate| {
-        format!("  {:<44}{:>8.2}  {:>7.2}", candidate.name, 1e3 * candidate.rmse, candidate.rmse / diagnosis.noise)
+        let noises = candidate.rmse / diagnosis.noise;
+        format!("  {:<widest$}{:>8.2}  {noises:>7.2}", candidate.name, 1e3 * candidate.rmse)
     };
-    let head = format!("{:<46}{:>8}  {:>7}", "Tried", diagnosis.measured.milli_unit(), "noises");
-    let lines = diagnosis.candidates.iter().take(SHOWN).map(line);
+    let head =
+        format!("{:<width$}{:>8}  {:>7}", "Tried", diagnosis.measured.milli_unit(), "noises", width = widest + 2);
+    let lines = shown.iter().map(line);
     std::iter::once(head).chain(lines).collect::<Vec<_>>().join("\n")
 }
+
+/// Room for a usual name.
+const NAME_WIDTH: usize = 44;
 
 /// So many candidates are shown; `--json` has all.
 const SHOWN: usize = 8;

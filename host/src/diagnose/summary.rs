@@ -81,6 +81,8 @@ pub struct Diagnosis {
     /// What a rig would say of these swings, which looks with the base model; `None` where the readings are rates or not
     /// even in time.
     pub first_look: Option<Look>,
+    /// Recordings whose swings don't become smaller: something drives them, and no verdict on them means anything.
+    pub driven: Vec<String>,
     /// Effects claimed to be missing from the base model; empty: nothing is missing, or nothing could be named.
     pub verdict: Vec<&'static str>,
     /// Effects that the data can't tell from one of the verdict.
@@ -231,6 +233,7 @@ impl Summary<'_, '_, '_> {
             version: 1,
             measured,
             first_look: self.first_look,
+            driven: Swing::driven(problem.swings),
             family: family(&self.claimed, &self.undecided),
             undecided: self.undecided,
             not_tried: self.not_tried,

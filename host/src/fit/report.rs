@@ -76,7 +76,15 @@ impl Report<'_, '_> {
     ) -> Vec<String> {
         let mut warnings = Vec::new();
         let noises = self.problem.rmse_rad(self.model.cost) / self.problem.noise_rad();
-        if left == Left::Missing {
+        let driven = Swing::driven(self.problem.swings);
+        if !driven.is_empty() {
+            warnings.push(format!(
+                "the swings of {} don't become smaller, so that a motor or a hand drives them: neither friction nor what is \
+                 missing can be found from them; record the pendulum swinging freely, or choose such a stretch with --from \
+                 and --to",
+                driven.join(", ")
+            ));
+        } else if left == Left::Missing {
             warnings.push(format!(
                 "the error is {noises:.1} times the noise: physics is missing from the model (host diagnose names it)"
             ));

@@ -214,9 +214,15 @@ impl Samples {
         let n = kept.iter().filter(|kept| !**kept).count();
         let n_places = 1 + kept[first + 1..].windows(2).filter(|pair| pair[0] && !pair[1]).count();
         notes.push(format!(
-            "{n} readings at {n_places} places jump out of the swing and back, at {:.3} s first, as when a tracker or a bus \
-             loses it: they are left out as gaps",
-            times_s[first]
+            "{} out of the swing and back, at {:.3} s{}, as when a tracker or a bus loses it: left out as {}",
+            match (n, n_places) {
+                (1, _) => "1 reading jumps".to_owned(),
+                (n, 1) => format!("{n} readings at 1 place jump"),
+                (n, n_places) => format!("{n} readings at {n_places} places jump"),
+            },
+            times_s[first],
+            if n_places == 1 { "" } else { " first" },
+            if n_places == 1 { "a gap" } else { "gaps" }
         ));
         keep(times_s, &kept);
         self.keep(&kept);

@@ -61,6 +61,8 @@ pub struct Segments {
     pub half_swing_s: f64,
     /// Noise of the whole recording, or of the free range alone where something else jumps.
     pub noise: Noise,
+    /// Do the swings become smaller, as free ones must?
+    pub fades: bool,
     /// What was cut and why, in words.
     pub notes: Vec<String>,
 }
@@ -135,8 +137,9 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
     let notes = notes(&cut, options, &start, &free, rest.as_ref());
     let noise = cut.noise(&free);
     log::debug!("noise {:.3e} rad from {}; free swing {free:?}", noise.total_rms, noise.method);
+    let fades = cut.fades(&free);
     let (lead_in, release_s, half_swing_s) = (start.lead_in, start.release_s, cut.half_swing_s);
-    Ok(Segments { lead_in, free, rest, release_s, n_turning_points, half_swing_s, noise, notes })
+    Ok(Segments { lead_in, free, rest, release_s, n_turning_points, half_swing_s, noise, fades, notes })
 }
 
 fn asked_range(recording: &Recording, options: &SegmentOptions) -> Result<Range<usize>, SegmentError> {

@@ -41,9 +41,12 @@ function showWords() {
   const tie = found.family ? ` It is ${found.family.words}; its shape is undecided between ${found.family.members.join(' and ')}.` : found.undecided.length ? ` These swings cannot tell it from ${found.undecided.join(', ')}.` : '';
   const zero = found.verdict.length ? ` With the sensor's zero put right (${names}) it leaves ${mrad(found.rmse_after)}.` : '';
   const hasNoLaw = found.staircase.length === 1;
-  words.textContent = hasNoLaw && found.unexplained
+  const seenOn = (claim) => claim.parts.filter((part) => part.seen).map((part) => part.name).join(', ') || 'no part alone';
+  const held = found.holds_on.map((claim) => ` ${claim.effect} is seen on ${seenOn(claim)}.`).join('');
+  const driven = found.driven.length ? `The swings of ${found.driven.join(', ')} don't become smaller: a motor or a hand drives them, and what follows says nothing of this pendulum. ` : '';
+  words.textContent = driven + (hasNoLaw && found.unexplained
     ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left, but no effect of the list explains it.${dropped}`
-    : found.verdict.length === 0 ? 'Nothing is missing at this noise level.' : `Missing: ${names}. With it the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${tie}${dropped}${rest}`;
+    : found.verdict.length === 0 ? 'Nothing is missing at this noise level.' : `Missing: ${names}. With it the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
 }
 
 /** Small formulas for what no effect explains. */
