@@ -75,3 +75,30 @@ fn an_unknown_scenario_is_answered_with_the_list() {
     let Err(error) = crate::link::open("sim:nonsense") else { panic!("opened") };
     assert!(error.to_string().contains("nonsense; there are plain, drag"), "{error}");
 }
+
+/// Listens to a release until it is small, and asks what the rig found.
+fn found(session: &mut Session) -> Option<shared::wire::Suspects> {
+    session.start(RAW).unwrap();
+    codes(session, 40_000);
+    session.stop().unwrap();
+    session.suspects().unwrap()
+}
+
+#[test]
+fn a_rig_that_looks_by_itself_names_what_its_model_lacks_and_nothing_once_it_has_it() {
+    let mut session = session("sim:mystery-1");
+    let names =
+        |said: &shared::wire::Suspects| said.suspects.first().filter(|_| said.names()).map(|first| first.effect);
+    let first = found(&mut session).unwrap();
+    assert_eq!((names(&first), first.n_looks, first.n_releases), (Some(10), 1, 1), "{first:?}");
+    session.push(&Scenario::by_name("mystery-1").unwrap().true_parameters()).unwrap();
+    // The release that is there is judged anew.
+    let then = session.suspects().unwrap().unwrap();
+    assert_eq!((names(&then), then.n_looks, then.n_releases), (None, 2, 1), "{then:?}");
+    assert_eq!(then.reason, Some(shared::bank::findings::Reason::NothingMissing));
+}
+
+#[test]
+fn old_firmware_does_not_look() {
+    assert_eq!(found(&mut session("sim:old-firmware")), None);
+}
