@@ -28,7 +28,8 @@ const LONGEST_STEP_S: f64 = 0.01;
 /// A step that is longer by what rounding adds is one step.
 const ROUNDING: f64 = 1.0 + 1e-6;
 
-/// Over a gap the model goes on alone for so long. After more than that nobody knows where the pendulum is, and the next measurement begins anew.
+/// Over a gap the model goes on alone for so long. After more than that nobody knows where the pendulum is, and the next
+/// measurement begins anew.
 const LONGEST_GAP_S: f64 = 5.0;
 
 /// A model that is further from the measurement than this (rad), or faster (rad/s), has run away: its parameters are of

@@ -1,9 +1,9 @@
 //! The noise of a swing with few samples a period: what pieces of it leave beyond sinusoids.
 //!
 //! Where differences of neighbours still hold motion, pieces of a few periods are fitted with a swing and its odd
-//! harmonics: a₀ + (a₁ + a₂t + a₃t²)·cos ωt + … + (…)·cos 3ωt + … + cos 5ωt, ω sought for each piece because it depends on the
-//! amplitude. What is left over the degrees of freedom is an upper bound of the noise, as differences are: whatever a
-//! motion has beside these adds to it.
+//! harmonics: a₀ + (a₁ + a₂t + a₃t²)·cos ωt + … + (…)·cos 3ωt + … + cos 5ωt, ω sought for each piece because it
+//! depends on the amplitude. What is left over the degrees of freedom is an upper bound of the noise, as differences
+//! are: whatever a motion has beside these adds to it.
 
 use crate::recording::median_step_s;
 use crate::recording::turning::half_swing_s;
@@ -28,8 +28,9 @@ const TRIED: usize = 15;
 /// Then the best one is narrowed so often, to 1e-4 of the way between two of them.
 const NARROWED: usize = 20;
 
-/// A frequency that is the best of several minima takes more than one degree of freedom: with one, noise a hundredth of
-/// the swing came out 6 % too small, with two 3 %, with four 4 % too large.
+/// A frequency that is the best of several minima takes more than one degree of freedom. Of 48 simulated swings with 6 to
+/// 12 samples a period and noises of 0.05 to 2 % of the swing, with one the noise comes out 5 % too small on average, with
+/// two 1 %, with four 7 % too large.
 const OF_FREQUENCY: usize = 2;
 
 /// A column with so small a share of its length beside the others depends on them: a harmonic that the sampling folds

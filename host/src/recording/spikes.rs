@@ -4,8 +4,9 @@
 //! through its neighbours misses it; it is left out where one smooth curve goes through what stands before and behind it,
 //! and not through it. A pendulum that is pushed, stopped or let go does not come back to the curve it was on.
 //!
-//! What half and twice of a constant would do was seen on 60 simulated swings with 1013 lost readings (0.1 to 1.5 % noise, 15
-//! to 120 samples a period), of which 653 are found and nothing else, and on all recordings that come with the project.
+//! What half and twice of a constant would do was seen on 60 simulated swings with 1013 lost readings (0.1 to 1.5 % noise,
+//! 15 to 120 samples a period), of which 653 are found and nothing else, and on the real recordings that come with the
+//! project and four made-up ones.
 
 use super::smooth::LocalFit;
 use super::{median, median_step_s, turning};
