@@ -2,6 +2,10 @@
 //! Pictures of every step are kept in `target/page-pictures`.
 #![cfg(target_os = "linux")]
 
+// A module, because what drives the browser takes 20 s to compile for each test program.
+#[path = "page/axe.rs"]
+mod axe;
+
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tests::browser::Browser;

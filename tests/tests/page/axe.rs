@@ -1,5 +1,4 @@
 //! Can everybody use the page? axe-core, which knows the rules of WCAG, looks at every view of it in Chromium.
-#![cfg(target_os = "linux")]
 
 use std::path::Path;
 use tests::browser::Browser;
