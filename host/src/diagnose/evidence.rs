@@ -68,7 +68,8 @@ pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence
         let [without, late_without] = [0.0, longest_s].map(|time_s| period(&without, amplitude_rad, time_s));
         let found = compared(effect.name, amplitude_rad, &with?, &without?);
         let late_rad = late.zip(late_without).map_or(0.0, |(with, without)| {
-            with.readings_rad.iter().zip(&without.readings_rad).map(|(a, b)| (a - b).abs()).next().unwrap_or(0.0)
+            // The first readings: both motions begin alike there.
+            (with.readings_rad[0] - without.readings_rad[0]).abs()
         });
         Some(found.wandering(late_rad, longest_s))
     };
@@ -99,12 +100,6 @@ fn period(parameters: &Parameters<f64>, amplitude_rad: f64, time_s: f64) -> Opti
     None
 }
 
-/// The most by which two readings of the same motion differ, rad.
-fn reading_apart(with: &Period, without: &Period) -> f64 {
-    let apart = with.readings_rad.iter().zip(&without.readings_rad).map(|(a, b)| (a - b).abs());
-    apart.fold(0.0, f64::max)
-}
-
 impl Evidence {
     /// The same where its reading is moved so far at the end of the longest swing.
     fn wandering(self, late_rad: f64, longest_s: f64) -> Self {
@@ -119,7 +114,8 @@ impl Evidence {
 fn compared(effect: &'static str, amplitude_rad: f64, with: &Period, without: &Period) -> Evidence {
     let loss_share = 1.0 - without.lost_j / with.lost_j;
     let period_share = with.period_s / without.period_s - 1.0;
-    let reading_rad = reading_apart(with, without);
+    let apart = with.readings_rad.iter().zip(&without.readings_rad).map(|(a, b)| (a - b).abs());
+    let reading_rad = apart.fold(0.0, f64::max);
     let at = format!("at {amplitude_rad:.2} rad amplitude");
     let percent = |share: f64| format!("{:.2} %", 100.0 * share.abs());
     let is_of_loss = loss_share.abs() > LEAST_LOSS.max(LOSS_PER_PERIOD * period_share.abs());

@@ -3,7 +3,7 @@
 //! It says within a fraction of a second what the diagnosis then goes into, and tells what a rig will say by itself of
 //! such swings.
 
-use crate::recording::Measured;
+use crate::recording::{Measured, median_step_s};
 use crate::swing::Swing;
 use crate::watch::{Look, RATE_HZ, said};
 use shared::bank::findings::look;
@@ -32,7 +32,7 @@ fn parts(swing: &Swing) -> Option<Vec<(f64, Vec<f64>)>> {
         return None;
     }
     let steps_s: Vec<f64> = swing.times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let usual_s = median(&steps_s)?;
+    let usual_s = median_step_s(&swing.times_s);
     if steps_s.iter().any(|step_s| *step_s < (1.0 - EVEN) * usual_s) {
         return None;
     }
@@ -54,12 +54,6 @@ fn parts(swing: &Swing) -> Option<Vec<(f64, Vec<f64>)>> {
         begin = end;
     }
     Some(parts)
-}
-
-fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
 }
 
 #[cfg(test)]
