@@ -21,6 +21,7 @@ mod lost;
 mod measured;
 mod monitor;
 mod number;
+mod order;
 pub mod plausible;
 mod rate;
 mod read;
@@ -237,7 +238,7 @@ fn check_finite(column: &str, values: &[f64]) -> Result<(), Fault> {
 
 fn check_increasing(times_s: &[f64]) -> Result<(), Fault> {
     for (idx, pair) in times_s.windows(2).enumerate() {
-        error::check_step(|| format!("sample {}", idx + 1), pair[0], pair[1])?;
+        error::check_step(|| format!("sample {}", idx + 1), " s", pair[0], pair[1])?;
     }
     Ok(())
 }

@@ -91,7 +91,8 @@ fn a_broken_file_is_refused_with_place_value_and_advice() {
     check_refused(&with_row("0.095,broken"), &["line 12", "theta", "broken", "delete that row"]);
     check_refused(&with_row("0.095"), &["line 12 has 1 field"]);
     check_refused(&with_row("0.095,1e999"), &["line 12", "1e999"]);
-    check_refused(&with_row("0.05,0.1"), &["line 12", "from 0.09 s to 0.05 s", "split the file"]);
+    let set_back = table("t,theta\n", |t, a| format!("{:.2},{a}", if t < 0.095 { t } else { t - 0.05 }));
+    check_refused(&set_back, &["line 12", "from 0.09 s to 0.05 s", "split the file"]);
     check_refused(&with_row("0.09,0.1"), &["line 12", "0.09 s stands there twice", "--rate"]);
     check_refused(&table("t,theta\n", |t, a| format!("{t},{}", a * 60.0)), &["reach 60", "--degrees", "--radians"]);
     check_refused(&table("t,theta\n", |t, a| format!("{},{a}", t * 1e3)), &["step is 10 s", "t=0:ms"]);
@@ -116,6 +117,30 @@ fn a_row_without_a_value_is_a_gap_that_is_told_with_its_place() {
     let rate = ReadOptions { rate_hz: Some(100.0), ..ReadOptions::default() };
     let recording = parse_with(&holes.replace("t,theta", "n,theta"), &rate).unwrap();
     assert_eq!((recording.len(), recording.gaps()[0].n_missing), (35, Some(5)));
+}
+
+#[test]
+fn a_row_out_of_the_order_of_time_is_left_out_where_the_clock_goes_on() {
+    let swing = parse(&plain()).unwrap();
+    for (row, note) in [("0.05,0.1", "0.05 after 0.09"), ("7.5,0.1", "7.5 after 0.09")] {
+        let recording = parse(&with_row(row)).unwrap();
+        assert_eq!((recording.times_s(), recording.angles_rad()), (swing.times_s(), swing.angles_rad()), "{row}");
+        let notes = recording.notes().join("; ");
+        assert!(notes.contains("1 row is out of the order of time") && notes.contains(note), "{notes}");
+    }
+    // In the place of another one: a gap stays.
+    let late =
+        table(
+            "t,theta\n",
+            |t, a| if t == 0.1 { format!("0.08,{}", (8.0_f64 * 0.07).cos()) } else { format!("{t},{a}") },
+        );
+    let recording = parse(&late).unwrap();
+    assert_eq!((recording.len(), recording.gaps()[0].n_missing), (39, Some(1)));
+    // Joined recordings, and a clock in milliseconds that was set back by two samples and a half.
+    let joined = format!("{}{}", plain(), plain().replace("t,theta\n", ""));
+    check_refused(&joined, &["line 42", "from 0.39 s to 0 s", "split the file"]);
+    let set = |t: f64| if t < 0.2 { 5000.0 + 1e3 * t } else { 4975.0 + 1e3 * t };
+    check_refused(&table("t,theta\n", |t, a| format!("{},{a}", set(t))), &["from 5190 to 5175,", "split the file"]);
 }
 
 #[test]

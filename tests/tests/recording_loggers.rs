@@ -200,6 +200,48 @@ fn the_right_columns_are_taken_whatever_stands_beside_them() {
 }
 
 #[test]
+fn a_magnetometer_beside_the_angle_is_neither_time_nor_point() {
+    let three = |(t, a, v): Row| format!("{t:.2},{:.2},{:.2},{:.3}", 40.0 + v, 30.0 * a, a.to_degrees());
+    for head in ["Time (s),Magnetic Field x (µT),Magnetic Field y (µT),Angle (°)\n", "t_s,mx_uT,B (T),angle_deg\n"] {
+        let recording = check_found(&table(head, three), CENTIDEGREES, "");
+        assert!(recording.notes().is_empty(), "{:?}", recording.notes());
+    }
+    let alone = table("Time (s),Magnetic Field x (µT),Magnetic Field y (µT),T (°C)\n", three);
+    let refused = open(alone.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("no angle column"), "{refused}");
+    let rates = table("t_s,mx_uT,gx_dps\n", |(t, a, v)| format!("{t:.2},{:.2},{:.4}", 30.0 * a, v.to_degrees()));
+    let rates = open(rates.as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(rates.measured(), Measured::Rate);
+    assert!((rates.angles_rad()[25] - swing(RATE_HZ, 1)[25].2).abs() < 1e-5, "{:?}", rates.notes());
+}
+
+#[test]
+fn accelerations_are_refused_with_what_to_record_instead() {
+    let three = |(t, a, v): Row| format!("{t:.2},{:.4},{:.4},{:.4}", 9.81 * a.sin(), 9.81 * a.cos(), 0.1 * v);
+    let phone = "Time (s),Acceleration x (m/s^2),Acceleration y (m/s^2),Absolute acceleration (m/s^2)\n";
+    for head in [phone, "t_s,ax_g,ay_g,az_g\n", "Zeit (s),Beschleunigung x (m/s²),Beschleunigung y (m/s²),Betrag\n"] {
+        let refused = open(table(head, three).as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("accelerations, which can't be fitted") && refused.contains("gyroscope"), "{refused}");
+    }
+}
+
+#[test]
+fn a_clock_stands_behind_an_angle_that_is_held_at_first() {
+    let held = (0..300).map(|idx| (f64::from(idx) / 100.0, 1.0));
+    let rows = held.chain(swing(RATE_HZ, 20).into_iter().map(|(t, a, _)| (3.0 + t, a)));
+    let creeping = |t: f64, a: f64| if t < 3.0 && t > 1.0 { a + 0.001 } else { a };
+    for creeps in [false, true] {
+        let angle = |t: f64, a: f64| if creeps { creeping(t, a) } else { a };
+        let text: String =
+            rows.clone().map(|(t, a)| format!("{:.4},0.0,{}\n", angle(t, a), 272_900.0 + 1e3 * t)).collect();
+        let recording = open(text.as_bytes(), &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let notes = recording.notes().join("; ");
+        assert!(notes.contains("column 2 read as time"), "{notes}");
+        assert!((recording.angles_rad()[325] - swing(RATE_HZ, 1)[25].1).abs() < 1e-4, "{notes}");
+    }
+}
+
+#[test]
 fn a_column_that_never_moves_is_named_with_the_others() {
     let text = table("t,theta,alpha\n", |(t, a, _)| format!("{t:.2},0.001,{a:.5}"));
     let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();

@@ -13,7 +13,7 @@ use super::rate::Rates;
 use super::read::ReadOptions;
 use super::samples::{MOST_COLUMNS, Samples};
 use super::table::Table;
-use super::words::{self, Meaning, is_size, meaning};
+use super::words::{self, Meaning, is_acceleration, is_size, meaning};
 use super::{MIN_SAMPLES, clock};
 use std::f64::consts::FRAC_PI_2;
 pub(super) use time::{LONGEST_STEP_S, TimeSource};
@@ -96,7 +96,7 @@ impl Sources {
             notes.push(format!("columns {x} and {y} lie on a circle: read as x and y of a point"));
         }
         if time.column().is_some_and(|idx| reading.first_idx() == Some(idx)) {
-            return Err(Fault::NoAngleColumn { available: table.available() });
+            return Err(no_angle(table));
         }
         log::debug!("columns: time from {time:?}, readings from {reading:?}, code from {code:?}");
         Ok(Self { time, reading, code })
@@ -188,12 +188,14 @@ fn choose_reading(
             (_, Ok(ReadingSource::Angle { idx, unit })) => {
                 Ok(rates(table, options, vec![idx], unit.map(RateUnit::per_second)))
             }
-            _ => Err(Fault::NoAngleColumn { available: table.available() }),
+            _ => Err(no_angle(table)),
         },
-        (None, Err(Fault::NoAngleColumn { available })) => match rate_columns(table) {
-            columns if columns.is_empty() => Err(Fault::NoAngleColumn { available }),
-            columns => Ok(rates(table, options, columns, None)),
-        },
+        (None, Err(fault @ (Fault::NoAngleColumn { .. } | Fault::OnlyAccelerations { .. }))) => {
+            match rate_columns(table) {
+                columns if columns.is_empty() => Err(fault),
+                columns => Ok(rates(table, options, columns, None)),
+            }
+        }
         (_, Ok(ReadingSource::Angle { idx, unit })) => {
             Ok(ReadingSource::Angle { idx, unit: options.angle_unit.or(unit) })
         }
@@ -268,7 +270,16 @@ fn choose_angle(
             let unit = angle_unit_of(table, idx);
             Ok(y.map_or(ReadingSource::Angle { idx, unit }, |y| ReadingSource::Point { x: idx, y }))
         }
-        _ => Err(Fault::NoAngleColumn { available: table.available() }),
+        _ => Err(no_angle(table)),
+    }
+}
+
+/// No column can be the angle; of accelerations it is said why they can't.
+fn no_angle(table: &Table) -> Fault {
+    let available = table.available();
+    match table.names.iter().flatten().any(|name| is_acceleration(name)) {
+        true => Fault::OnlyAccelerations { available },
+        false => Fault::NoAngleColumn { available },
     }
 }
 

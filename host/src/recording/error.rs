@@ -120,29 +120,43 @@ pub enum Fault {
         /// Names or count of what there is.
         available: String,
     },
+    /// Nothing but accelerations.
+    #[error(
+        "{available}: among them are accelerations, which can't be fitted, because they hold motion and gravity at once and \
+         depend on where the sensor sits; record the gyroscope (angular velocity) too, or instead. If another column is \
+         the angle, name it with --columns theta=..."
+    )]
+    OnlyAccelerations {
+        /// Names or count of what there is.
+        available: String,
+    },
     /// The same time twice with different angles.
     #[error(
-        "{place}: time {time_s} s stands there twice, expected it to increase; export more digits of the time, \
+        "{place}: time {time}{unit} stands there twice, expected it to increase; export more digits of the time, \
          or ignore the time column with --rate"
     )]
     TimeRepeats {
         /// Line or sample.
         place: String,
-        /// The repeated time, s.
-        time_s: f64,
+        /// The repeated time.
+        time: f64,
+        /// Its unit behind a space; nothing where it is not stated and can't be seconds.
+        unit: &'static str,
     },
     /// Time runs backwards.
     #[error(
-        "{place}: time goes back from {before_s} s to {after_s} s, expected it to increase; if two recordings were \
+        "{place}: time goes back from {before}{unit} to {after}{unit}, expected it to increase; if two recordings were \
          joined, split the file there, else sort it or ignore the time column with --rate"
     )]
     TimeBackwards {
         /// Line or sample.
         place: String,
-        /// Time of the row before, s.
-        before_s: f64,
-        /// Time of this row, s.
-        after_s: f64,
+        /// Time of the row before.
+        before: f64,
+        /// Time of this row.
+        after: f64,
+        /// As above.
+        unit: &'static str,
     },
     /// Angles too large for radians, unit not stated.
     #[error(
@@ -419,12 +433,12 @@ fn growth_in_words(predicted_percent: f64, found_percent: f64) -> String {
 }
 
 /// Time must increase from one sample to the next.
-pub(super) fn check_step(place: impl Fn() -> String, before_s: f64, after_s: f64) -> Result<(), Fault> {
-    if after_s < before_s {
-        return Err(Fault::TimeBackwards { place: place(), before_s, after_s });
+pub(super) fn check_step(place: impl Fn() -> String, unit: &'static str, before: f64, after: f64) -> Result<(), Fault> {
+    if after < before {
+        return Err(Fault::TimeBackwards { place: place(), before, after, unit });
     }
-    if after_s == before_s {
-        return Err(Fault::TimeRepeats { place: place(), time_s: after_s });
+    if after == before {
+        return Err(Fault::TimeRepeats { place: place(), time: after, unit });
     }
     Ok(())
 }

@@ -1,9 +1,11 @@
 //! The rows of a table, one after the other: numbers of the chosen columns, gaps, what was cut off.
 
-use super::choose::{Sources, TimeSource};
+use super::choose::{LONGEST_STEP_S, Sources, TimeSource};
 use super::clock;
 use super::error::{Fault, check_step};
+use super::median_step_s;
 use super::number::{Cell, Numerals};
+use super::order;
 use super::spikes;
 use super::table::Table;
 use super::ticks;
@@ -166,7 +168,7 @@ impl Samples {
         let times = spread.unwrap_or(times);
         let is_wrong = |idx: usize| times[idx] <= times[idx - 1] && (is_coarse || !self.is_doubled(idx));
         if (1..times.len()).any(is_wrong) {
-            return Err(fault);
+            return if self.leave_out_strays(notes) { Ok(false) } else { Err(fault) };
         }
         if let Some((n, bits)) = anew {
             notes.push(format!("the times are counts of {bits} bits that begin anew {n} times: they go on there"));
@@ -178,6 +180,24 @@ impl Samples {
         }
         self.times = times;
         Ok(is_coarse)
+    }
+
+    /// Rows out of the order of time, where they are few and the clock goes on around them.
+    fn leave_out_strays(&mut self, notes: &mut Vec<String>) -> bool {
+        let Some(kept) = order::kept(&self.times, |idx| self.is_doubled(idx)) else { return false };
+        let n = kept.iter().filter(|kept| !**kept).count();
+        if let Some(first) = kept.iter().position(|kept| !kept) {
+            let (stray, before) = (self.times[first], self.times[first - 1]);
+            notes.push(match n {
+                1 => format!("1 row is out of the order of time, {stray} after {before}, and the clock goes on: left out"),
+                n => format!(
+                    "{n} rows are out of the order of time, the first of them {stray} after {before}, and the clock goes \
+                     on: left out"
+                ),
+            });
+        }
+        self.keep(&kept);
+        true
     }
 
     /// Does a sample repeat time and readings of the one before?
@@ -233,19 +253,21 @@ impl Samples {
         if self.len() > MOST_SAMPLES {
             return Err(Fault::TooManySamples);
         }
-        match self.times[..] {
-            [.., before, last] => {
-                let scale = sources.time.scale();
-                match check_step(|| format!("line {}", table.line()), before * scale, last * scale) {
-                    Err(fault) if is_ours => Err(fault),
-                    Err(fault) => {
-                        self.standstill.get_or_insert(fault);
-                        Ok(())
-                    }
-                    Ok(()) => Ok(()),
-                }
+        let [.., before, last] = self.times[..] else { return Ok(()) };
+        if last > before || (self.standstill.is_some() && !is_ours) {
+            return Ok(());
+        }
+        // Times whose unit is not stated, and that can't be seconds, are shown as they stand in the file.
+        let is_stated = !matches!(sources.time, TimeSource::Column { unit: None, .. });
+        let unit = if is_stated || median_step_s(&self.times) < LONGEST_STEP_S { " s" } else { "" };
+        let scale = sources.time.scale();
+        match check_step(|| format!("line {}", table.line()), unit, before * scale, last * scale) {
+            Err(fault) if is_ours => Err(fault),
+            Err(fault) => {
+                self.standstill = Some(fault);
+                Ok(())
             }
-            _ => Ok(()),
+            Ok(()) => Ok(()),
         }
     }
 

@@ -192,12 +192,41 @@ const OTHER_UNITS: &[&str] = &[
     "ticks", "raw",
 ];
 
+/// Words and units of what is neither a time nor of the pendulum, though its name may hold a `t` or an `x`.
+const OTHER_QUANTITIES: &[&str] = &[
+    "ut",
+    "µt",
+    "μt",
+    "nt",
+    "mt",
+    "gauss",
+    "tesla",
+    "field",
+    "feld",
+    "magnetic",
+    "magnetfeld",
+    "mag",
+    "magnetometer",
+    "force",
+    "kraft",
+    "temperature",
+    "temperatur",
+    "celsius",
+    "°c",
+    "pressure",
+    "hpa",
+];
+
 /// Reads the words of a column name.
 pub(super) fn meaning(name: &str) -> Meaning {
     let words = words(name);
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let time = words.iter().rev().find_map(|word| time_unit(word));
     let angle = words.iter().rev().find_map(|word| angle_unit(word));
+    let in_tesla = ["(T)", "[T]", "/ T"].iter().any(|unit| name.trim_end().ends_with(unit));
+    if (has(OTHER_QUANTITIES) || in_tesla) && angle.is_none() && !has(ANGLE) {
+        return Meaning::Other;
+    }
     // `α / °` is an angle; without a unit it is taken for the acceleration.
     let is_alpha_angle =
         angle.is_some() && time.is_none() && words.iter().any(|word| matches!(word.as_str(), "alpha" | "α"));
@@ -206,8 +235,12 @@ pub(super) fn meaning(name: &str) -> Meaning {
     }
     // rad/s, deg/s: an angle and a time unit in one name is a velocity; with s² it is an acceleration.
     let is_per_time = angle.is_some() && time.is_some();
-    if has(DERIVED) || is_per_time || words.iter().any(|word| is_derivative(word)) || has_derivative_sign(name) {
-        let is_rate = (is_per_time || has(RATE)) && !name.contains(['²', '^']) && !has(&["acceleration", "alpha"]);
+    let has_rate_unit = words.iter().any(|word| rate_word(word).is_some());
+    let is_derived = has(DERIVED) || words.iter().any(|word| is_derivative(word)) || has_derivative_sign(name);
+    if is_derived || is_per_time || has_rate_unit {
+        let is_rate = (is_per_time || has_rate_unit || has(RATE))
+            && !name.contains(['²', '^'])
+            && !has(&["acceleration", "alpha"]);
         return if is_rate { Meaning::Rate { unit: rate_unit_of(&words, angle, time) } } else { Meaning::Other };
     }
     if has(TIME) {
@@ -322,27 +355,65 @@ pub(super) fn is_size(name: &str) -> bool {
     words(name).iter().any(|word| SIZE.contains(&word.as_str()))
 }
 
+/// Is it an acceleration along an axis? `Linear Acceleration x (m/s^2)`, `ax_g`, `Beschleunigung y`.
+pub(super) fn is_acceleration(name: &str) -> bool {
+    let words = words(name);
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let is_per_square = name.contains("/s²") || name.contains("/s^2") || name.contains("/s2");
+    let in_metres = is_per_square && words.iter().any(|word| word == "m");
+    let in_g = words.last().is_some_and(|word| matches!(word.as_str(), "g" | "mg")) && has(&["ax", "ay", "az"]);
+    let is_angular = words.iter().any(|word| angle_unit(word).is_some() || ANGULAR.contains(&word.as_str()));
+    (in_metres || in_g || has(ACCELERATION)) && !is_angular
+}
+
+/// Words of an acceleration.
+const ACCELERATION: &[&str] = &[
+    "acceleration",
+    "accelerometer",
+    "acc",
+    "accel",
+    "beschleunigung",
+    "accélération",
+    "aceleración",
+    "aceleracion",
+    "accelerazione",
+];
+
+/// Words that make it one of the angle.
+const ANGULAR: &[&str] = &["angular", "angulaire", "angolare", "theta", "phi"];
+
 /// Words of a size.
 const SIZE: &[&str] =
     &["absolute", "abs", "magnitude", "norm", "total", "absolut", "betrag", "absolue", "absoluto", "assoluto"];
 
 /// Lower-case words of a name, split at signs and where a small letter meets a capital; digits at the end fall off.
 fn words(name: &str) -> Vec<String> {
-    let mut spaced = String::new();
-    let mut before_is_small = false;
-    for letter in name.chars() {
-        if before_is_small && letter.is_uppercase() {
-            spaced.push(' ');
-        }
-        before_is_small = letter.is_lowercase();
-        spaced.push(letter);
-    }
-    spaced
-        .to_lowercase()
-        .split(|letter: char| !letter.is_alphanumeric() && letter != '°')
-        .map(|word| word.trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned())
+    name.split(|letter: char| !letter.is_alphanumeric() && letter != '°')
+        .flat_map(|part| if is_unit_with_prefix(part) { vec![part.to_owned()] } else { humps(part) })
+        .map(|word| word.to_lowercase().trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned())
         .filter(|word| !word.is_empty())
         .collect()
+}
+
+/// `timeMs` in two.
+fn humps(part: &str) -> Vec<String> {
+    let mut humps = vec![String::new()];
+    let mut before_is_small = false;
+    for letter in part.chars() {
+        if before_is_small && letter.is_uppercase() {
+            humps.push(String::new());
+        }
+        before_is_small = letter.is_lowercase();
+        humps.iter_mut().next_back().unwrap_or(&mut String::new()).push(letter);
+    }
+    humps
+}
+
+/// `µT`, `mV`, `kHz`: of a unit with a capital its prefix is no word.
+fn is_unit_with_prefix(part: &str) -> bool {
+    let mut rest = part.chars();
+    let is_prefix = rest.next().is_some_and(|letter| matches!(letter, 'n' | 'u' | 'µ' | 'μ' | 'm' | 'c' | 'h' | 'k'));
+    is_prefix && matches!(rest.as_str(), "T" | "G" | "V" | "A" | "W" | "N" | "J" | "K" | "Hz" | "Pa")
 }
 
 #[cfg(test)]
@@ -403,9 +474,25 @@ mod tests {
             ("v (rad/s)", rate(AngleUnit::Radians)),
             ("adc_code", Meaning::Code),
             ("voltage", Meaning::Other),
+            ("Magnetic Field x (µT)", Meaning::Other),
+            ("mx_uT", Meaning::Other),
+            ("B (mT)", Meaning::Other),
+            ("mV", Meaning::Other),
+            ("gx_dps", rate(AngleUnit::Degrees)),
+            ("motor_rpm", Meaning::Rate { unit: rate_unit("rpm") }),
         ];
         for (name, expected) in cases {
             assert_eq!(meaning(name), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn accelerations_along_an_axis_are_told_from_those_of_an_angle() {
+        for name in ["Linear Acceleration x (m/s^2)", "Acceleration y (m/s²)", "ax_g", "Beschleunigung z", "accX"] {
+            assert!(is_acceleration(name), "{name}");
+        }
+        for name in ["alpha (rad/s²)", "Angular acceleration (rad/s^2)", "x (m)", "angle", "t_s", "v (m/s)", "g"] {
+            assert!(!is_acceleration(name), "{name}");
         }
     }
 }

@@ -172,24 +172,46 @@ pub(super) fn plotted_axes(table: &Table, asked: &Columns) -> Option<(usize, usi
     }
     let axes = the_one(table, Meaning::X).zip(the_one(table, Meaning::Y))?;
     let x = table.first_numbers(axes.0);
-    let steps: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    (x.len() > MIN_SAMPLES && rises_evenly(&x)).then_some(axes)
+}
+
+/// The column of time where none has a name: the first one, unless another one is more of a clock.
+pub(super) fn unnamed_time(table: &Table) -> usize {
+    let standing = |idx: usize| Standing::of(&table.first_numbers(idx));
+    let best = standing(0);
+    // Of equals the first.
+    (1..table.n_columns).map(|idx| (idx, standing(idx))).fold((0, best), |a, b| if b.1 > a.1 { b } else { a }).0
+}
+
+/// How much a column looks like a clock in the first rows.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+enum Standing {
+    /// It goes back, or never moves.
+    No,
+    /// A coarse clock, or an angle that begins to move.
+    NeverFalls,
+    /// By steps that are even for the most part, as those of a swing are not.
+    RisesEvenly,
+}
+
+impl Standing {
+    fn of(numbers: &[f64]) -> Self {
+        let never_falls = numbers.windows(2).all(|pair| pair[1] >= pair[0]) && numbers.last() > numbers.first();
+        match numbers.len() >= MIN_SAMPLES && never_falls {
+            true if rises_evenly(numbers) => Self::RisesEvenly,
+            true => Self::NeverFalls,
+            false => Self::No,
+        }
+    }
+}
+
+/// Nine of ten steps are about as long as the typical one, and none is none.
+fn rises_evenly(numbers: &[f64]) -> bool {
+    let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let typical = median(&mut steps.clone());
     let is_even = |step: &f64| (0.5 * typical..=1.5 * typical).contains(step);
     let n_even = steps.iter().filter(|step| is_even(step)).count();
-    let is_time = steps.len() >= MIN_SAMPLES && steps.iter().all(|step| *step > 0.0) && 10 * n_even > 9 * steps.len();
-    is_time.then_some(axes)
-}
-
-/// The column of time where none has a name: the first one, unless it goes back while another one never does.
-pub(super) fn unnamed_time(table: &Table) -> usize {
-    let rises = |idx: &usize| {
-        let numbers = table.first_numbers(*idx);
-        numbers.len() >= MIN_SAMPLES
-            && numbers.windows(2).all(|pair| pair[1] >= pair[0])
-            && numbers.last() > numbers.first()
-    };
-    let falls = table.first_numbers(0).windows(2).any(|pair| pair[1] < pair[0]);
-    if falls { (1..table.n_columns).find(rises).unwrap_or(0) } else { 0 }
+    steps.iter().all(|step| *step > 0.0) && 10 * n_even > 9 * steps.len()
 }
 
 /// What stands behind the number in the first row: `57.3 deg`.

@@ -1,0 +1,92 @@
+//! A few rows out of the order of time, while the clock went on: written late, or with a wrong time.
+//!
+//! In: times in the order of the rows. Out: which rows to keep, so that the fewest are left out (a longest increasing
+//! subsequence). None where a clock was set back and counts on from there: then two recordings stand in one file.
+
+use super::median_step_s;
+
+/// Up to one row, and of long files one of so many, may be out of order. Half and twice of it come to the same: of 90
+/// recordings one has a single such row in 18,000, and three a clock that was set back.
+const ROWS_A_STRAY: usize = 100;
+
+/// A step is ordinary up to so many usual ones: two are a row that is missing.
+const ORDINARY: f64 = 1.5;
+
+/// Which rows to keep, where those that are left out are few and the clock goes on around them; what is no row of its own
+/// (`is_doubled`) counts for nothing and is kept.
+pub(super) fn kept(times: &[f64], is_doubled: impl Fn(usize) -> bool) -> Option<Vec<bool>> {
+    let rows: Vec<usize> = (0..times.len()).filter(|idx| !is_doubled(*idx)).collect();
+    let own: Vec<f64> = rows.iter().map(|idx| times[*idx]).collect();
+    let rising = longest_rise(&own);
+    let n_strays = own.len() - rising.len();
+    let step = median_step_s(&rising.iter().map(|idx| own[*idx]).collect::<Vec<_>>());
+    let begins_and_ends = rising.first() == Some(&0) && rising.last() == own.len().checked_sub(1).as_ref();
+    let goes_on = |pair: &[usize]| pair[1] == pair[0] + 1 || goes_on(&own[pair[0]..=pair[1]], step);
+    if n_strays > 1 + own.len() / ROWS_A_STRAY || !begins_and_ends || !rising.windows(2).all(goes_on) {
+        return None;
+    }
+    let mut kept = vec![true; times.len()];
+    rising.windows(2).flat_map(|pair| pair[0] + 1..pair[1]).for_each(|stray| kept[rows[stray]] = false);
+    Some(kept)
+}
+
+/// From a row over strays to the next one: no ordinary step leads to the strays or away from them. Where one does, the
+/// clock was set.
+fn goes_on(times: &[f64], step: f64) -> bool {
+    let is_ordinary = |pair: &[f64]| pair[1] >= pair[0] && pair[1] - pair[0] <= ORDINARY * step;
+    !is_ordinary(&times[..2]) && !is_ordinary(&times[times.len() - 2..])
+}
+
+/// Places of a longest strictly rising selection (M. L. Fredman, Discrete Math. 11 (1975) 29).
+fn longest_rise(values: &[f64]) -> Vec<usize> {
+    // Of each length the selection that ends lowest, by its last place.
+    let mut ends: Vec<usize> = Vec::new();
+    let mut before = vec![usize::MAX; values.len()];
+    for (idx, value) in values.iter().enumerate() {
+        let length = ends.partition_point(|end| values[*end] < *value);
+        if length > 0 {
+            before[idx] = ends[length - 1];
+        }
+        if length == ends.len() {
+            ends.push(idx);
+        } else {
+            ends[length] = idx;
+        }
+    }
+    let mut rise = Vec::new();
+    let mut idx = ends.last().copied().unwrap_or(usize::MAX);
+    while let Some(next) = before.get(idx) {
+        rise.push(idx);
+        idx = *next;
+    }
+    rise.reverse();
+    rise
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn left_out(times: &[f64]) -> Option<Vec<f64>> {
+        let kept = kept(times, |_| false)?;
+        Some(times.iter().zip(kept).filter(|(_, kept)| !kept).map(|(time, _)| *time).collect())
+    }
+
+    #[test]
+    fn a_row_behind_or_ahead_of_its_time_is_left_out() {
+        assert_eq!(left_out(&[1.0, 2.0, 3.0, 2.0, 5.0, 6.0]), Some(vec![2.0]));
+        assert_eq!(left_out(&[1.0, 2.0, 3.0, 99.0, 5.0, 6.0]), Some(vec![99.0]));
+        assert_eq!(left_out(&[1.0, 2.0, 3.0]), Some(vec![]));
+    }
+
+    #[test]
+    fn a_clock_that_was_set_back_or_many_rows_are_none() {
+        let back: Vec<f64> = (0..300).map(|row| f64::from(row) - if row > 150 { 2.4 } else { 0.0 }).collect();
+        assert_eq!(left_out(&back), None);
+        let twice: Vec<f64> = (0..300).map(|row| f64::from(row % 150)).collect();
+        assert_eq!(left_out(&twice), None);
+        assert_eq!(left_out(&[1.0, 2.0, 3.0, 4.0, 1.0]), None);
+        let often: Vec<f64> = (0..300).map(|row| f64::from(if row % 30 == 9 { row - 4 } else { row })).collect();
+        assert_eq!(left_out(&often), None);
+    }
+}
