@@ -16,6 +16,7 @@ mod error;
 mod foreign;
 mod grid;
 mod header;
+mod heading;
 mod look;
 mod lost;
 mod measured;
@@ -33,6 +34,7 @@ mod spikes;
 mod table;
 mod ticks;
 pub mod turning;
+mod units;
 mod words;
 mod write;
 

@@ -242,6 +242,43 @@ fn a_clock_stands_behind_an_angle_that_is_held_at_first() {
 }
 
 #[test]
+fn names_and_units_are_found_however_the_lines_above_part_them() {
+    let tabs = |(t, a, v): Row| format!("{t:.2}\t{:.3}\t{v:.3}", a.to_degrees());
+    let commented = "#Logger: 3\n#Time A\tAngle A\tSpeed A\n#[s]\t[deg]\t[au]\n";
+    let blank = "# Time (s)\tAngle (deg)\tSpeed\n#\n";
+    for head in [commented, blank, "--- Pendulum ---\nTime (s),Angle (deg),Speed\n", "Time;Angle;Speed\ns;deg;au\n"] {
+        let recording = check_found(&table(head, tabs), CENTIDEGREES, "");
+        assert!(recording.notes().is_empty(), "{head}: {:?}", recording.notes());
+    }
+    let commas = |(t, a, v): Row| format!("{t:.2},{:.3},{v:.3}", a.to_degrees());
+    check_found(&table("Time,Angle,State of it\ns,deg,State\n\n", commas), CENTIDEGREES, "");
+    // What a terminal shows before the first row is no line of names.
+    check_found(&table("ready\n[ dpc ] >>> 7.5,1.25,0.1\n", commas), CENTIDEGREES, "column 0 read as time");
+}
+
+#[test]
+fn two_columns_that_lie_on_a_circle_at_first_only_are_no_point() {
+    let beside =
+        |(t, a, _): Row| format!("{t:.2},{a:.6},{:.6}", if t < 5.0 { 1.0 - (1.0 - a * a / 1.44).sqrt() } else { 0.3 });
+    let recording = check_found(&table("", beside), 1e-5, "column 0 read as time");
+    assert!(!recording.notes().join("; ").contains("circle"), "{:?}", recording.notes());
+}
+
+#[test]
+fn what_could_be_told_names_columns_of_this_very_file() {
+    let five = |(t, a, v): Row| format!("0,{a:.5},7,{v:.5},{t:.2}");
+    let refused = |head: &str, options: &ReadOptions| open(table(head, five).as_bytes(), options).unwrap_err();
+    let angles = refused("a,theta1,b,theta2,t\n", &ReadOptions::default());
+    assert!(angles.contains("e.g. t=4,theta=1 or t=4,theta=3"), "{angles}");
+    let times = refused("Time A,b,c,d,Time B\n", &told("x=1,y=3"));
+    assert!(times.contains("e.g. t=0,theta=1 or t=4,theta=1"), "{times}");
+    let unknown = refused("a,theta1,b,c,t\n", &told("theta=9"));
+    assert!(unknown.contains("no column 9") && unknown.contains("e.g. t=4,theta=1"), "{unknown}");
+    let still = refused("a,b,theta,c,t\n", &ReadOptions::default());
+    assert!(still.contains("2 (theta) does not move") && still.contains("e.g. t=4,theta=1"), "{still}");
+}
+
+#[test]
 fn a_column_that_never_moves_is_named_with_the_others() {
     let text = table("t,theta,alpha\n", |(t, a, _)| format!("{t:.2},0.001,{a:.5}"));
     let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();

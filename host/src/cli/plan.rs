@@ -5,8 +5,9 @@ use super::output;
 use super::table::table;
 use crate::error::Failure;
 use crate::operations::json::all_named;
-use crate::operations::plan::Planned;
+use crate::operations::plan::{NOTHING, Planned};
 use crate::plan::{DISTINGUISHABLE, Experiment, Prospect};
+use crate::verdict::Left;
 use clap::Args;
 
 /// Find the experiment that would best separate the leading explanations: release angle and side, mass, length.
@@ -38,13 +39,27 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 }
 
 fn in_words(planned: &Planned) -> String {
-    let Planned { models, undecided, experiments: prospects, .. } = planned;
+    let Planned { models, undecided, experiments: prospects, left: (left, noises), .. } = planned;
+    let is_missing = *left == Left::Missing;
     let Some(best) = prospects.first() else {
-        return "Nothing is missing at this noise level, so there is nothing to separate. A release from another angle, \
-                or less noise, may show more."
-            .to_owned();
+        return if is_missing {
+            format!(
+                "The model leaves {noises:.1} times the noise, but nothing that is known explains it, so there is nothing \
+                 to separate. `host diagnose` says more."
+            )
+        } else {
+            "Nothing is missing at this noise level, so there is nothing to separate. A release from another angle, or \
+             less noise, may show more."
+                .to_owned()
+        };
     };
-    let mut lines = vec![format!("Missing is, by these recordings: {}.", models[0])];
+    let mut lines = vec![match models[0].as_str() {
+        NOTHING if is_missing => format!(
+            "The model leaves {noises:.1} times the noise, but these recordings prove no single effect to be missing."
+        ),
+        NOTHING => "By these recordings nothing is missing.".to_owned(),
+        names => format!("Missing is, by these recordings: {names}."),
+    }];
     lines.push(match undecided.as_slice() {
         [] => format!("The next best explanations are {}.", models[1..].join(", ")),
         names => format!("They can't tell it from {}.", names.join(", ")),
@@ -90,4 +105,31 @@ fn listed(prospects: &[Prospect]) -> String {
     };
     let rows = prospects.iter().filter_map(row).collect();
     table(["release", "pendulum", "hardest to separate", "noises"], rows, 3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Separation;
+
+    fn planned(models: &[&str], left: Left) -> Planned {
+        let models: Vec<String> = models.iter().map(|name| (*name).to_owned()).collect();
+        let separation = Separation { models: ["a".to_owned(), "b".to_owned()], delta_chi_square: 100.0, noises: 0.5 };
+        let experiment = Experiment { release_rad: 1.0, mass_factor: 1.0, length_factor: 1.0 };
+        let prospect = Prospect { experiment, separations: vec![separation], worst: 100.0 };
+        let experiments = if models.len() < 2 { Vec::new() } else { vec![prospect] };
+        Planned { recordings: Vec::new(), models, undecided: Vec::new(), experiments, left: (left, 17.25) }
+    }
+
+    #[test]
+    fn nothing_is_missing_only_where_nothing_is_left() {
+        for models in [&[NOTHING, "eddy-brake"][..], &[NOTHING]] {
+            let much = in_words(&planned(models, Left::Missing));
+            assert!(much.contains("17.2 times the noise") && !much.contains("othing is missing"), "{much}");
+            let noise = in_words(&planned(models, Left::Noise));
+            assert!(noise.to_lowercase().contains("nothing is missing"), "{noise}");
+        }
+        let named = in_words(&planned(&["viscous", "coulomb"], Left::Noise));
+        assert!(named.starts_with("Missing is, by these recordings: viscous."), "{named}");
+    }
 }

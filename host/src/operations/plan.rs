@@ -4,7 +4,11 @@ use crate::diagnose::diagnose;
 use crate::plan::{Prospect, plan};
 use crate::rigfile::RigFile;
 use crate::swing::Swing;
+use crate::verdict::Left;
 use serde::Serialize;
+
+/// What a model is called that has no effect beyond those of the file.
+pub const NOTHING: &str = "nothing";
 
 /// Experiments for a rig, as `--json` shows them.
 #[derive(Clone, Debug, Serialize)]
@@ -17,6 +21,9 @@ pub struct Planned {
     pub undecided: Vec<&'static str>,
     /// The experiments, the best one first; none if nothing is to be separated.
     pub experiments: Vec<Prospect>,
+    /// What the best explanation leaves, and how many times the noise that is.
+    #[serde(skip)]
+    pub left: (Left, f64),
 }
 
 impl Planned {
@@ -30,10 +37,11 @@ impl Planned {
             models: leading.iter().map(|trial| named(&trial.names())).collect(),
             undecided: diagnosis.undecided,
             experiments,
+            left: (diagnosis.left, diagnosis.rmse_after / diagnosis.noise.max(f64::MIN_POSITIVE)),
         }
     }
 }
 
 fn named(names: &[&str]) -> String {
-    if names.is_empty() { "nothing".to_owned() } else { names.join(" + ") }
+    if names.is_empty() { NOTHING.to_owned() } else { names.join(" + ") }
 }

@@ -1,10 +1,11 @@
 //! Which column is what: by what the user said, the header, the names, and at last the place.
 
+mod names;
 mod time;
 
 use super::angle::Angles;
 use super::circle::Circle;
-use super::columns::{AngleUnit, ColumnRef, Columns, RateUnit};
+use super::columns::{AngleUnit, Columns, RateUnit};
 use super::error::Fault;
 use super::header::Header;
 use super::measured::Measured;
@@ -13,17 +14,20 @@ use super::rate::Rates;
 use super::read::ReadOptions;
 use super::samples::{MOST_COLUMNS, Samples};
 use super::table::Table;
-use super::words::{self, Meaning, is_acceleration, is_size, meaning};
+use super::words::{self, Meaning, is_size, meaning};
 use super::{MIN_SAMPLES, clock};
+use names::{best, example, find, no_angle, note_rivals, the_one};
 use std::f64::consts::FRAC_PI_2;
 pub(super) use time::{LONGEST_STEP_S, TimeSource};
-use time::{choose_time, plotted_axes, unit_in_cell, unnamed_time};
+use time::{as_time, choose_time, plotted_axes, unit_in_cell, unnamed_time};
 
 /// Where each quantity comes from.
 pub(super) struct Sources {
     pub(super) time: TimeSource,
     pub(super) reading: ReadingSource,
     pub(super) code: Option<usize>,
+    /// What could be told if the column of the readings turns out to be a wrong one.
+    otherwise: String,
 }
 
 /// Where what was measured comes from.
@@ -39,10 +43,12 @@ pub(super) enum ReadingSource {
         columns: Vec<usize>,
         unit: Option<RateUnit>,
     },
-    /// Of a point on the pendulum.
+    /// Of a point on the pendulum. Where neither the user nor the names say so (`is_guess`), x is an angle if they lie on
+    /// no circle after all.
     Point {
         x: usize,
         y: usize,
+        is_guess: bool,
     },
     Codes,
 }
@@ -53,7 +59,7 @@ impl ReadingSource {
         match self {
             Self::Angle { idx, .. } => vec![*idx],
             Self::Rates { columns, .. } => columns.clone(),
-            Self::Point { x, y } => vec![*x, *y],
+            Self::Point { x, y, .. } => vec![*x, *y],
             Self::Codes => Vec::new(),
         }
     }
@@ -92,14 +98,18 @@ impl Sources {
                 (choose_time(table, header, options, &asked, reading_idx, notes)?, reading?)
             }
         };
-        if let (ReadingSource::Point { x, y }, None, None) = (&reading, &asked.x, &table.names) {
-            notes.push(format!("columns {x} and {y} lie on a circle: read as x and y of a point"));
+        if let (ReadingSource::Angle { idx, .. }, None) = (&reading, &asked.angle) {
+            note_rivals(table, "angle", *idx, as_angle, notes);
+        }
+        if let (TimeSource::Column { idx, .. } | TimeSource::Clock { idx }, None) = (&time, &asked.time) {
+            note_rivals(table, "time", *idx, as_time, notes);
         }
         if time.column().is_some_and(|idx| reading.first_idx() == Some(idx)) {
             return Err(no_angle(table));
         }
         log::debug!("columns: time from {time:?}, readings from {reading:?}, code from {code:?}");
-        Ok(Self { time, reading, code })
+        let otherwise = example(table, "angle", &[], reading.columns().first().copied());
+        Ok(Self { time, reading, code, otherwise })
     }
 
     /// What the readings are.
@@ -133,21 +143,44 @@ impl Sources {
             }
             ReadingSource::Angle { idx, unit } => {
                 let readings = &samples.readings[0];
-                let (first, n) = (readings.first().copied().unwrap_or_default(), readings.len());
-                if !is_ours && n >= MIN_SAMPLES && readings.iter().all(|reading| *reading == first) {
-                    let (column, available) = (table.column_name(*idx), table.available());
-                    return Err(Fault::NothingMoves { column, value: first, available });
+                if !is_ours {
+                    self.refuse_standing(table, *idx, readings)?;
                 }
-                Angles { times_s, is_ours, options, notes }.of_column(&samples.readings[0], *unit)
+                Angles { times_s, is_ours, options, notes }.of_column(readings, *unit)
             }
-            ReadingSource::Point { .. } => {
+            ReadingSource::Point { is_guess: false, .. } => {
                 Angles { times_s, is_ours, options, notes }.of_point(&samples.readings[0], &samples.readings[1])
+            }
+            ReadingSource::Point { x, y, is_guess: true } => {
+                let mut of_point = vec![format!("columns {x} and {y} lie on a circle: read as x and y of a point")];
+                let point = Angles { times_s, is_ours, options, notes: &mut of_point };
+                match point.of_point(&samples.readings[0], &samples.readings[1]) {
+                    Err(Fault::NoCircle { .. } | Fault::ShortArc { .. }) => {
+                        self.refuse_standing(table, *x, &samples.readings[0])?;
+                        let unit = angle_unit_of(table, *x);
+                        Angles { times_s, is_ours, options, notes }.of_column(&samples.readings[0], unit)
+                    }
+                    angles => {
+                        notes.extend(of_point);
+                        angles
+                    }
+                }
             }
             ReadingSource::Rates { columns, unit } => {
                 let names = columns.iter().map(|idx| table.column_name(*idx)).collect();
                 Rates { times_s, is_ours, options, names, notes }.of_columns(&samples.readings, *unit)
             }
         }
+    }
+
+    /// An angle that is the same throughout is another column's.
+    fn refuse_standing(&self, table: &Table, idx: usize, readings: &[f64]) -> Result<(), Fault> {
+        let first = readings.first().copied().unwrap_or_default();
+        if readings.len() < MIN_SAMPLES || readings.iter().any(|reading| *reading != first) {
+            return Ok(());
+        }
+        let (column, available) = (table.column_name(idx), table.available());
+        Err(Fault::NothingMoves { column, value: first, available, example: self.otherwise.clone() })
     }
 }
 
@@ -156,12 +189,6 @@ fn choose_code(table: &Table, asked: &Columns) -> Result<Option<usize>, Fault> {
         Some(column) => find(table, column).map(Some),
         None => Ok(table.names.iter().flatten().position(|name| meaning(name) == Meaning::Code)),
     }
-}
-
-/// The only column whose name means this.
-fn the_one(table: &Table, wanted: Meaning) -> Option<usize> {
-    let mut all = table.names.iter().flatten().enumerate().filter(|(_, name)| meaning(name) == wanted);
-    all.next().map(|(idx, _)| idx).filter(|_| all.next().is_none())
 }
 
 /// Rates where the user, the header or the names say so, else angles.
@@ -246,12 +273,9 @@ fn choose_angle(
         return Ok(ReadingSource::Angle { idx, unit: unit.or(angle_unit_of(table, idx)) });
     }
     if let (Some(x), Some(y)) = (&asked.x, &asked.y) {
-        return Ok(ReadingSource::Point { x: find(table, x)?, y: find(table, y)? });
+        return Ok(ReadingSource::Point { x: find(table, x)?, y: find(table, y)?, is_guess: false });
     }
-    let named = best(table, "angle", |meaning| match meaning {
-        Meaning::Angle { unit, strength } => Some((unit, strength)),
-        _ => None,
-    })?;
+    let named = best(table, "angle", as_angle)?;
     let time_idx = asked.time.as_ref().and_then(|(column, _)| find(table, column).ok());
     let fields = table.first_fields();
     let is_clock = |idx: &usize| fields.get(*idx).is_some_and(|field| clock::read(field).is_some());
@@ -263,23 +287,14 @@ fn choose_angle(
     let (unnamed, next) = (unnamed.next(), unnamed.next());
     match (named, the_one(table, Meaning::X), the_one(table, Meaning::Y), unnamed) {
         (Some((idx, _)), ..) => Ok(ReadingSource::Angle { idx, unit: angle_unit_of(table, idx) }),
-        (None, Some(x), Some(y), _) => Ok(ReadingSource::Point { x, y }),
+        (None, Some(x), Some(y), _) => Ok(ReadingSource::Point { x, y, is_guess: false }),
         (None, ..) if code_idx.is_some() => Ok(ReadingSource::Codes),
         (None, _, _, Some(idx)) if table.names.is_none() || table.n_columns == 1 => {
             let y = next.filter(|y| table.names.is_none() && lie_on_circle(table, idx, *y));
             let unit = angle_unit_of(table, idx);
-            Ok(y.map_or(ReadingSource::Angle { idx, unit }, |y| ReadingSource::Point { x: idx, y }))
+            Ok(y.map_or(ReadingSource::Angle { idx, unit }, |y| ReadingSource::Point { x: idx, y, is_guess: true }))
         }
         _ => Err(no_angle(table)),
-    }
-}
-
-/// No column can be the angle; of accelerations it is said why they can't.
-fn no_angle(table: &Table) -> Fault {
-    let available = table.available();
-    match table.names.iter().flatten().any(|name| is_acceleration(name)) {
-        true => Fault::OnlyAccelerations { available },
-        false => Fault::NoAngleColumn { available },
     }
 }
 
@@ -293,6 +308,13 @@ fn lie_on_circle(table: &Table, x: usize, y: usize) -> bool {
     angles_rad.iter().all(|angle_rad| angle_rad.abs() < FRAC_PI_2)
 }
 
+fn as_angle(meaning: Meaning) -> Option<(Option<AngleUnit>, u8)> {
+    match meaning {
+        Meaning::Angle { unit, strength } => Some((unit, strength)),
+        _ => None,
+    }
+}
+
 /// From the name of the column, else from its first cell.
 fn angle_unit_of(table: &Table, idx: usize) -> Option<AngleUnit> {
     let in_name = match table.names.as_ref().and_then(|names| names.get(idx)).map(|name| meaning(name)) {
@@ -300,40 +322,4 @@ fn angle_unit_of(table: &Table, idx: usize) -> Option<AngleUnit> {
         _ => None,
     };
     in_name.or_else(|| unit_in_cell(table, idx, words::angle_unit))
-}
-
-/// The one column whose name fits best; an error when two fit equally.
-fn best<U: Copy>(
-    table: &Table,
-    role: &'static str,
-    fits: impl Fn(Meaning) -> Option<(Option<U>, u8)>,
-) -> Result<Option<(usize, Option<U>)>, Fault> {
-    let names = table.names.as_deref().unwrap_or_default();
-    let fitting = || names.iter().enumerate().filter_map(|(idx, name)| fits(meaning(name)).map(|fit| (idx, fit)));
-    let strongest = fitting().map(|(_, (_, strength))| strength).max();
-    let mut winners = fitting().filter(|(_, (_, strength))| Some(*strength) == strongest);
-    let first = winners.next().map(|(idx, (unit, _))| (idx, unit));
-    if let (Some((first_idx, _)), Some((second_idx, _))) = (first, winners.next()) {
-        let candidates = format!("{}, {}", table.column_name(first_idx), table.column_name(second_idx));
-        return Err(Fault::AmbiguousColumn { role, candidates });
-    }
-    Ok(first)
-}
-
-fn find(table: &Table, column: &ColumnRef) -> Result<usize, Fault> {
-    let n_columns = table.names.as_ref().map_or(table.n_columns, |names| names.len().max(table.n_columns));
-    let (found, wanted) = match column {
-        ColumnRef::Index(idx) => ((*idx < n_columns).then_some(*idx), idx.to_string()),
-        ColumnRef::Name(wanted) => (position_of_name(table, wanted), format!("\"{wanted}\"")),
-    };
-    found.ok_or_else(|| Fault::UnknownColumn { wanted, available: table.available() })
-}
-
-/// The whole name first, else the only name that begins so (`angle` for `angle (deg)`).
-fn position_of_name(table: &Table, wanted: &str) -> Option<usize> {
-    let wanted = wanted.to_lowercase();
-    let names: Vec<String> = table.names.iter().flatten().map(|name| name.to_lowercase()).collect();
-    let mut beginning = names.iter().enumerate().filter(|(_, name)| name.starts_with(&wanted)).map(|(idx, _)| idx);
-    let only = beginning.next().filter(|_| beginning.next().is_none());
-    names.iter().position(|name| *name == wanted).or(only)
 }

@@ -80,25 +80,29 @@ pub enum Fault {
         column: String,
     },
     /// A column was asked for that the file lacks.
-    #[error("there is no column {wanted}; the file has {available}: choose with --columns, e.g. t=0,theta=1")]
+    #[error("there is no column {wanted}; the file has {available}: choose with --columns, e.g. {example}")]
     UnknownColumn {
         /// As the user wrote it.
         wanted: String,
         /// Names or count of what there is.
         available: String,
+        /// What could be told of this file.
+        example: String,
     },
     /// Several columns could be meant.
-    #[error("several columns could be the {role}: {candidates}; choose with --columns, e.g. t=0,theta=1")]
+    #[error("several columns could be the {role}: {candidates}; choose with --columns, e.g. {example}")]
     AmbiguousColumn {
         /// "time" or "angle".
         role: &'static str,
         /// The names in question.
         candidates: String,
+        /// What could be told of this file.
+        example: String,
     },
     /// The column is there, and always the same.
     #[error(
-        "column {column} does not move: {value} throughout; choose another one with --columns, e.g. t=0,theta=2 or \
-         t=0,x=1,y=2 (the file has {available})"
+        "column {column} does not move: {value} throughout; choose another one with --columns, e.g. {example}, or x and y \
+         of a point (the file has {available})"
     )]
     NothingMoves {
         /// Name or number of the column.
@@ -107,6 +111,8 @@ pub enum Fault {
         value: f64,
         /// Names or count of what there is.
         available: String,
+        /// What could be told of this file.
+        example: String,
     },
     /// No time and no rate.
     #[error("no time column among {available}; name it with --columns t=..., or give the sampling rate with --rate")]

@@ -5,6 +5,7 @@
 
 mod json;
 mod labview;
+mod mat4;
 mod mat5;
 mod matlab;
 mod zipped;
@@ -16,7 +17,7 @@ use super::error::Fault;
 pub(super) enum Kind {
     /// phyphox exports an archive of CSV files; workbooks are archives too.
     Zip,
-    /// MATLAB, versions 5 to 7.
+    /// MATLAB, versions 4 to 7.
     Matlab,
     /// HDF5, which MATLAB 7.3 writes.
     Hdf5,
@@ -38,7 +39,7 @@ impl Kind {
             () if begins("PK\x03\x04") => Some(Self::Zip),
             () if head.starts_with(b"\xd0\xcf\x11\xe0") => Some(Self::OldWorkbook),
             () if begins("MATLAB 7.3") || head.starts_with(b"\x89HDF") => Some(Self::Hdf5),
-            () if begins("MATLAB 5.0") => Some(Self::Matlab),
+            () if begins("MATLAB 5.0") || mat5::begins(head) || mat4::begins(head) => Some(Self::Matlab),
             () if begins("LabVIEW Measurement") => Some(Self::LabView),
             () if is_json => Some(Self::Json),
             () => None,
@@ -66,11 +67,13 @@ fn refused(format: &'static str, problem: &str) -> Fault {
     Fault::Foreign { format, problem: problem.to_owned() }
 }
 
-/// A table of numbers as text; shorter columns end in empty cells.
+/// A table of numbers as text, with a line of names if there are some; shorter columns end in empty cells.
 fn text_of(names: &[String], columns: &[Vec<f64>]) -> Vec<u8> {
     let quoted = |name: &String| format!("\"{}\"", name.replace(['"', '\n', '\r'], " "));
     let mut text = names.iter().map(quoted).collect::<Vec<_>>().join(";");
-    text.push('\n');
+    if !names.is_empty() {
+        text.push('\n');
+    }
     let n_rows = columns.iter().map(Vec::len).max().unwrap_or(0);
     for row in 0..n_rows {
         for (idx, column) in columns.iter().enumerate() {

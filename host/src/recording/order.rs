@@ -33,7 +33,7 @@ pub(super) fn kept(times: &[f64], is_doubled: impl Fn(usize) -> bool) -> Option<
 /// From a row over strays to the next one: no ordinary step leads to the strays or away from them. Where one does, the
 /// clock was set.
 fn goes_on(times: &[f64], step: f64) -> bool {
-    let is_ordinary = |pair: &[f64]| pair[1] >= pair[0] && pair[1] - pair[0] <= ORDINARY * step;
+    let is_ordinary = |pair: &[f64]| pair[1] > pair[0] && pair[1] - pair[0] <= ORDINARY * step;
     !is_ordinary(&times[..2]) && !is_ordinary(&times[times.len() - 2..])
 }
 
@@ -49,7 +49,7 @@ fn longest_rise(values: &[f64]) -> Vec<usize> {
         }
         if length == ends.len() {
             ends.push(idx);
-        } else {
+        } else if values[ends[length]] > *value {
             ends[length] = idx;
         }
     }
@@ -76,6 +76,7 @@ mod tests {
     fn a_row_behind_or_ahead_of_its_time_is_left_out() {
         assert_eq!(left_out(&[1.0, 2.0, 3.0, 2.0, 5.0, 6.0]), Some(vec![2.0]));
         assert_eq!(left_out(&[1.0, 2.0, 3.0, 99.0, 5.0, 6.0]), Some(vec![99.0]));
+        assert_eq!(left_out(&[1.0, 2.0, 3.0, 3.0, 5.0, 6.0]), Some(vec![3.0]));
         assert_eq!(left_out(&[1.0, 2.0, 3.0]), Some(vec![]));
     }
 
@@ -86,6 +87,7 @@ mod tests {
         let twice: Vec<f64> = (0..300).map(|row| f64::from(row % 150)).collect();
         assert_eq!(left_out(&twice), None);
         assert_eq!(left_out(&[1.0, 2.0, 3.0, 4.0, 1.0]), None);
+        assert_eq!(left_out(&[1.0, 2.0, 3.0, 3.0, 4.0, 5.0]), None);
         let often: Vec<f64> = (0..300).map(|row| f64::from(if row % 30 == 9 { row - 4 } else { row })).collect();
         assert_eq!(left_out(&often), None);
     }

@@ -5,10 +5,10 @@
 
 use super::clock;
 use super::error::Fault;
+use super::heading;
 use super::monitor::Dress;
 use super::number::{Cell, Numerals, is_missing, number_and_unit};
 use super::source::Lines;
-use super::words::{Meaning, is_unit, meaning};
 use std::collections::VecDeque;
 
 /// How many lines are looked at to find the layout.
@@ -45,15 +45,18 @@ struct Line {
     is_complete: bool,
 }
 
+/// What parts the fields of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Separator {
+pub(super) enum Separator {
     Semicolon,
     Tab,
     Comma,
     Space,
 }
 
-const SEPARATORS: [Separator; 4] = [Separator::Semicolon, Separator::Tab, Separator::Comma, Separator::Space];
+/// All of them.
+pub(super) const SEPARATORS: [Separator; 4] =
+    [Separator::Semicolon, Separator::Tab, Separator::Comma, Separator::Space];
 
 impl<'a> Table<'a> {
     /// Finds the layout of a file.
@@ -70,7 +73,7 @@ impl<'a> Table<'a> {
         let is_row = |line: &&str| !is_comment(line) && typical.is_row(line, separator);
         let first_row_idx = texts.iter().position(is_row).ok_or(Fault::NoNumbers { n_lines })?;
         let n_columns = split(texts[first_row_idx], separator).len();
-        let names = dress.names().or_else(|| find_names(&texts[..first_row_idx], separator, n_columns));
+        let names = dress.names().or_else(|| heading::names(&texts[..first_row_idx], separator, n_columns));
         if separator == Separator::Comma && names_fit_pairs(texts[..first_row_idx].last(), n_columns) {
             return Err(Fault::BareCommas);
         }
@@ -195,7 +198,7 @@ fn names_fit_pairs(line: Option<&&str>, n_columns: usize) -> bool {
     names >= 2 && n_columns == 2 * names
 }
 
-fn is_comment(line: &str) -> bool {
+pub(super) fn is_comment(line: &str) -> bool {
     let line = line.trim_start();
     ["#", "%", "//"].iter().any(|mark| line.starts_with(mark))
 }
@@ -255,7 +258,7 @@ fn most_frequent(counts: impl Iterator<Item = usize>) -> usize {
 }
 
 /// How many numbers a line has; 0 when fewer than half of its fields are numbers.
-fn n_numbers(line: &str, separator: Separator) -> usize {
+pub(super) fn n_numbers(line: &str, separator: Separator) -> usize {
     let fields = split(line, separator);
     let n = fields.iter().filter(|field| looks_like_number(field, separator)).count();
     if 2 * n >= fields.len() { n } else { 0 }
@@ -269,7 +272,7 @@ fn looks_like_number(field: &str, separator: Separator) -> bool {
     (parts_thousands && is_number()) || clock::read(field).is_some()
 }
 
-fn split(line: &str, separator: Separator) -> Vec<&str> {
+pub(super) fn split(line: &str, separator: Separator) -> Vec<&str> {
     let line = line.trim_end_matches(['\r', ' ']);
     match separator {
         Separator::Space => line.split_ascii_whitespace().map(bare).collect(),
@@ -291,47 +294,6 @@ fn split_outside_quotes(line: &str, separator: char) -> Vec<&str> {
 
 fn bare(field: &str) -> &str {
     field.trim().trim_matches('"').trim()
-}
-
-/// The line of names: the last one above the numbers with as many fields, or a comment whose words we know.
-fn find_names(lines_above: &[&str], separator: Separator, n_columns: usize) -> Option<Vec<String>> {
-    let candidates: Vec<&str> =
-        lines_above.iter().copied().filter(|line| !is_comment(line) && !line.trim().is_empty()).collect();
-    let n_names = |line: &str| split_names(line, separator).iter().filter(|name| !name.is_empty()).count();
-    let with_all_columns = |line: &&str| n_names(line) > 1 && split_names(line, separator).len() >= n_columns;
-    let Some(last) = candidates.last().filter(|line| n_columns == 1 || with_all_columns(line)) else {
-        let in_line = candidates.last().and_then(|line| names_between_spaces(line, n_columns));
-        return in_line.or_else(|| names_in_comment(lines_above, separator, n_columns));
-    };
-    let names = split_names(last, separator);
-    let above = candidates.len().checked_sub(2).map(|idx| split_names(candidates[idx], separator));
-    match above.filter(|above| above.len() == names.len() && names.iter().all(|cell| is_unit(cell))) {
-        Some(above) => Some(above.iter().zip(&names).map(|(name, unit)| format!("{name} {unit}")).collect()),
-        None => Some(names),
-    }
-}
-
-/// Names that spaces part, above rows that are parted by something else, if some are known and each column has one.
-fn names_between_spaces(line: &str, n_columns: usize) -> Option<Vec<String>> {
-    let names = split_names(line, Separator::Space);
-    let is_known = names.iter().any(|name| meaning(name) != Meaning::Other);
-    (is_known && names.len() == n_columns).then_some(names)
-}
-
-fn names_in_comment(lines_above: &[&str], separator: Separator, n_columns: usize) -> Option<Vec<String>> {
-    let names = split_names(lines_above.iter().rev().find(|line| is_comment(line))?, separator);
-    let is_known = names.iter().any(|name| meaning(name) != Meaning::Other);
-    (is_known && names.len() == n_columns).then_some(names)
-}
-
-/// Names separated by spaces keep their unit in brackets: `Time [s] Angle [deg]` are two.
-fn split_names(line: &str, separator: Separator) -> Vec<String> {
-    let line = line.trim_start_matches(['#', '%', '/', ' ']);
-    let line = match separator {
-        Separator::Space => line.replace(" [", "[").replace(" (", "("),
-        _ => line.to_owned(),
-    };
-    split(&line, separator).into_iter().map(str::to_owned).collect()
 }
 
 #[cfg(test)]

@@ -5,6 +5,8 @@
 //! `theta_punkt`) is no angle, nor is one with a unit that no angle has (`position (m)`).
 
 use super::columns::{AngleUnit, RateUnit, TimeUnit};
+use super::units::rate_word;
+pub(super) use super::units::{angle_unit, rate_unit, time_unit};
 
 /// What a column name says about its content.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -293,57 +295,6 @@ pub(super) fn is_unit(cell: &str) -> bool {
         || matches!(cell.as_str(), "rad/s" | "deg/s" | "°/s" | "v" | "g" | "m/s" | "m/s²" | "m/s^2")
 }
 
-pub(super) fn time_unit(word: &str) -> Option<TimeUnit> {
-    match word {
-        "s" | "sec" | "secs" | "second" | "seconds" | "sek" | "sekunde" | "sekunden" | "seconde" | "secondes"
-        | "segundo" | "segundos" | "secondo" | "secondi" | "seconden" | "sekunder" | "sekundy" | "saniye" | "сек"
-        | "с" | "秒" => Some(TimeUnit::Seconds),
-        "ms" | "msec" | "millis" | "millisecond" | "milliseconds" | "millisekunden" | "millisecondes"
-        | "milisegundos" | "millisecondi" | "мс" | "毫秒" | "ミリ秒" => Some(TimeUnit::Milliseconds),
-        "us" | "µs" | "μs" | "usec" | "micros" | "microsecond" | "microseconds" | "mikrosekunden" => {
-            Some(TimeUnit::Microseconds)
-        }
-        "ns" | "nsec" | "nanoseconds" | "nanosecond" | "nanosekunden" => Some(TimeUnit::Nanoseconds),
-        "min" | "minute" | "minutes" | "minuten" | "minuto" | "minutos" | "minuti" => Some(TimeUnit::Minutes),
-        "day" | "days" => Some(TimeUnit::Days),
-        _ => None,
-    }
-}
-
-/// `grad` is the German degree; who counts 400 to a turn writes gon or gradians.
-pub(super) fn angle_unit(word: &str) -> Option<AngleUnit> {
-    match word {
-        "rad" | "rads" | "radian" | "radians" | "radiant" | "bogenmaß" | "radianes" | "radianti" | "radián" => {
-            Some(AngleUnit::Radians)
-        }
-        "deg" | "degs" | "degree" | "degrees" | "°" | "grad" | "degré" | "degrés" | "degre" | "degres" | "grado"
-        | "grados" | "gradi" | "graus" | "graden" | "grader" | "stopnie" | "stupně" | "fok" | "derece" | "град"
-        | "度" => Some(AngleUnit::Degrees),
-        "mrad" | "milliradian" | "milliradians" => Some(AngleUnit::Milliradians),
-        "gon" | "gradian" | "gradians" => Some(AngleUnit::Gradians),
-        "turn" | "turns" | "rev" | "revs" | "revolutions" => Some(AngleUnit::Turns),
-        _ => None,
-    }
-}
-
-/// `deg/s`, `rad/min`, `rpm`.
-pub(super) fn rate_unit(unit: &str) -> Option<RateUnit> {
-    if let Some(unit) = rate_word(unit) {
-        return Some(unit);
-    }
-    let (angle, time) = unit.split_once('/')?;
-    Some(RateUnit { angle: angle_unit(angle.trim())?, time: time_unit(time.trim())? })
-}
-
-/// Units of angular velocity that are one word.
-fn rate_word(word: &str) -> Option<RateUnit> {
-    match word {
-        "rpm" => Some(RateUnit { angle: AngleUnit::Turns, time: TimeUnit::Minutes }),
-        "dps" => Some(RateUnit::per_second(AngleUnit::Degrees)),
-        _ => None,
-    }
-}
-
 /// Of the words of a name that is a rate: an angle alone is meant per second.
 fn rate_unit_of(words: &[String], angle: Option<AngleUnit>, time: Option<TimeUnit>) -> Option<RateUnit> {
     let in_time = angle.map(|angle| RateUnit { angle, time: time.unwrap_or(TimeUnit::Seconds) });
@@ -353,6 +304,11 @@ fn rate_unit_of(words: &[String], angle: Option<AngleUnit>, time: Option<TimeUni
 /// Is it the size of a vector, which has no sign? `Absolute (rad/s)`, `Gyroscope abs`.
 pub(super) fn is_size(name: &str) -> bool {
     words(name).iter().any(|word| SIZE.contains(&word.as_str()))
+}
+
+/// `time`, `theta1 (deg)`, and not `timeTrigger` or `theta_noisy`.
+pub(super) fn says_nothing_else(name: &str) -> bool {
+    words(name).iter().filter(|word| time_unit(word).is_none() && angle_unit(word).is_none()).count() <= 1
 }
 
 /// Is it an acceleration along an axis? `Linear Acceleration x (m/s^2)`, `ax_g`, `Beschleunigung y`.

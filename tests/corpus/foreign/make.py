@@ -142,6 +142,26 @@ def matlab():
     (HERE / "simulink.mat").write_bytes(head + simulink(element, matrix, times, angles))
     newer = b"MATLAB 7.3 MAT-file, Platform: GLNXA64, HDF5 schema 1.00 .".ljust(512) + b"\x89HDF\r\n\x1a\n" + bytes(100)
     (HERE / "matlab_v73.mat").write_bytes(newer)
+    plain_matrices(head, matrix, times, angles)
+
+
+def plain_matrices(head, matrix, times, angles):
+    """A quantity a row below the head of Simulink's "To File"; a matrix without names; names beside others like them; and version 4."""
+    to_file = b"MAT-file v.5".ljust(116, b"\0") + b" " * 8 + head[124:]
+    (HERE / "matlab_to_file.mat").write_bytes(to_file + matrix("ans", [[t, a] for t, a in zip(times, angles)]))
+    rates = [row[2] for row in ROWS]
+    gains = matrix("K", [[k] for k in [1.5, 2.5, 3.5, 4.5]])
+    (HERE / "matlab_matrix.mat").write_bytes(head + gains + matrix("data", [times, angles, rates]))
+    others = matrix("timeTrigger", [[0.0, 1.0] * (len(times) // 2)]) + matrix("baseAngle", [[0.1 * a for a in angles]])
+    (HERE / "matlab_names.mat").write_bytes(head + others + matrix("time", [times]) + matrix("angle", [angles]))
+
+    def old(name, columns, what):
+        rows = len(columns[0])
+        numbers = b"".join(struct.pack(f"{'>' if what >= 1000 else '<'}{rows}d", *column) for column in columns)
+        return struct.pack(f"{'>' if what >= 1000 else '<'}5I", what, rows, len(columns), 0, len(name) + 1) + name.encode() + b"\0" + numbers
+
+    (HERE / "matlab_v4.mat").write_bytes(old("t", [times], 0) + old("theta", [angles], 0))
+    (HERE / "matlab_v4_big.mat").write_bytes(old("data", [times, angles], 1000))
 
 
 def simulink(element, matrix, times, angles):

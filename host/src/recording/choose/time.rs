@@ -223,15 +223,18 @@ pub(super) fn unit_in_cell<U>(table: &Table, idx: usize, known: impl Fn(&str) ->
 
 type NamedTime = Option<(usize, Option<TimeUnit>)>;
 
-fn named_time(table: &Table, angle_idx: Option<usize>, notes: &mut Vec<String>) -> Result<NamedTime, Fault> {
-    let is_time = |meaning| match meaning {
+pub(super) fn as_time(meaning: Meaning) -> Option<(Option<TimeUnit>, u8)> {
+    match meaning {
         Meaning::Time { unit, strength } => Some((unit, strength)),
         _ => None,
-    };
-    let found = best(table, "time", is_time);
+    }
+}
+
+fn named_time(table: &Table, angle_idx: Option<usize>, notes: &mut Vec<String>) -> Result<NamedTime, Fault> {
+    let found = best(table, "time", as_time);
     let (Err(Fault::AmbiguousColumn { .. }), Some(angle_idx)) = (&found, angle_idx) else { return found };
     let names = table.names.as_deref().unwrap_or_default();
-    let before = names[..angle_idx].iter().rposition(|name| is_time(meaning(name)).is_some());
+    let before = names[..angle_idx].iter().rposition(|name| as_time(meaning(name)).is_some());
     let Some(idx) = before else { return found };
     let (name, angle) = (table.column_name(idx), table.column_name(angle_idx));
     notes.push(format!("several columns of times: {name} taken, which stands before {angle}"));

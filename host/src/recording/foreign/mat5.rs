@@ -45,6 +45,12 @@ pub(super) enum Problem {
     TooLarge,
 }
 
+/// Is it such a file, by its version and byte order? What stands before them is free text, which differs from program to
+/// program.
+pub(super) fn begins(file: &[u8]) -> bool {
+    matches!(file.get(124..HEAD), Some([0, 1, b'I', b'M'] | [1, 0, b'M', b'I']))
+}
+
 /// The variables of a file, with their names.
 pub(super) fn variables(file: &[u8]) -> Result<Vec<(String, Variable)>, Problem> {
     let is_big = file.get(126..128) == Some(b"MI");
@@ -66,21 +72,21 @@ pub(super) fn variables(file: &[u8]) -> Result<Vec<(String, Variable)>, Problem>
 }
 
 /// The types of elements that are asked for.
-mod kind {
-    pub(super) const I8: u32 = 1;
-    pub(super) const U8: u32 = 2;
-    pub(super) const I16: u32 = 3;
-    pub(super) const U16: u32 = 4;
-    pub(super) const I32: u32 = 5;
-    pub(super) const U32: u32 = 6;
-    pub(super) const F32: u32 = 7;
-    pub(super) const F64: u32 = 9;
-    pub(super) const I64: u32 = 12;
-    pub(super) const U64: u32 = 13;
-    pub(super) const MATRIX: u32 = 14;
-    pub(super) const PACKED: u32 = 15;
-    pub(super) const UTF8: u32 = 16;
-    pub(super) const UTF16: u32 = 17;
+pub(super) mod kind {
+    pub(in super::super) const I8: u32 = 1;
+    pub(in super::super) const U8: u32 = 2;
+    pub(in super::super) const I16: u32 = 3;
+    pub(in super::super) const U16: u32 = 4;
+    pub(in super::super) const I32: u32 = 5;
+    pub(in super::super) const U32: u32 = 6;
+    pub(in super::super) const F32: u32 = 7;
+    pub(in super::super) const F64: u32 = 9;
+    pub(in super::super) const I64: u32 = 12;
+    pub(in super::super) const U64: u32 = 13;
+    pub(in super::super) const MATRIX: u32 = 14;
+    pub(in super::super) const PACKED: u32 = 15;
+    pub(in super::super) const UTF8: u32 = 16;
+    pub(in super::super) const UTF16: u32 = 17;
 }
 
 /// The classes of matrices that are read.
@@ -107,9 +113,10 @@ fn unpacked(packed: &[u8], at_most: u64) -> Result<Vec<u8>, Problem> {
     if bytes.len() as u64 > at_most { Err(Problem::TooLarge) } else { Ok(bytes) }
 }
 
-struct Element<'a> {
-    kind: u32,
-    data: &'a [u8],
+/// A part of a file: numbers of one kind, or further elements.
+pub(super) struct Element<'a> {
+    pub(super) kind: u32,
+    pub(super) data: &'a [u8],
 }
 
 /// What is left of a list of elements.
@@ -197,7 +204,7 @@ fn text(element: &Element, is_big: bool) -> String {
 }
 
 /// The numbers of an element; none of one that holds something else.
-fn numbers(element: &Element, is_big: bool) -> Vec<f64> {
+pub(super) fn numbers(element: &Element, is_big: bool) -> Vec<f64> {
     let of = |width: usize, read: &dyn Fn([u8; 8]) -> f64| -> Vec<f64> {
         let mut wide = [0; 8];
         element

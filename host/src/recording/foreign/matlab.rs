@@ -1,18 +1,21 @@
-//! MATLAB files of versions 5 to 7: every vector is a column of its name, every matrix has its columns numbered.
+//! MATLAB files of versions 4 to 7: every vector is a column of its name, every matrix has its columns numbered. A matrix
+//! that stands alone is a table without names.
 //!
 //! Of structures the fields count, and of those that Simulink logs (`Structure With Time`) each signal's values, under
 //! its label.
 
-use super::mat5::{Problem, Variable, variables};
-use super::{refused, text_of};
+use super::mat5::{Problem, Variable};
+use super::{mat4, mat5, refused, text_of};
+use crate::recording::MIN_SAMPLES;
 use crate::recording::error::Fault;
 
-/// A matrix with more columns is a picture, not a table.
+/// A matrix with more columns, and more rows, is a picture, not a table.
 const MOST_COLUMNS: usize = 64;
 
 pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     let what = "MATLAB file";
-    let variables = variables(bytes).map_err(|problem| match problem {
+    let variables = if mat4::begins(bytes) { mat4::variables(bytes) } else { mat5::variables(bytes) };
+    let variables = variables.map_err(|problem| match problem {
         Problem::TooLarge => Fault::TooLarge,
         Problem::Damaged => refused(what, "it is damaged; save it anew: save('swing.mat', 't', 'theta', '-v7')"),
     })?;
@@ -23,11 +26,14 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     if columns.numbers.is_empty() {
         return Err(refused(
             what,
-            "it holds no vectors, matrices or structures of numbers; tables and timeseries are not read: save the \
+            "it holds no vectors, matrices of up to 64 columns or structures of numbers; tables and timeseries are not read: save the \
              vectors themselves, save('swing.mat', 't', 'theta', '-v7')",
         ));
     }
-    Ok(text_of(&columns.names, &columns.numbers))
+    match columns.lone_matrix() {
+        Some(matrix) => Ok(text_of(&[], matrix)),
+        None => Ok(text_of(&columns.names, &columns.numbers)),
+    }
 }
 
 /// What is found in a file.
@@ -35,6 +41,8 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
 struct Columns {
     names: Vec<String>,
     numbers: Vec<Vec<f64>>,
+    /// How many columns each vector or matrix has.
+    widths: Vec<usize>,
 }
 
 impl Columns {
@@ -69,15 +77,38 @@ impl Columns {
 
     fn add_numbers(&mut self, name: &str, n_rows: usize, n_columns: usize, values: &[f64]) {
         let is_vector = n_rows == 1 || n_columns == 1;
+        // Samples are more than quantities: Simulink writes a quantity a row.
+        let is_lying = !is_vector && n_columns > n_rows;
+        let n_quantities = if is_vector { 1 } else { n_columns.min(n_rows) };
         // Scalars are settings, not measurements.
-        if values.len() < 2 || !is_vector && n_columns > MOST_COLUMNS {
+        if values.len() < 2 || n_quantities > MOST_COLUMNS {
             return;
         }
-        let parts: Vec<&[f64]> = values.chunks(if is_vector { values.len() } else { n_rows }).collect();
-        for (idx, part) in parts.iter().enumerate() {
-            let number = if parts.len() > 1 { format!(" {}", idx + 1) } else { String::new() };
+        for idx in 0..n_quantities {
+            let number = if n_quantities > 1 { format!(" {}", idx + 1) } else { String::new() };
             self.names.push(format!("{name}{number}"));
-            self.numbers.push(part.to_vec());
+            self.numbers.push(match (is_vector, is_lying) {
+                (true, _) => values.to_vec(),
+                (_, true) => values.iter().skip(idx).step_by(n_rows).copied().collect(),
+                _ => values[idx * n_rows..(idx + 1) * n_rows].to_vec(),
+            });
         }
+        self.widths.push(n_quantities);
+    }
+
+    /// The columns of a matrix beside which nothing is long enough to be a recording.
+    fn lone_matrix(&self) -> Option<&[Vec<f64>]> {
+        let mut first = 0;
+        let parts: Vec<&[Vec<f64>]> = self
+            .widths
+            .iter()
+            .map(|width| {
+                first += width;
+                &self.numbers[first - width..first]
+            })
+            .filter(|columns| columns[0].len() >= MIN_SAMPLES)
+            .collect();
+        let [matrix] = parts[..] else { return None };
+        (matrix.len() > 1).then_some(matrix)
     }
 }

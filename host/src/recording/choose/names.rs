@@ -1,0 +1,117 @@
+//! Columns by their names: as the user writes them, or by what they mean.
+
+use super::super::columns::ColumnRef;
+use super::super::error::Fault;
+use super::super::table::Table;
+use super::super::words::{Meaning, is_acceleration, meaning, says_nothing_else};
+use super::unnamed_time;
+
+/// So many examples are shown of what could be told.
+const SHOWN: usize = 3;
+
+/// The only column whose name means this.
+pub(super) fn the_one(table: &Table, wanted: Meaning) -> Option<usize> {
+    let mut all = table.names.iter().flatten().enumerate().filter(|(_, name)| meaning(name) == wanted);
+    all.next().map(|(idx, _)| idx).filter(|_| all.next().is_none())
+}
+
+/// No column can be the angle; of accelerations it is said why they can't.
+pub(super) fn no_angle(table: &Table) -> Fault {
+    let available = table.available();
+    match table.names.iter().flatten().any(|name| is_acceleration(name)) {
+        true => Fault::OnlyAccelerations { available },
+        false => Fault::NoAngleColumn { available },
+    }
+}
+
+/// The one column whose name fits best; an error when two fit equally.
+pub(super) fn best<U: Copy>(
+    table: &Table,
+    role: &'static str,
+    fits: impl Fn(Meaning) -> Option<(Option<U>, u8)>,
+) -> Result<Option<(usize, Option<U>)>, Fault> {
+    let names = table.names.as_deref().unwrap_or_default();
+    let fitting = || names.iter().enumerate().filter_map(|(idx, name)| fits(meaning(name)).map(|fit| (idx, fit)));
+    let strongest = fitting().map(|(_, (_, strength))| strength).max();
+    let strongest = fitting().filter(|(_, (_, strength))| Some(*strength) == strongest);
+    let winners: Vec<(usize, Option<U>)> = strongest.map(|(idx, (unit, _))| (idx, unit)).collect();
+    let mut exact = winners.iter().filter(|(idx, _)| says_nothing_else(&names[*idx]));
+    match (&winners[..], exact.next(), exact.next()) {
+        ([], ..) => Ok(None),
+        ([only], ..) | (_, Some(only), None) => Ok(Some(*only)),
+        _ => {
+            let is_exact = |idx: &usize| says_nothing_else(&names[*idx]);
+            let has_exact = winners.iter().any(|(idx, _)| is_exact(idx));
+            let several: Vec<usize> =
+                winners.iter().map(|(idx, _)| *idx).filter(|idx| !has_exact || is_exact(idx)).collect();
+            let candidates = listed(table, &several);
+            Err(Fault::AmbiguousColumn { role, candidates, example: example(table, role, &several, None) })
+        }
+    }
+}
+
+/// Says which names were passed over because another one says nothing else.
+pub(super) fn note_rivals<U: Copy>(
+    table: &Table,
+    role: &str,
+    taken: usize,
+    fits: impl Fn(Meaning) -> Option<(Option<U>, u8)>,
+    notes: &mut Vec<String>,
+) {
+    let strength = |name: &String| fits(meaning(name)).map(|(_, strength)| strength);
+    let names = table.names.as_deref().unwrap_or_default();
+    let Some(own) = names.get(taken).filter(|name| says_nothing_else(name)).and_then(strength) else { return };
+    let is_rival = |(idx, name): &(usize, &String)| *idx != taken && strength(name) == Some(own);
+    let rivals: Vec<usize> = names.iter().enumerate().filter(is_rival).map(|(idx, _)| idx).collect();
+    if !rivals.is_empty() {
+        let (taken, rivals) = (table.column_name(taken), listed(table, &rivals));
+        notes.push(format!("{taken} taken as the {role}, whose name says nothing else, and not {rivals}"));
+    }
+}
+
+fn listed(table: &Table, columns: &[usize]) -> String {
+    columns.iter().map(|idx| table.column_name(*idx)).collect::<Vec<_>>().join(", ")
+}
+
+/// What could be told of this very file: `t=0,theta=3`, for each of some candidates, and never a column that is wrong.
+pub(super) fn example(table: &Table, role: &str, candidates: &[usize], wrong: Option<usize>) -> String {
+    let names = table.names.as_deref().unwrap_or_default();
+    let named = |is_it: fn(Meaning) -> bool| names.iter().position(|name| is_it(meaning(name)));
+    let time = named(|meaning| matches!(meaning, Meaning::Time { .. })).unwrap_or_else(|| unnamed_time(table));
+    let moves = |idx: usize| table.first_numbers(idx).windows(2).any(|pair| pair[0] != pair[1]);
+    let is_angle = |idx: usize| names.get(idx).is_some_and(|name| matches!(meaning(name), Meaning::Angle { .. }));
+    let told = |time: usize, candidates: &[usize]| {
+        let may_be = |idx: &usize| *idx != time && Some(*idx) != wrong && !candidates.contains(idx);
+        let others = || (0..table.n_columns).filter(may_be);
+        let angle = others().find(|idx| is_angle(*idx) && moves(*idx)).or_else(|| others().find(|idx| moves(*idx)));
+        format!("t={time},theta={}", angle.map_or("COLUMN".to_owned(), |idx| idx.to_string()))
+    };
+    let each: Vec<String> = match role {
+        "time" => candidates.iter().map(|time| told(*time, candidates)).collect(),
+        _ if candidates.is_empty() => vec![told(time, &[])],
+        _ => candidates.iter().map(|angle| format!("t={time},theta={angle}")).collect(),
+    };
+    each.into_iter().take(SHOWN).collect::<Vec<_>>().join(" or ")
+}
+
+pub(super) fn find(table: &Table, column: &ColumnRef) -> Result<usize, Fault> {
+    let n_columns = table.names.as_ref().map_or(table.n_columns, |names| names.len().max(table.n_columns));
+    let (found, wanted) = match column {
+        ColumnRef::Index(idx) => ((*idx < n_columns).then_some(*idx), idx.to_string()),
+        ColumnRef::Name(wanted) => (position_of_name(table, wanted), format!("\"{wanted}\"")),
+    };
+    found.ok_or_else(|| Fault::UnknownColumn {
+        wanted,
+        available: table.available(),
+        example: example(table, "angle", &[], None),
+    })
+}
+
+/// The whole name first, else the only name that begins so (`angle` for `angle (deg)`).
+fn position_of_name(table: &Table, wanted: &str) -> Option<usize> {
+    let wanted = wanted.to_lowercase();
+    let names: Vec<String> = table.names.iter().flatten().map(|name| name.to_lowercase()).collect();
+    let mut beginning = names.iter().enumerate().filter(|(_, name)| name.starts_with(&wanted)).map(|(idx, _)| idx);
+    let only = beginning.next().filter(|_| beginning.next().is_none());
+    names.iter().position(|name| *name == wanted).or(only)
+}
