@@ -38,10 +38,10 @@ pub(super) struct Reading {
     /// The sensor counts the other way, clockwise positive
     #[arg(long)]
     mirror: bool,
-    /// The free swing begins here, s
+    /// The free swing begins here, s by the recording's own clock
     #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
     from: Option<f64>,
-    /// The free swing ends here, s
+    /// The free swing ends here, s by the same clock
     #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
     to: Option<f64>,
     /// What the model file says of recordings that do not say it.

@@ -2,6 +2,7 @@
 
 use super::curve_words;
 use super::table::wrapped;
+use crate::diagnose::holds::ALPHA;
 use crate::diagnose::{Candidate, Diagnosis, Holding, NotTried, Standing, Step, Suggestion, Value};
 use crate::fit::identify::Carries;
 use crate::formula::effect_of;
@@ -102,7 +103,7 @@ fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
         }
         _ => format!(
             "a few periods carry it and the rest can't tell it from chance{}: a hand or a slip may look like this too",
-            claim.p_without_two.map_or(String::new(), |p| format!(" (p = {})", probability(p)))
+            chance(claim)
         ),
     };
     let words = format!(
@@ -125,7 +126,7 @@ fn unproven(claim: &Holding) -> String {
         _ => format!(
             "Not claimed: {name}. It lowers the error, but not on every part of the swings: without a few periods it can't \
              be told from chance{}.",
-            claim.p_without_two.map_or(String::new(), |p| format!(" (p = {})", probability(p)))
+            chance(claim)
         ),
     };
     wrapped(&words, 0)
@@ -135,8 +136,17 @@ fn counted(n: usize, one: &str, many: &str) -> String {
     if n == 1 { format!("1 {one}") } else { format!("{n} {many}") }
 }
 
+/// How likely chance does as well: small for this effect alone may be too much for all that were tried.
+fn chance(claim: &Holding) -> String {
+    match claim.p_without_two {
+        Some(p) if p < ALPHA => format!(" among all that was tried (p = {} for this one alone)", probability(p)),
+        Some(p) => format!(" (p = {})", probability(p)),
+        None => String::new(),
+    }
+}
+
 fn probability(p: f64) -> String {
-    if p < 1e-3 { format!("{p:.0e}") } else { format!("{p:.2}") }
+    if p < 1e-2 { format!("{p:.0e}") } else { format!("{p:.2}") }
 }
 
 /// On which parts a claimed effect is seen.

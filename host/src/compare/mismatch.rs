@@ -97,8 +97,8 @@ fn reason(swing: &Swing, parameters: &Parameters<f64>, judged: &Judged, begins_w
         let change = if offset_rad > 0.0 { "subtract π" } else { "add π" };
         return format!("the zero seems to be at the top: 0 must be the hanging pendulum ({change})");
     }
-    if is_driven(&judged.measured) {
-        return "the pendulum gains energy on the way: it is driven, or a hand is on it".to_owned();
+    if swing.is_driven || is_driven(&judged.measured) {
+        return "the pendulum gets energy on the way: it is driven, or a hand is on it".to_owned();
     }
     if begins_well {
         return "the first swings follow the model, later ones do not: friction differs much from the model's; \

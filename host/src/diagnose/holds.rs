@@ -19,7 +19,7 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 /// Chance that something is claimed that is not there, over all starts that were tested; and that one law holds without
 /// some of the windows by chance.
-const ALPHA: f64 = 0.01;
+pub const ALPHA: f64 = 0.01;
 
 /// Columns of the test at most: three added effects of four numbers beside the base and an offset for each of a few swings.
 const COLUMNS: usize = 32;

@@ -102,7 +102,8 @@ pub enum FitError {
     Mixed(#[from] MixedReadings),
     /// The model never came near.
     #[error(
-        "the model does not follow the swings at all: error {error_rad:.3} rad; is the angle in radians, zero where the pendulum hangs, and the geometry right?"
+        "the model does not follow the swings at all: error {error_rad:.3} rad; is the angle in radians, zero where \
+         the pendulum hangs, and the geometry right? Did nothing touch or drive it (--from, --to)?"
     )]
     Hopeless {
         /// Root mean square error, rad.

@@ -50,7 +50,7 @@ impl Angles<'_> {
             return Ok(in_unit(angles, unit));
         }
         let angles = self.unwound(angles);
-        let unit = if unit.is_none() { self.judge_unstated_unit(&angles)? } else { unit };
+        let unit = if unit.is_none() { self.judge_unstated_unit(&angles, zero)? } else { unit };
         let mut angles_rad = in_unit(&angles, unit);
         self.unwrap(&mut angles_rad);
         let swings = Swings::of(self.times_s, &angles_rad);
@@ -85,9 +85,12 @@ impl Angles<'_> {
     }
 
     /// What a unit that is not stated must be, if anything.
-    fn judge_unstated_unit(&mut self, angles: &[f64]) -> Result<Option<AngleUnit>, Fault> {
-        let largest = angles.iter().fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+    fn judge_unstated_unit(&mut self, angles: &[f64], zero: f64) -> Result<Option<AngleUnit>, Fault> {
+        let largest = angles.iter().fold(0.0_f64, |largest, angle| largest.max((angle - zero).abs()));
         if largest > LARGEST_UNSTATED_RAD {
+            if self.are_turns_away(angles) {
+                return Ok(Some(AngleUnit::Radians));
+            }
             let mut in_degrees: Vec<f64> = angles.iter().map(|angle| angle.to_radians()).collect();
             plausible::unwrap(&mut in_degrees);
             if !Swings::of(self.times_s, &in_degrees).is_some_and(|swings| swings.is_pendulum()) {
@@ -102,6 +105,16 @@ impl Angles<'_> {
             self.notes.push(format!("angles reach {largest:.2}, read as radians; if they are degrees say --degrees"));
         }
         Ok(None)
+    }
+
+    /// Are these radians of a pendulum that hangs some whole turns from 0? Its swings stay within a turn about there, and
+    /// their period grows with them as that of a pendulum does.
+    fn are_turns_away(&self, angles: &[f64]) -> bool {
+        Swings::of(self.times_s, angles).is_some_and(|swings| {
+            let turns = swings.middle_rad / TAU;
+            let is_whole = (turns - turns.round()).abs() * TAU < NEAR_QUARTER_RAD;
+            is_whole && swings.largest_rad < LARGEST_UNSTATED_RAD && swings.is_pendulum()
+        })
     }
 
     fn unwrap(&mut self, angles_rad: &mut [f64]) {
@@ -156,17 +169,26 @@ impl Angles<'_> {
         Err(fault)
     }
 
-    /// Where it hangs is 0: angles from the horizontal or from upright are turned, whole turns taken off.
+    /// Where it hangs is 0: angles from the horizontal or from upright are turned, whole turns taken off, and the middle of
+    /// the swings where it is nothing of that.
     fn set_zero(&mut self, swings: &Swings, angles_rad: &mut [f64]) {
         let middle_rad = swings.middle_rad;
         let off_rad = (middle_rad / FRAC_PI_2).round() * FRAC_PI_2;
         if middle_rad.abs() < FAR_OFF_RAD {
             return;
         }
-        if self.options.zero.is_some() || (middle_rad - off_rad).abs() > NEAR_QUARTER_RAD {
+        if self.options.zero.is_some() {
             self.notes.push(format!(
-                "it swings about {middle_rad:.3} rad ({:.1}°), but should hang at 0: say with --zero what the sensor reads \
-                 while it hangs",
+                "doubtful: with --zero it swings about {middle_rad:.3} rad ({:.1}°), but should hang at 0",
+                middle_rad.to_degrees()
+            ));
+            return;
+        }
+        if (middle_rad - off_rad).abs() > NEAR_QUARTER_RAD {
+            angles_rad.iter_mut().for_each(|angle| *angle -= middle_rad);
+            self.notes.push(format!(
+                "it swings about {middle_rad:.3} rad ({:.1}°), which is taken off: it must hang at 0; --zero says better what \
+                 the sensor reads there",
                 middle_rad.to_degrees()
             ));
             return;

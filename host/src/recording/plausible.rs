@@ -88,13 +88,12 @@ impl Swings {
         let (times_s, angles_rad) = (thin(times_s), thin(angles_rad));
         let noise_rad = noise::of_samples(&times_s, &angles_rad, None).total_rms;
         let turns = turning::turning_points(&times_s, &angles_rad, noise_rad);
-        let mut middles: Vec<f64> =
-            turns.windows(2).map(|pair| (pair[0].angle_rad + pair[1].angle_rad) / 2.0).collect();
+        let middles: Vec<(f64, f64)> = turns.windows(2).map(middle_and_size).collect();
         let mut steps: Vec<f64> = turns.windows(2).map(|pair| 2.0 * (pair[1].time_s - pair[0].time_s)).collect();
         if middles.len() < 2 {
             return None;
         }
-        let middle_rad = median(&mut middles);
+        let middle_rad = weighted_median(middles);
         let largest_rad = turns.iter().map(|turn| (turn.angle_rad - middle_rad).abs()).fold(0.0, f64::max);
         let periods = periods(&turns);
         Some(Self { largest_rad, middle_rad, period_s: median(&mut steps), periods })
@@ -191,6 +190,24 @@ impl Swings {
             .collect();
         growth(&points)
     }
+}
+
+/// Of a swing from one turning point to the next, rad.
+fn middle_and_size(pair: &[TurningPoint]) -> (f64, f64) {
+    ((pair[0].angle_rad + pair[1].angle_rad) / 2.0, (pair[0].angle_rad - pair[1].angle_rad).abs())
+}
+
+/// The value with half of the weight below it: where somebody holds a pendulum, it trembles by little. At least one pair of
+/// value and weight.
+fn weighted_median(mut values: Vec<(f64, f64)>) -> f64 {
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = values.iter().map(|(_, weight)| weight).sum::<f64>() / 2.0;
+    let mut below = 0.0;
+    let reaches = |(_, weight): &&(f64, f64)| {
+        below += weight;
+        below >= half
+    };
+    values.iter().find(reaches).or(values.last()).map_or(f64::NAN, |(value, _)| *value)
 }
 
 /// From the rate at the lowest point (rad/s) to the amplitude (rad), by the energy: `ω² = 2 ω0² (1 − cos A)`.

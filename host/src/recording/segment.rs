@@ -242,6 +242,9 @@ fn notes(
 ) -> Vec<String> {
     let first_s = cut.times_s()[cut.asked.start];
     let mut notes = Vec::new();
+    if let Some(from_s) = options.from_s.filter(|from_s| *from_s > 0.0 && *from_s < first_s) {
+        notes.push(format!("--from {from_s} is before it begins: its own clock starts at {first_s} s"));
+    }
     let before_s = cut.times_s()[start.free_idx] - first_s;
     match (&start.lead_in, options.from_s) {
         (_, Some(from_s)) => notes.push(format!("free swing taken from {from_s} s on, as told")),
@@ -253,8 +256,8 @@ fn notes(
         }
         (None, None) if start.free_idx > cut.asked.start => {
             notes.push(format!(
-                "cut the first {before_s:.2} s: until then it does not follow a free swing (a hand, a stop, or a tracker that \
-                 lost it); --from begins earlier"
+                "cut the first {before_s:.2} s: until then it does not follow a free swing (a hand, a motor, a stop, or a \
+                 tracker that lost it); --from begins earlier"
             ));
         }
         _ => {}

@@ -12,6 +12,20 @@ const N_UNSEEN: f64 = 3.0;
 /// Swings from turn to turn below this many noise rms are too uncertain to say that they grew.
 const GROWTH_NOISE: f64 = 20.0;
 
+/// Standard deviations that a growth or a motor wants.
+const SURE: f64 = 6.0;
+
+/// After a motor is switched off a swing loses more than so many times what it lost before. Free ones that lose the same
+/// energy from turn to turn, whatever their size, lose 2.4 times as much; with twice of it a motor would have to hold them
+/// to a hundredth where they lose a tenth by themselves.
+const LOST_AFTER_A_MOTOR: f64 = 4.0;
+
+/// Half swings before and after, at least; with half of them dry friction that changes with the place would be a motor.
+const STEADY_SWINGS: usize = 8;
+
+/// A swing that goes on turns again within one half swing; with twice of it the rest after a swing would often be lost.
+const HUNG_HALF_SWINGS: f64 = 2.0;
+
 /// A swing with so many turning points beside the free one is worth a word.
 const WORTH_A_LOOK: usize = 2 * MIN_TURNING_POINTS;
 
@@ -23,11 +37,11 @@ const BEST_QUALITY: f64 = 2e4;
 const FADING_SWINGS: usize = 6;
 
 impl Cut<'_> {
-    /// The stretch between disturbances with the most turning points, cut again where the swings grow.
+    /// Of what lies between disturbances and growths: what becomes smaller and has the most turning points.
     pub(super) fn undisturbed(&self) -> Result<Range<usize>, SegmentError> {
-        let stretches = self.stretches();
-        let best = stretches.into_iter().max_by_key(|range| self.count_turns(range)).unwrap_or(0..0);
-        let best = self.after_last_growth(best);
+        let parts = self.stretches().into_iter().flat_map(|range| self.fading_parts(range));
+        let free = parts.map(|part| self.left_alone(&part));
+        let best = free.max_by_key(|part| (self.fades(part), self.count_turns(part))).unwrap_or(0..0);
         match self.count_turns(&best) {
             n if n >= MIN_TURNING_POINTS => Ok(best),
             n_turning_points => {
@@ -71,31 +85,56 @@ impl Cut<'_> {
         start..end.max(start)
     }
 
-    /// A free swing never grows: what comes before the last growth was pushed.
-    fn after_last_growth(&self, range: Range<usize>) -> Range<usize> {
-        self.fading_parts(range.clone()).pop().unwrap_or(range)
-    }
-
-    /// What lies between the growths, in order.
+    /// What lies between the growths, in order: a free swing never grows, so that somebody pushed there.
     fn fading_parts(&self, range: Range<usize>) -> Vec<Range<usize>> {
-        let inside: Vec<&TurningPoint> =
-            self.turns.iter().filter(|turn| range.contains(&self.recording.index_at(turn.time_s))).collect();
-        let grows = |three: &[&TurningPoint]| {
-            let spread_rad = three[0].spread_rad.hypot(three[2].spread_rad) + self.noise_rms_rad;
-            let before = (three[0].angle_rad - three[1].angle_rad).abs();
-            let after = (three[2].angle_rad - three[1].angle_rad).abs();
-            let alternate = three[0].is_maximum != three[1].is_maximum && three[1].is_maximum != three[2].is_maximum;
-            alternate && after > GROWTH_NOISE * self.noise_rms_rad && after > before * 1.02 + 6.0 * spread_rad
-        };
-        let index_of = |turn: &TurningPoint| self.recording.index_at(turn.time_s);
+        let inside = self.turns_in(&range);
         let mut parts = Vec::new();
         let mut start = range.start;
-        for three in inside.windows(3).filter(|three| grows(three)) {
-            parts.push(start..index_of(three[1]).max(start));
-            start = index_of(three[2]);
+        for three in inside.windows(3) {
+            let Some(limit_rad) = self.growth(three) else { continue };
+            let pushed = self.recording.index_at(three[1].time_s)..self.recording.index_at(three[2].time_s);
+            let is_beyond = |idx: &usize| (self.angles_rad()[*idx] - three[1].angle_rad).abs() > limit_rad;
+            let beyond = pushed.clone().find(is_beyond).unwrap_or(pushed.start);
+            // Without a turn for so long it hung still first, and that tells where it stopped.
+            let hung = self.duration_s(&(pushed.start..beyond)) > HUNG_HALF_SWINGS * self.half_swing_s;
+            parts.push(start..if hung { beyond } else { pushed.start }.max(start));
+            start = pushed.end;
         }
         parts.push(start..range.end);
         parts
+    }
+
+    /// How far from the second of three turning points a free swing reaches at most (rad), where the third lies beyond.
+    fn growth(&self, three: &[&TurningPoint]) -> Option<f64> {
+        let spread_rad = three[0].spread_rad.hypot(three[2].spread_rad) + self.noise_rms_rad;
+        let before = (three[0].angle_rad - three[1].angle_rad).abs();
+        let after = (three[2].angle_rad - three[1].angle_rad).abs();
+        let alternate = three[0].is_maximum != three[1].is_maximum && three[1].is_maximum != three[2].is_maximum;
+        let limit_rad = before * 1.02 + SURE * spread_rad;
+        (alternate && after > GROWTH_NOISE * self.noise_rms_rad && after > limit_rad).then_some(limit_rad)
+    }
+
+    /// What is left when a motor in front is cut off. What a free swing loses from turn to turn depends on its size, and
+    /// that is the same before and after a moment: where it loses many times as much after, a motor was switched off.
+    fn left_alone(&self, part: &Range<usize>) -> Range<usize> {
+        let inside = self.turns_in(part);
+        let sizes: Vec<f64> = inside.windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs()).collect();
+        let spread_rad = inside.iter().map(|turn| turn.spread_rad).fold(0.0, f64::max);
+        let size_at = |idx: usize| median(&mut sizes[idx - 1..=idx + 1].to_vec());
+        let knee = |idx: usize| {
+            let n = (idx - 1).min(sizes.len() - 2 - idx);
+            let (lost_before, lost_after) = (size_at(idx - n) - size_at(idx), size_at(idx) - size_at(idx + n));
+            let more_rad = lost_after - LOST_AFTER_A_MOTOR * lost_before.max(0.0);
+            let is_seen = more_rad > SURE * LOST_AFTER_A_MOTOR * spread_rad;
+            is_seen.then_some((more_rad / n as f64, idx))
+        };
+        let knees = (STEADY_SWINGS..sizes.len().saturating_sub(STEADY_SWINGS)).filter_map(knee);
+        let off = knees.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, idx)| self.recording.index_at(inside[idx].time_s));
+        off.unwrap_or(part.start)..part.end
+    }
+
+    fn turns_in(&self, range: &Range<usize>) -> Vec<&TurningPoint> {
+        self.turns.iter().filter(|turn| range.contains(&self.recording.index_at(turn.time_s))).collect()
     }
 
     /// The largest swing that is left out beside the free one, if there is one worth a look.
@@ -108,12 +147,7 @@ impl Cut<'_> {
 
     /// Do the swings become smaller, as without a motor they must? From the first and the last third of many.
     pub(super) fn fades(&self, free: &Range<usize>) -> bool {
-        let inside: Vec<f64> = self
-            .turns
-            .iter()
-            .filter(|turn| free.contains(&self.recording.index_at(turn.time_s)))
-            .map(|turn| turn.angle_rad)
-            .collect();
+        let inside: Vec<f64> = self.turns_in(free).iter().map(|turn| turn.angle_rad).collect();
         let mut sizes: Vec<f64> = inside.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
         let third = sizes.len() / 3;
         if third < FADING_SWINGS {

@@ -98,6 +98,45 @@ fn a_push_in_the_middle_divides_the_swing() {
     assert!((3.39..3.6).contains(&start_s), "{segments:?}");
 }
 
+/// Lifted slowly enough that no acceleration tells of a hand, after it has hung still: 0.2 rad in 8 s.
+#[test]
+fn a_swing_that_is_picked_up_again_long_after_is_kept() {
+    let hanging = vec![0.0; 1000];
+    let rise = |idx: i32| 0.2 * (f64::from(idx) / 1600.0).powi(2) + 0.03 * (f64::from(idx) / 100.0).sin();
+    let trembling: Vec<f64> = (0..1600).map(rise).collect();
+    let segments = find(&[swing(0.8, 20.0), hanging, trembling].concat());
+    assert!(segments.free.start < 10 && segments.n_turning_points > 30, "{segments:?}");
+    assert!((3000..5400).contains(&segments.free.end), "{segments:?}");
+}
+
+/// Forced vibration at the natural frequency, then nothing: amplitudes stay, then they fall.
+#[test]
+fn a_motor_that_is_switched_off_is_cut() {
+    for (driven_s, free_s) in [(60.0, 20.0), (20.0, 60.0)] {
+        let n_driven = (driven_s / STEP_S) as usize;
+        let left_alone = |time_s: f64| (-(time_s - driven_s).max(0.0) / 15.0).exp();
+        let angle = |idx: usize| {
+            let time_s = idx as f64 * STEP_S;
+            0.3 * left_alone(time_s) * (70_f64.sqrt() * time_s).cos()
+        };
+        let n_all = n_driven + (free_s / STEP_S) as usize;
+        let segments = find(&(0..n_all).map(angle).collect::<Vec<f64>>());
+        let late_s = segments.free.start as f64 * STEP_S - driven_s;
+        assert!((-1.0..2.0).contains(&late_s) && segments.fades, "{late_s} {segments:?}");
+        assert!(segments.notes[0].contains("a motor"), "{segments:?}");
+    }
+}
+
+#[test]
+fn limits_before_the_recordings_own_clock_are_noted() {
+    let angles_rad = swing(1.0, 12.0);
+    let times_s: Vec<f64> = (0..angles_rad.len()).map(|idx| 270.0 + idx as f64 * STEP_S).collect();
+    let late = Recording::new(noisy(&angles_rad).header().clone(), times_s, angles_rad, None).unwrap();
+    let asked = SegmentOptions { from_s: Some(2.0), to_s: None };
+    let notes = segment(&late, &asked).unwrap().notes;
+    assert!(notes[0].contains("its own clock starts at 270 s"), "{notes:?}");
+}
+
 #[test]
 fn a_hanging_angle_that_is_not_zero_does_not_matter() {
     let angles_rad: Vec<f64> = [vec![0.9; 100], swing(0.9, 25.0)].concat().iter().map(|angle| angle + 0.2).collect();
