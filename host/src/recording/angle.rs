@@ -187,8 +187,8 @@ impl Angles<'_> {
         if (middle_rad - off_rad).abs() > NEAR_QUARTER_RAD {
             angles_rad.iter_mut().for_each(|angle| *angle -= middle_rad);
             self.notes.push(format!(
-                "it swings about {middle_rad:.3} rad ({:.1}°), which is taken off: it must hang at 0; --zero says better what \
-                 the sensor reads there",
+                "it swings about {middle_rad:.3} rad ({:.1}°), which is taken off: it must hang at 0; --zero says \
+                 better what the sensor reads there",
                 middle_rad.to_degrees()
             ));
             return;

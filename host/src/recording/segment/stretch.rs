@@ -3,6 +3,7 @@
 use super::super::median;
 use super::super::turning::TurningPoint;
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
+use crate::noise::rms_about_line;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -15,9 +16,9 @@ const GROWTH_NOISE: f64 = 20.0;
 /// Standard deviations that a growth or a motor wants.
 const SURE: f64 = 6.0;
 
-/// After a motor is switched off a swing loses more than so many times what it lost before. Free ones that lose the same
-/// energy from turn to turn, whatever their size, lose 2.4 times as much; with twice of it a motor would have to hold them
-/// to a hundredth where they lose a tenth by themselves.
+/// After a motor is switched off a swing loses more than so many times what it lost before. Free ones that lose the
+/// same energy from turn to turn, whatever their size, lose 2.4 times as much; with twice of it a motor would have to
+/// hold them to a hundredth where they lose a tenth by themselves.
 const LOST_AFTER_A_MOTOR: f64 = 4.0;
 
 /// Half swings before and after, at least; with half of them dry friction that changes with the place would be a motor.
@@ -25,6 +26,10 @@ const STEADY_SWINGS: usize = 8;
 
 /// A swing that goes on turns again within one half swing; with twice of it the rest after a swing would often be lost.
 const HUNG_HALF_SWINGS: f64 = 2.0;
+
+/// And scatters by less than so many times the noise; with half of it chance would deny it, with twice of it a slow hand
+/// would pass for it.
+const HUNG_NOISES: f64 = 1.5;
 
 /// A swing with so many turning points beside the free one is worth a word.
 const WORTH_A_LOOK: usize = 2 * MIN_TURNING_POINTS;
@@ -95,13 +100,21 @@ impl Cut<'_> {
             let pushed = self.recording.index_at(three[1].time_s)..self.recording.index_at(three[2].time_s);
             let is_beyond = |idx: &usize| (self.angles_rad()[*idx] - three[1].angle_rad).abs() > limit_rad;
             let beyond = pushed.clone().find(is_beyond).unwrap_or(pushed.start);
-            // Without a turn for so long it hung still first, and that tells where it stopped.
-            let hung = self.duration_s(&(pushed.start..beyond)) > HUNG_HALF_SWINGS * self.half_swing_s;
-            parts.push(start..if hung { beyond } else { pushed.start }.max(start));
+            let end = if self.hung(&(pushed.start..beyond)) { beyond } else { pushed.start };
+            parts.push(start..end.max(start));
             start = pushed.end;
         }
         parts.push(start..range.end);
         parts
+    }
+
+    /// Did it hang still between its last turn and where it was pushed? That tells where it stopped.
+    fn hung(&self, between: &Range<usize>) -> bool {
+        let third = between.len() / 3;
+        let middle = &self.angles_rad()[between.start + third..between.end - third];
+        self.duration_s(between) > HUNG_HALF_SWINGS * self.half_swing_s
+            && rms_about_line(middle) < HUNG_NOISES * self.noise_rms_rad
+            && (middle[0] - middle[middle.len() - 1]).abs() < SURE * self.noise_rms_rad
     }
 
     /// How far from the second of three turning points a free swing reaches at most (rad), where the third lies beyond.
@@ -114,8 +127,9 @@ impl Cut<'_> {
         (alternate && after > GROWTH_NOISE * self.noise_rms_rad && after > limit_rad).then_some(limit_rad)
     }
 
-    /// What is left when a motor in front is cut off. What a free swing loses from turn to turn depends on its size, and
-    /// that is the same before and after a moment: where it loses many times as much after, a motor was switched off.
+    /// What is left when a motor in front is cut off. What a free swing loses from turn to turn depends on its size,
+    /// which is the same just before and just after a moment: where it loses many times as much after, a motor was
+    /// switched off.
     fn left_alone(&self, part: &Range<usize>) -> Range<usize> {
         let inside = self.turns_in(part);
         let sizes: Vec<f64> = inside.windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs()).collect();
