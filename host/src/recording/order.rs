@@ -5,8 +5,8 @@
 
 use super::median_step_s;
 
-/// Up to one row, and of long files one of so many, may be out of order. Half and twice of it come to the same: of 90
-/// recordings one has a single such row in 18,000, and three a clock that was set back.
+/// Up to one row, and of long files one of so many more, may be out of order. Half and twice of it come to the same: of 90
+/// recordings one has two such rows in 18,000, and three a clock that was set back.
 const ROWS_A_STRAY: usize = 100;
 
 /// A step is ordinary up to so many usual ones: two are a row that is missing.
