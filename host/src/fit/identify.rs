@@ -102,12 +102,16 @@ pub enum FitError {
     Mixed(#[from] MixedReadings),
     /// The model never came near.
     #[error(
-        "the model does not follow the swings at all: error {error_rad:.3} rad; is the angle in radians, zero where \
-         the pendulum hangs, and the geometry right? Did nothing touch or drive it (--from, --to)?"
+        "the model does not follow the swings at all: error {error:.3} {unit}; is the {name} in {unit}, zero where the \
+         pendulum hangs, and the geometry right? Did nothing touch or drive it (--from, --to)?",
+        unit = measured.unit(),
+        name = measured.name()
     )]
     Hopeless {
-        /// Root mean square error, rad.
-        error_rad: f64,
+        /// Root mean square error, in the unit of the readings.
+        error: f64,
+        /// What the readings are.
+        measured: Measured,
     },
 }
 

@@ -9,7 +9,7 @@ use super::quality::Responses;
 use super::runs::responses_at;
 use super::sequential::Stage;
 use super::uncertainty::{Number, Status, UNKNOWN_SHARE, Uncertainty, uncertainty};
-use crate::swing::{Swing, Window};
+use crate::swing::{Swing, Window, kind};
 use crate::verdict::Left;
 use shared::parameters::base;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -38,7 +38,7 @@ impl Report<'_, '_> {
         let rmse_rad = problem.rmse_rad(model.cost);
         let motion = rms(problem.swings.iter().flat_map(|swing| swing.angles_rad.iter().copied()));
         if !rmse_rad.is_finite() || rmse_rad > HOPELESS_SHARE * motion {
-            return Err(FitError::Hopeless { error_rad: rmse_rad });
+            return Err(FitError::Hopeless { error: rmse_rad, measured: kind(problem.swings) });
         }
         let uncertainty = uncertainty(problem, model);
         let order: Vec<usize> =

@@ -3,10 +3,11 @@
 use super::covariance::covariance;
 use super::descent::{Termination, Tolerance, descend};
 use super::fitted::{Fitted, Stiction};
-use super::identify::problem_of;
+use super::identify::{FitError, problem_of};
 use super::linear::{Linear, Steps, SwingLinear, linearise};
 use super::problem::{PER_SWING, Point, Problem, Start};
 use super::stop_level;
+use crate::recording::Measured;
 use crate::swing::{Swing, Window};
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
@@ -219,4 +220,11 @@ fn the_stop_level_is_found_between_the_turning_points_that_frame_it() {
     let (low, high) = stop_level::levels(&problem, &model)[0].level_range_nm;
     assert!(low < level_nm && level_nm < high, "{low} … {high}");
     assert!(high - low < 3.0 * coulomb_nm, "{low} … {high}");
+}
+
+#[test]
+fn an_error_of_rates_is_told_in_their_unit() {
+    let words = |measured| FitError::Hopeless { error: 0.0452, measured }.to_string();
+    assert!(words(Measured::Rate).contains("error 0.045 rad/s; is the rate in rad/s"), "{}", words(Measured::Rate));
+    assert!(words(Measured::Angle).contains("error 0.045 rad; is the angle in rad,"), "{}", words(Measured::Angle));
 }

@@ -133,7 +133,7 @@ impl Cut<'_> {
     fn left_alone(&self, part: &Range<usize>) -> Range<usize> {
         let inside = self.turns_in(part);
         let sizes: Vec<f64> = inside.windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs()).collect();
-        let spread_rad = inside.iter().map(|turn| turn.spread_rad).fold(0.0, f64::max);
+        let spread_rad = median(&mut inside.iter().map(|turn| turn.spread_rad).collect::<Vec<f64>>());
         let size_at = |idx: usize| median(&mut sizes[idx - 1..=idx + 1].to_vec());
         let knee = |idx: usize| {
             let n = (idx - 1).min(sizes.len() - 2 - idx);
