@@ -4,6 +4,7 @@ use super::super::median;
 use super::super::turning::TurningPoint;
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
 use crate::noise::rms_about_line;
+use std::cmp::Ordering;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -42,11 +43,14 @@ const BEST_QUALITY: f64 = 2e4;
 const FADING_SWINGS: usize = 6;
 
 impl Cut<'_> {
-    /// Of what lies between disturbances and growths: what becomes smaller and has the most turning points.
+    /// Of what lies between disturbances and growths: what becomes smaller and swings the longest way.
     pub(super) fn undisturbed(&self) -> Result<Range<usize>, SegmentError> {
         let parts = self.stretches().into_iter().flat_map(|range| self.fading_parts(range));
         let free = parts.map(|part| self.left_alone(&part));
-        let best = free.max_by_key(|part| (self.fades(part), self.count_turns(part))).unwrap_or(0..0);
+        let worth =
+            |part: &Range<usize>| (self.count_turns(part) >= MIN_TURNING_POINTS, self.fades(part), self.way_rad(part));
+        let more = |a: &Range<usize>, b: &Range<usize>| worth(a).partial_cmp(&worth(b)).unwrap_or(Ordering::Equal);
+        let best = free.max_by(more).unwrap_or(0..0);
         match self.count_turns(&best) {
             n if n >= MIN_TURNING_POINTS => Ok(best),
             n_turning_points => {
@@ -145,6 +149,11 @@ impl Cut<'_> {
         let knees = (STEADY_SWINGS..sizes.len().saturating_sub(STEADY_SWINGS)).filter_map(knee);
         let off = knees.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, idx)| self.recording.index_at(inside[idx].time_s));
         off.unwrap_or(part.start)..part.end
+    }
+
+    /// From turning point to turning point: what trembles does not come far, however often it turns.
+    fn way_rad(&self, range: &Range<usize>) -> f64 {
+        self.turns_in(range).windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs()).sum()
     }
 
     fn turns_in(&self, range: &Range<usize>) -> Vec<&TurningPoint> {
