@@ -4,7 +4,7 @@
 //!
 //! A free pendulum obeys `α = −ω0² sin θ + b cos θ − c sgn ω − d ω − e ω|ω|`. The five numbers are fitted to the middle
 //! of the recording, robustly; where the acceleration (from local polynomials) is off by far more than noise, a hand
-//! did it. The free swing is the undisturbed stretch that swings the longest way. The friction law is crude on purpose:
+//! did it. The free swing is the undisturbed stretch with the most swings. The friction law is crude on purpose:
 //! it must recognise a hand, which does tens of rad/s², and be blind to every kind of missing physics.
 //! If the pendulum was held still before, the release is placed to a few ms by fitting the start of the fall; the free
 //! range begins shortly after it, never before.

@@ -4,7 +4,6 @@ use super::super::median;
 use super::super::turning::TurningPoint;
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
 use crate::noise::rms_about_line;
-use std::cmp::Ordering;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -32,6 +31,9 @@ const HUNG_HALF_SWINGS: f64 = 2.0;
 /// would pass for it.
 const HUNG_NOISES: f64 = 1.5;
 
+/// Less than this share of the largest swing is a tremble, as for the first look at turning points (`turning.rs`).
+const TREMBLE_SHARE: f64 = 0.05;
+
 /// A swing with so many turning points beside the free one is worth a word.
 const WORTH_A_LOOK: usize = 2 * MIN_TURNING_POINTS;
 
@@ -43,14 +45,11 @@ const BEST_QUALITY: f64 = 2e4;
 const FADING_SWINGS: usize = 6;
 
 impl Cut<'_> {
-    /// Of what lies between disturbances and growths: what becomes smaller and swings the longest way.
+    /// Of what lies between disturbances and growths: what becomes smaller and has the most swings.
     pub(super) fn undisturbed(&self) -> Result<Range<usize>, SegmentError> {
         let parts = self.stretches().into_iter().flat_map(|range| self.fading_parts(range));
         let free = parts.map(|part| self.left_alone(&part));
-        let worth =
-            |part: &Range<usize>| (self.count_turns(part) >= MIN_TURNING_POINTS, self.fades(part), self.way_rad(part));
-        let more = |a: &Range<usize>, b: &Range<usize>| worth(a).partial_cmp(&worth(b)).unwrap_or(Ordering::Equal);
-        let best = free.max_by(more).unwrap_or(0..0);
+        let best = free.max_by_key(|part| (self.fades(part), self.count_swings(part))).unwrap_or(0..0);
         match self.count_turns(&best) {
             n if n >= MIN_TURNING_POINTS => Ok(best),
             n_turning_points => {
@@ -139,21 +138,27 @@ impl Cut<'_> {
         let sizes: Vec<f64> = inside.windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs()).collect();
         let spread_rad = median(&mut inside.iter().map(|turn| turn.spread_rad).collect::<Vec<f64>>());
         let size_at = |idx: usize| median(&mut sizes[idx - 1..=idx + 1].to_vec());
+        let time_s = |idx: usize| inside[idx].time_s;
         let knee = |idx: usize| {
             let n = (idx - 1).min(sizes.len() - 2 - idx);
             let (lost_before, lost_after) = (size_at(idx - n) - size_at(idx), size_at(idx) - size_at(idx + n));
-            let more_rad = lost_after - LOST_AFTER_A_MOTOR * lost_before.max(0.0);
+            // Of equal times: there may be gaps.
+            let (before_s, after_s) = (time_s(idx) - time_s(idx - n), time_s(idx + n) - time_s(idx));
+            let more_rad = lost_after - LOST_AFTER_A_MOTOR * lost_before.max(0.0) * after_s / before_s;
             let is_seen = more_rad > SURE * LOST_AFTER_A_MOTOR * spread_rad;
-            is_seen.then_some((more_rad / n as f64, idx))
+            is_seen.then_some((more_rad / after_s, idx))
         };
         let knees = (STEADY_SWINGS..sizes.len().saturating_sub(STEADY_SWINGS)).filter_map(knee);
-        let off = knees.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, idx)| self.recording.index_at(inside[idx].time_s));
+        let off = knees.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, idx)| self.recording.index_at(time_s(idx)));
         off.unwrap_or(part.start)..part.end
     }
 
-    /// From turning point to turning point: what trembles does not come far, however often it turns.
-    fn way_rad(&self, range: &Range<usize>) -> f64 {
-        self.turns_in(range).windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs()).sum()
+    /// Swings from one turning point to the next; a tremble is none, however often it turns.
+    fn count_swings(&self, range: &Range<usize>) -> usize {
+        let size_rad = |pair: &[&TurningPoint]| (pair[1].angle_rad - pair[0].angle_rad).abs();
+        let all: Vec<&TurningPoint> = self.turns.iter().collect();
+        let largest_rad = all.windows(2).map(size_rad).fold(0.0, f64::max);
+        self.turns_in(range).windows(2).filter(|pair| size_rad(pair) > TREMBLE_SHARE * largest_rad).count()
     }
 
     fn turns_in(&self, range: &Range<usize>) -> Vec<&TurningPoint> {
