@@ -30,8 +30,8 @@ const FEW_BESIDE: f64 = 2.5;
 /// First look: the angle must fall by this many noise rms …
 const ROUGH_FALL_NOISE: f64 = 14.0;
 
-/// … and this share of the whole range to have turned.
-const ROUGH_FALL_SHARE: f64 = 0.05;
+/// … and this share of the whole range to have turned; smaller ones are a tremble.
+pub(super) const ROUGH_FALL_SHARE: f64 = 0.05;
 
 /// Looked at are means over so many samples, the fewest that show enough turns: swings may hardly rise out of the noise
 /// of a sample, such as those of a gate that takes 9 s and moves by 8 of its noises. Twice as many would show a

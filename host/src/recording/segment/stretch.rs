@@ -1,7 +1,7 @@
 //! The stretch that is swung freely, and the rest at its end.
 
 use super::super::median;
-use super::super::turning::TurningPoint;
+use super::super::turning::{ROUGH_FALL_SHARE, TurningPoint};
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
 use crate::noise::rms_about_line;
 use std::f64::consts::PI;
@@ -31,10 +31,7 @@ const HUNG_HALF_SWINGS: f64 = 2.0;
 /// would pass for it.
 const HUNG_NOISES: f64 = 1.5;
 
-/// Less than this share of the largest swing is a tremble, as for the first look at turning points (`turning.rs`).
-const TREMBLE_SHARE: f64 = 0.05;
-
-/// A swing with so many turning points beside the free one is worth a word.
+/// So many swings beside the free ones are worth a word.
 const WORTH_A_LOOK: usize = 2 * MIN_TURNING_POINTS;
 
 /// Quality factor of the best clocks; with half of it a clock would be doubted, with twice of it a motor that holds its swing
@@ -45,17 +42,24 @@ const BEST_QUALITY: f64 = 2e4;
 const FADING_SWINGS: usize = 6;
 
 impl Cut<'_> {
-    /// Of what lies between disturbances and growths: what becomes smaller and has the most swings.
+    /// What is swung freely: of what was left alone long enough to tell, what becomes smaller and has the most swings.
     pub(super) fn undisturbed(&self) -> Result<Range<usize>, SegmentError> {
-        let parts = self.stretches().into_iter().flat_map(|range| self.fading_parts(range));
-        let free = parts.map(|part| self.left_alone(&part));
-        let best = free.max_by_key(|part| (self.fades(part), self.count_swings(part))).unwrap_or(0..0);
+        let worth = |part: &Range<usize>| {
+            (self.count_turns(part) >= MIN_TURNING_POINTS, self.fades(part), self.count_swings(part))
+        };
+        let best = self.parts_left_alone().max_by_key(worth).unwrap_or(0..0);
         match self.count_turns(&best) {
             n if n >= MIN_TURNING_POINTS => Ok(best),
             n_turning_points => {
                 Err(SegmentError::TooFewSwings { n_turning_points, duration_s: self.duration_s(&best) })
             }
         }
+    }
+
+    /// Between disturbances, between growths, and behind a motor.
+    fn parts_left_alone(&self) -> impl Iterator<Item = Range<usize>> {
+        let parts = self.stretches().into_iter().flat_map(|range| self.fading_parts(range));
+        parts.map(|part| self.left_alone(&part))
     }
 
     /// Index ranges between the disturbances.
@@ -135,7 +139,7 @@ impl Cut<'_> {
     /// switched off.
     fn left_alone(&self, part: &Range<usize>) -> Range<usize> {
         let inside = self.turns_in(part);
-        let sizes: Vec<f64> = inside.windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs()).collect();
+        let sizes = sizes_rad(&inside);
         let spread_rad = median(&mut inside.iter().map(|turn| turn.spread_rad).collect::<Vec<f64>>());
         let size_at = |idx: usize| median(&mut sizes[idx - 1..=idx + 1].to_vec());
         let time_s = |idx: usize| inside[idx].time_s;
@@ -155,10 +159,8 @@ impl Cut<'_> {
 
     /// Swings from one turning point to the next; a tremble is none, however often it turns.
     fn count_swings(&self, range: &Range<usize>) -> usize {
-        let size_rad = |pair: &[&TurningPoint]| (pair[1].angle_rad - pair[0].angle_rad).abs();
-        let all: Vec<&TurningPoint> = self.turns.iter().collect();
-        let largest_rad = all.windows(2).map(size_rad).fold(0.0, f64::max);
-        self.turns_in(range).windows(2).filter(|pair| size_rad(pair) > TREMBLE_SHARE * largest_rad).count()
+        let largest_rad = sizes_rad(&self.turns.iter().collect::<Vec<_>>()).into_iter().fold(0.0, f64::max);
+        sizes_rad(&self.turns_in(range)).iter().filter(|size| **size > ROUGH_FALL_SHARE * largest_rad).count()
     }
 
     fn turns_in(&self, range: &Range<usize>) -> Vec<&TurningPoint> {
@@ -168,15 +170,13 @@ impl Cut<'_> {
     /// The largest swing that is left out beside the free one, if there is one worth a look.
     pub(super) fn other_swing(&self, free: &Range<usize>) -> Option<Range<usize>> {
         let is_apart = |range: &Range<usize>| range.end <= free.start || range.start >= free.end;
-        let others = self.stretches().into_iter().flat_map(|range| self.fading_parts(range)).filter(is_apart);
-        let longest = others.max_by_key(|range| self.count_turns(range))?;
-        (self.count_turns(&longest) >= WORTH_A_LOOK).then_some(longest)
+        let longest = self.parts_left_alone().filter(is_apart).max_by_key(|range| self.count_swings(range))?;
+        (self.count_swings(&longest) >= WORTH_A_LOOK).then_some(longest)
     }
 
     /// Do the swings become smaller, as without a motor they must? From the first and the last third of many.
     pub(super) fn fades(&self, free: &Range<usize>) -> bool {
-        let inside: Vec<f64> = self.turns_in(free).iter().map(|turn| turn.angle_rad).collect();
-        let mut sizes: Vec<f64> = inside.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+        let mut sizes = sizes_rad(&self.turns_in(free));
         let third = sizes.len() / 3;
         if third < FADING_SWINGS {
             return true;
@@ -208,4 +208,9 @@ impl Cut<'_> {
         let rest = self.recording.index_at(start_s)..stretch.end;
         (rest.start < rest.end && rest.len() >= n_window).then_some(rest)
     }
+}
+
+/// From each turning point to the next, rad.
+fn sizes_rad(turns: &[&TurningPoint]) -> Vec<f64> {
+    turns.windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs()).collect()
 }

@@ -127,6 +127,19 @@ fn a_motor_that_is_switched_off_is_cut() {
     }
 }
 
+/// A motor holds the swing for a minute, then something strikes it twice: what lies between is too short to be free.
+#[test]
+fn a_short_piece_beside_a_driven_swing_is_not_taken_for_a_free_one() {
+    let angle = |idx: u32| {
+        let time_s = f64::from(idx) * STEP_S;
+        // Moved by so much within 0.05 s.
+        let struck = |at_s: f64, by_rad: f64| by_rad * (time_s - at_s).clamp(0.0, 0.05) / 0.05;
+        0.5 * (70_f64.sqrt() * time_s).cos() + struck(60.0, 0.2) + struck(61.2, -0.4)
+    };
+    let segments = find(&(0..12_400).map(angle).collect::<Vec<f64>>());
+    assert!(segments.n_turning_points > 100 && !segments.fades, "{segments:?}");
+}
+
 #[test]
 fn limits_before_the_recordings_own_clock_are_noted() {
     let angles_rad = swing(1.0, 12.0);
