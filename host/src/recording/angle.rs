@@ -173,33 +173,31 @@ impl Angles<'_> {
     /// the swings where it is nothing of that.
     fn set_zero(&mut self, swings: &Swings, angles_rad: &mut [f64]) {
         let middle_rad = swings.middle_rad;
-        let off_rad = (middle_rad / FRAC_PI_2).round() * FRAC_PI_2;
         if middle_rad.abs() < FAR_OFF_RAD {
             return;
         }
+        let middle_deg = middle_rad.to_degrees();
         if self.options.zero.is_some() {
             self.notes.push(format!(
-                "doubtful: with --zero it swings about {middle_rad:.3} rad ({:.1}°), but should hang at 0",
-                middle_rad.to_degrees()
+                "doubtful: with --zero it swings about {middle_rad:.3} rad ({middle_deg:.1}°), but should hang at 0"
             ));
             return;
         }
-        if (middle_rad - off_rad).abs() > NEAR_QUARTER_RAD {
-            angles_rad.iter_mut().for_each(|angle| *angle -= middle_rad);
-            self.notes.push(format!(
-                "it swings about {middle_rad:.3} rad ({:.1}°), which is taken off: it must hang at 0; --zero says \
-                 better what the sensor reads there",
-                middle_rad.to_degrees()
-            ));
-            return;
-        }
+        let quarters = (middle_rad / FRAC_PI_2).round();
+        let is_quarter = (middle_rad - quarters * FRAC_PI_2).abs() < NEAR_QUARTER_RAD;
+        let off_rad = if is_quarter { quarters * FRAC_PI_2 } else { middle_rad };
         angles_rad.iter_mut().for_each(|angle| *angle -= off_rad);
-        let from = match (off_rad / FRAC_PI_2).round().rem_euclid(4.0) as u8 {
+        let from = match quarters.rem_euclid(4.0) as u8 {
             0 => "whole turns",
             2 => "it is measured from upright",
             _ => "it is measured from the horizontal",
         };
-        let turns = off_rad / TAU * 360.0;
-        self.notes.push(format!("it swings about {:.1}°: {from}, {turns:.0}° taken off", middle_rad.to_degrees()));
+        self.notes.push(match is_quarter {
+            true => format!("it swings about {middle_deg:.1}°: {from}, {:.0}° taken off", off_rad.to_degrees()),
+            false => format!(
+                "it swings about {middle_rad:.3} rad ({middle_deg:.1}°), which is taken off: it must hang at 0; --zero says \
+                 better what the sensor reads there"
+            ),
+        });
     }
 }

@@ -21,8 +21,8 @@ pub(super) fn kept(times: &[f64], is_doubled: impl Fn(usize) -> bool) -> Option<
     let n_strays = own.len() - rising.len();
     let step = median_step_s(&rising.iter().map(|idx| own[*idx]).collect::<Vec<_>>());
     let begins_and_ends = rising.first() == Some(&0) && rising.last() == own.len().checked_sub(1).as_ref();
-    let goes_on = |pair: &[usize]| pair[1] == pair[0] + 1 || goes_on(&own[pair[0]..=pair[1]], step);
-    if n_strays > 1 + own.len() / ROWS_A_STRAY || !begins_and_ends || !rising.windows(2).all(goes_on) {
+    let is_bridged = |pair: &[usize]| pair[1] == pair[0] + 1 || goes_on(&own[pair[0]..=pair[1]], step);
+    if n_strays > 1 + own.len() / ROWS_A_STRAY || !begins_and_ends || !rising.windows(2).all(is_bridged) {
         return None;
     }
     let mut kept = vec![true; times.len()];

@@ -360,7 +360,9 @@ fn humps(part: &str) -> Vec<String> {
             humps.push(String::new());
         }
         before_is_small = letter.is_lowercase();
-        humps.iter_mut().next_back().unwrap_or(&mut String::new()).push(letter);
+        if let Some(hump) = humps.last_mut() {
+            hump.push(letter);
+        }
     }
     humps
 }

@@ -35,19 +35,17 @@ pub(super) fn best<U: Copy>(
     let strongest = fitting().map(|(_, (_, strength))| strength).max();
     let strongest = fitting().filter(|(_, (_, strength))| Some(*strength) == strongest);
     let winners: Vec<(usize, Option<U>)> = strongest.map(|(idx, (unit, _))| (idx, unit)).collect();
-    let mut exact = winners.iter().filter(|(idx, _)| says_nothing_else(&names[*idx]));
-    match (&winners[..], exact.next(), exact.next()) {
-        ([], ..) => Ok(None),
-        ([only], ..) | (_, Some(only), None) => Ok(Some(*only)),
-        _ => {
-            let is_exact = |idx: &usize| says_nothing_else(&names[*idx]);
-            let has_exact = winners.iter().any(|(idx, _)| is_exact(idx));
-            let several: Vec<usize> =
-                winners.iter().map(|(idx, _)| *idx).filter(|idx| !has_exact || is_exact(idx)).collect();
-            let candidates = listed(table, &several);
-            Err(Fault::AmbiguousColumn { role, candidates, example: example(table, role, &several, None) })
-        }
+    let exact: Vec<_> = winners.iter().filter(|(idx, _)| says_nothing_else(&names[*idx])).copied().collect();
+    let several = if exact.is_empty() { winners } else { exact };
+    if several.len() < 2 {
+        return Ok(several.first().copied());
     }
+    let several: Vec<usize> = several.into_iter().map(|(idx, _)| idx).collect();
+    Err(Fault::AmbiguousColumn {
+        role,
+        candidates: listed(table, &several),
+        example: example(table, role, &several, None),
+    })
 }
 
 /// Says which names were passed over because another one says nothing else.

@@ -26,8 +26,8 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     if columns.numbers.is_empty() {
         return Err(refused(
             what,
-            "it holds no vectors, matrices of up to 64 columns or structures of numbers; tables and timeseries are not read: save the \
-             vectors themselves, save('swing.mat', 't', 'theta', '-v7')",
+            "it holds no vectors, matrices of up to 64 columns or structures of numbers; tables and timeseries are not \
+             read: save the vectors themselves, save('swing.mat', 't', 'theta', '-v7')",
         ));
     }
     match columns.lone_matrix() {
