@@ -157,7 +157,54 @@ fn a_clock_coarser_than_the_samples_is_spread_and_a_stopped_one_refused() {
     assert!(off_s < 4e-4, "{off_s}");
     let stopped = table("t,theta\n", |(t, a, _)| format!("{:.2},{a:.5}", t.min(15.0)));
     let refused = open(stopped.as_bytes(), &ReadOptions::default()).unwrap_err();
-    assert!(refused.contains("15 s stands there twice") && refused.contains("--rate"), "{refused}");
+    assert!(refused.contains("15 s stands there 500 times in a row") && refused.contains("--rate"), "{refused}");
+}
+
+/// As a spreadsheet writes them, `1.87E+01`: a tenth of a second from 10 s on, and a second from 100 s on.
+#[test]
+fn times_of_three_digits_are_even_again_with_names_and_without() {
+    let rows = swing(RATE_HZ, 130);
+    for head in ["", "x y dx dy\n", "t theta e1 e2\n"] {
+        let text: String = rows.iter().map(|(t, a, _)| format!("{:.2e}\t{a:.5}\t0.02\t0.05\n", 11.3 + t)).collect();
+        let recording = open(format!("{head}{text}").as_bytes(), &ReadOptions::default()).unwrap();
+        let begin_s = recording.times_s()[0];
+        let off_s = recording.times_s().iter().zip(&rows).map(|(time_s, row)| (time_s - begin_s - row.0).abs());
+        // Which way a five is rounded, of the ten rows of a tick, is worth half a row.
+        assert!(recording.len() == rows.len() && off_s.fold(0.0, f64::max) < 1e-2, "{:?}", recording.notes());
+        assert!(recording.notes().iter().any(|note| note.contains("rounded to 3 digits")), "{:?}", recording.notes());
+    }
+}
+
+#[test]
+fn a_quantity_a_line_is_turned_and_a_table_of_thousands_of_columns_refused() {
+    let rows = swing(RATE_HZ, 20);
+    let line = |of: fn(&Row) -> f64| rows.iter().map(|row| format!("{:.5}", of(row))).collect::<Vec<_>>().join(",");
+    let (times, angles) = (line(|row| row.0), line(|row| row.1));
+    check_found(&format!("{times}\n{angles}\n"), 1e-5, "a quantity a line");
+    check_found(&format!("time,{times}\nspeed,{}\nangle,{angles}", line(|row| row.2)), 1e-5, "a quantity a line");
+    let wide: String = (0..20).map(|_| format!("{times}\n")).collect();
+    let refused = open(wide.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("2000 columns"), "{refused}");
+}
+
+#[test]
+fn a_project_of_another_program_is_named_with_what_to_export() {
+    for head in ["<?xml version=\"1.0\"?>\n<object class=\"TrackerPanel\">\n", "\u{feff}<!DOCTYPE html>\n<html>\n"] {
+        let text = table(head, |(t, a, _)| format!("<point>{t:.2}, {a:.5}</point>"));
+        let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("XML") && refused.contains("Tracker"), "{refused}");
+    }
+}
+
+#[test]
+fn of_several_angles_the_one_that_names_the_pendulum_is_taken() {
+    let cart = |(t, a, _): Row| format!("{t:.2},{:.5},{a:.5}", 0.3 - 0.01 * a);
+    for head in ["Time,CartPos,PendPos\n", "t,arm_angle,pendulum_angle\n", "time,angle,Pendelwinkel\n"] {
+        check_found(&table(head, cart), 1e-5, "by its name");
+    }
+    check_found(&table("t,motor_angle,link_angle\n", cart), 1e-5, "by its name");
+    let refused = open(table("t,angle_a,angle_b\n", cart).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("several columns could be the angle"), "{refused}");
 }
 
 #[test]
@@ -276,6 +323,9 @@ fn what_could_be_told_names_columns_of_this_very_file() {
     assert!(unknown.contains("no column 9") && unknown.contains("e.g. t=4,theta=1"), "{unknown}");
     let still = refused("a,b,theta,c,t\n", &ReadOptions::default());
     assert!(still.contains("2 (theta) does not move") && still.contains("e.g. t=4,theta=1"), "{still}");
+    let counted = table("n,t,theta,c\n", |(t, a, _)| format!("{:.0},{t:.2},0,{a:.5}", 100.0 * t));
+    let still = open(counted.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(still.contains("e.g. t=1,theta=3"), "{still}");
 }
 
 #[test]

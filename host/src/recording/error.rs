@@ -9,6 +9,9 @@ use super::header::{FORMAT_NAME, FORMAT_VERSION};
 use super::{LARGEST_RAD, MIN_SAMPLES, angle, choose, samples};
 use crate::files::FileError;
 
+/// More rows of one time are no clock of few digits, which has some dozens in a tick.
+const CLOCK_STOPS: usize = 50;
+
 /// A file that could not be read as a recording.
 #[derive(Debug, Error)]
 #[error("could not read recording {file}: {fault}")]
@@ -136,10 +139,20 @@ pub enum Fault {
         /// Names or count of what there is.
         available: String,
     },
+    /// More columns than a table has.
+    #[error("line {line} has {n_columns} columns; expected a row of time and angle for each sample")]
+    TooWide {
+        /// Counted from 1.
+        line: usize,
+        /// Its fields.
+        n_columns: usize,
+    },
     /// The same time twice with different angles.
     #[error(
-        "{place}: time {time}{unit} stands there twice, expected it to increase; export more digits of the time, \
-         or ignore the time column with --rate"
+        "{place}: time {time}{unit} stands there {}, expected it to increase; {}, or ignore the time column with \
+         --rate",
+        if *n_rows > CLOCK_STOPS { format!("{n_rows} times in a row") } else { "twice".to_owned() },
+        if *n_rows > CLOCK_STOPS { "its clock stopped: leave those rows out" } else { "export more digits of the time" }
     )]
     TimeRepeats {
         /// Line or sample.
@@ -148,6 +161,8 @@ pub enum Fault {
         time: f64,
         /// Its unit behind a space; nothing where it is not stated and can't be seconds.
         unit: &'static str,
+        /// Rows in a row that have it.
+        n_rows: usize,
     },
     /// Time runs backwards.
     #[error(
@@ -311,8 +326,8 @@ pub enum Fault {
     /// The period does not depend on the amplitude as it would if the angles were radians.
     #[error(
         "read as radians the angles reach {largest_rad:.3}, and {}: these are degrees (say --degrees), angular velocities \
-         (say --columns t=0,rate=1:rad/s) or in another unit (--columns t=0,theta=1:mrad); if they are radians all the same, \
-         say --radians",
+         (say --columns t=0,rate=1:rad/s) or in another unit (--columns t=0,theta=1:mrad), or a spring swings it and \
+         no gravity, as in a torsion pendulum, which can't be fitted; if they are radians all the same, say --radians",
         growth_in_words(*predicted_percent, *found_percent)
     )]
     NotRadians {
@@ -444,7 +459,7 @@ pub(super) fn check_step(place: impl Fn() -> String, unit: &'static str, before:
         return Err(Fault::TimeBackwards { place: place(), before, after, unit });
     }
     if after == before {
-        return Err(Fault::TimeRepeats { place: place(), time: after, unit });
+        return Err(Fault::TimeRepeats { place: place(), time: after, unit, n_rows: 2 });
     }
     Ok(())
 }

@@ -27,6 +27,8 @@ pub(super) enum Kind {
     LabView,
     /// JSON: an object a line, or one array or object.
     Json,
+    /// XML or HTML: projects of Tracker and others.
+    Markup,
 }
 
 impl Kind {
@@ -42,6 +44,7 @@ impl Kind {
             () if begins("MATLAB 5.0") || mat5::begins(head) || mat4::begins(head) => Some(Self::Matlab),
             () if begins("LabVIEW Measurement") => Some(Self::LabView),
             () if is_json => Some(Self::Json),
+            () if is_markup(head) => Some(Self::Markup),
             () => None,
         }
     }
@@ -58,8 +61,19 @@ impl Kind {
             Self::OldWorkbook => Err(refused("workbook of a spreadsheet", "save the sheet as CSV in that program")),
             Self::LabView => labview::table(bytes),
             Self::Json => json::table(bytes),
+            Self::Markup => Err(refused(
+                "file of XML or HTML",
+                "Tracker (.trk), Logger Pro (.cmbl) and CASSY Lab (.labx) keep their projects so; open it there, and \
+                 export the table with time and angle as text or CSV",
+            )),
         }
     }
+}
+
+/// Does it begin with a tag?
+fn is_markup(head: &[u8]) -> bool {
+    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
+    text.first() == Some(&b'<') && text.get(1).is_some_and(|next| next.is_ascii_alphabetic() || b"?!".contains(next))
 }
 
 /// A format that is known, in a form that is not read.

@@ -1,7 +1,8 @@
 //! Times that a program rounded: a video of 30 frames a second with times of 0.03, 0.07, 0.10 s.
 //!
-//! In: times in s. Out: the even ones that they were, where all of them say so. A time that is off by half a hundredth is a
-//! bob that is off by some of its speed, which no model explains.
+//! In: times in s. Out: the even ones that they were, where all of them say so. A time that is off by half a hundredth
+//! is a bob that is off by some of its speed, which no model explains. Spreadsheets keep a number of digits instead,
+//! `9.97E+00` and `1.00E+01`, so that later times are coarser.
 
 use super::median_step_s;
 
@@ -14,23 +15,67 @@ const FEWEST: usize = 50;
 /// A reading of rounded numbers is off by this share of the last digit.
 const READ_SHARE: f64 = 1e-3;
 
+/// Few digits are at most so many: five tell 100 s to 1 ms.
+const FEW_DIGITS: i32 = 5;
+
+/// What a camera's frames are off by, in steps; of the first times even few digits say more. With half of it a clock of
+/// 30 Hz may be off by 0.3 ms, with twice of it by 1.3 ms, which a bob of 1 rad/s shows.
+const UNEVEN_SHARE: f64 = 0.02;
+
 /// Takes the even times that rounded ones were.
 pub(super) fn make_even(times_s: &mut [f64], notes: &mut Vec<String>) {
-    let Some(digit_s) = last_digit(times_s) else { return };
-    let step_s = median_step_s(times_s);
-    if times_s.len() < FEWEST || digit_s > step_s {
+    if times_s.len() < FEWEST {
         return;
     }
-    let Some(even) = even(times_s, step_s, digit_s) else { return };
+    let step_s = median_step_s(times_s);
+    let of_places = || {
+        let digit_s = last_digit(times_s).filter(|digit_s| *digit_s <= step_s)?;
+        Some((even(times_s, step_s, digit_s)?, digit_s, format!("{digit_s} s")))
+    };
+    let of_digits = || {
+        let (even, n_digits) = of_few_digits(times_s)?;
+        Some((even, step_s, format!("{n_digits} digits")))
+    };
+    let Some((even, digit_s, to)) = of_places().or_else(of_digits) else { return };
     let moved_s = times_s.iter().zip(&even).map(|(time, even)| (time - even).abs()).fold(0.0, f64::max);
     if moved_s < 10.0 * READ_SHARE * digit_s || moved_s < READ_SHARE * step_s {
         return;
     }
     let rate_hz = (even.len() - 1) as f64 / (even[even.len() - 1] - even[0]);
     notes.push(format!(
-        "the times are rounded to {digit_s} s and fit even ones, {rate_hz:.4} a second on the average: these are taken"
+        "the times are rounded to {to} and fit even ones, {rate_hz:.4} a second on the average: these are taken"
     ));
     times_s.copy_from_slice(&even);
+}
+
+/// The even times of rows whose times have so few digits that the later ones are coarser, and how many digits they have.
+pub(super) fn of_few_digits(times: &[f64]) -> Option<(Vec<f64>, i32)> {
+    let n = times.len() as f64;
+    let step = (times.last()? - times.first()?) / (n - 1.0);
+    let coarse = |time: f64, n_digits: i32| {
+        // What a logarithm lacks to a whole number must not take a digit away.
+        let tens = (time.abs() * (1.0 + 1e-9)).log10().floor().max(-9.0) as i32;
+        10_f64.powi(tens + 1 - n_digits)
+    };
+    let has = |n_digits: &i32| {
+        let off = |time: &f64| (time / coarse(*time, *n_digits) - (time / coarse(*time, *n_digits)).round()).abs();
+        times.iter().all(|time| off(time) < READ_SHARE)
+    };
+    let n_digits = (1..=FEW_DIGITS).find(has).filter(|_| times.len() >= FEWEST && step > 0.0)?;
+    let digits: Vec<f64> = times.iter().map(|time| coarse(*time, n_digits).max(UNEVEN_SHARE * step)).collect();
+    // Where all are as coarse as the last one, they are rounded to a place.
+    if digits.iter().all(|digit| *digit == digits[digits.len() - 1]) {
+        return None;
+    }
+    // A line through all of them, the finer ones having more to say.
+    let sum = |of: &dyn Fn(usize) -> f64| (0..times.len()).map(|row| of(row) / digits[row].powi(2)).sum::<f64>();
+    let all = sum(&|_| 1.0);
+    let (row, time) = (sum(&|row| row as f64) / all, sum(&|row| times[row]) / all);
+    let across = sum(&|idx| (idx as f64 - row).powi(2));
+    let slope = sum(&|idx| (idx as f64 - row) * (times[idx] - time)) / across;
+    let even: Vec<f64> = (0..times.len()).map(|idx| time + slope * (idx as f64 - row)).collect();
+    let is_rounded = |idx: usize| (times[idx] - even[idx]).abs() < 0.55 * digits[idx];
+    (0..times.len()).all(is_rounded).then_some((even, n_digits))
 }
 
 /// The power of ten of which all times are multiples.
@@ -83,6 +128,31 @@ mod tests {
             let off_s = times.iter().zip(&truth).map(|(time, truth)| (time - truth).abs()).fold(0.0, f64::max);
             assert!(off_s < 0.1 * digit_s && notes.len() == 1, "{rate_hz} {off_s} {notes:?}");
         }
+    }
+
+    /// As a spreadsheet writes them: `1.87E+01`.
+    fn of_digits(n_digits: usize, begin_s: f64, n: u32) -> (Vec<f64>, Vec<f64>) {
+        let truth: Vec<f64> = (0..n).map(|idx| begin_s + f64::from(idx) / 29.97).collect();
+        let written = truth.iter().map(|time| format!("{time:.*e}", n_digits - 1).parse().unwrap()).collect();
+        (truth, written)
+    }
+
+    #[test]
+    fn times_of_few_digits_become_even_however_coarse_the_last_ones_are() {
+        for (n_digits, begin_s) in [(3, 0.0), (3, 18.7), (4, 0.5), (4, 90.0)] {
+            let (truth, times) = of_digits(n_digits, begin_s, 4000);
+            let (even, found) = of_few_digits(&times).unwrap();
+            let off_s = even.iter().zip(&truth).map(|(time, truth)| (time - truth).abs()).fold(0.0, f64::max);
+            assert!(found == n_digits as i32 && off_s < 0.005, "{n_digits} {begin_s} {off_s}");
+        }
+        let (_, lost) = of_digits(3, 0.0, 4000);
+        let lost: Vec<f64> =
+            lost.iter().enumerate().filter(|(idx, _)| !(900..1000).contains(idx)).map(|t| *t.1).collect();
+        assert_eq!(of_few_digits(&lost), None);
+        let (truth, mut times) = of_digits(4, 0.0, 2500);
+        let mut notes = Vec::new();
+        make_even(&mut times, &mut notes);
+        assert!(times.iter().zip(&truth).all(|(time, truth)| (time - truth).abs() < 1e-3), "{notes:?}");
     }
 
     #[test]

@@ -89,14 +89,16 @@ impl Swings {
         let noise_rad = noise::of_samples(&times_s, &angles_rad, None).total_rms;
         let turns = turning::turning_points(&times_s, &angles_rad, noise_rad);
         let middles: Vec<(f64, f64)> = turns.windows(2).map(middle_and_size).collect();
-        let mut steps: Vec<f64> = turns.windows(2).map(|pair| 2.0 * (pair[1].time_s - pair[0].time_s)).collect();
+        // A tremble before or after the swings has the more turning points, and small ones.
+        let steps =
+            turns.windows(2).map(|pair| (2.0 * (pair[1].time_s - pair[0].time_s), middle_and_size(pair).1)).collect();
         if middles.len() < 2 {
             return None;
         }
         let middle_rad = weighted_median(middles);
         let largest_rad = turns.iter().map(|turn| (turn.angle_rad - middle_rad).abs()).fold(0.0, f64::max);
         let periods = periods(&turns);
-        Some(Self { largest_rad, middle_rad, period_s: median(&mut steps), periods })
+        Some(Self { largest_rad, middle_rad, period_s: weighted_median(steps), periods })
     }
 
     /// Can a pendulum have this period?
@@ -339,6 +341,19 @@ mod tests {
         let degrees: Vec<f64> = angles.iter().map(|angle| angle.to_degrees()).collect();
         assert!(matches!(scale(&times, &degrees), Scale::TooLarge { .. }));
         assert_eq!(scale(&times, &angles), Scale::Unknown);
+    }
+
+    /// Between two counts it flickers for a minute after six seconds of swing.
+    #[test]
+    fn a_flicker_at_rest_is_no_period() {
+        let counts = |angle: f64| (angle / 0.004).round() * 0.004;
+        let mut angles: Vec<f64> = swing(1.0).1.iter().take(600).map(|angle| counts(*angle)).collect();
+        angles.extend(
+            (0..6000_u32).map(|idx| if (idx / 20).wrapping_mul(2_654_435_761) >> 31 == 0 { 0.004 } else { 0.0 }),
+        );
+        let times: Vec<f64> = (0..angles.len()).map(|idx| idx as f64 * 0.01).collect();
+        let period_s = Swings::of(&times, &angles).unwrap().period_s;
+        assert!((0.99..1.1).contains(&period_s), "{period_s}");
     }
 
     #[test]

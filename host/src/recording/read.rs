@@ -88,6 +88,9 @@ pub(super) fn open(path: &Path) -> Result<File, Fault> {
 fn parse(reader: impl BufRead, options: &ReadOptions) -> Result<Recording, Fault> {
     let mut notes = Vec::new();
     let mut table = Table::new(Lines::of(reader, &mut notes)?)?;
+    if table.is_turned {
+        notes.push("it has a quantity a line: each is read as a column".to_owned());
+    }
     let header = read_header(&table)?;
     let sources = Sources::choose(&table, &header, options, &mut notes)?;
     let is_ours = header.version.is_some();

@@ -3,6 +3,7 @@
 use super::choose::{LONGEST_STEP_S, Sources, TimeSource};
 use super::clock;
 use super::error::{Fault, check_step};
+use super::grid;
 use super::median_step_s;
 use super::number::{Cell, Numerals};
 use super::order;
@@ -163,23 +164,35 @@ impl Samples {
         let Some(fault) = self.standstill.take() else { return Ok(false) };
         let mut times = self.times.clone();
         let anew = ticks::unwind(&mut times);
-        let spread = ticks::spread(&times);
+        let even = grid::of_few_digits(&times);
+        let n_digits = even.as_ref().map(|(_, n_digits)| *n_digits);
+        let spread = even.map(|(even, _)| even).or_else(|| ticks::spread(&times));
         let is_coarse = spread.is_some();
         let times = spread.unwrap_or(times);
         let is_wrong = |idx: usize| times[idx] <= times[idx - 1] && (is_coarse || !self.is_doubled(idx));
         if (1..times.len()).any(is_wrong) {
-            return if self.leave_out_strays(notes) { Ok(false) } else { Err(fault) };
+            return if self.leave_out_strays(notes) { Ok(false) } else { Err(self.with_its_rows(fault)) };
         }
         if let Some((n, bits)) = anew {
             notes.push(format!("the times are counts of {bits} bits that begin anew {n} times: they go on there"));
         }
         if is_coarse {
-            notes.push(
+            notes.push(n_digits.map_or(
                 "the clock is coarser than the samples: rows with the same time are spread evenly over it".to_owned(),
-            );
+                |n| format!("the times are rounded to {n} digits and fit even ones: these are taken"),
+            ));
         }
         self.times = times;
         Ok(is_coarse)
+    }
+
+    /// Of a time that stands there again, how often it does in a row: a clock that stopped wants another cure than one of
+    /// too few digits.
+    fn with_its_rows(&self, fault: Fault) -> Fault {
+        let Fault::TimeRepeats { place, time, unit, .. } = fault else { return fault };
+        let first = self.times.windows(2).position(|pair| pair[0] == pair[1]).unwrap_or(0);
+        let n_rows = self.times[first..].iter().take_while(|time| **time == self.times[first]).count();
+        Fault::TimeRepeats { place, time, unit, n_rows: n_rows.max(2) }
     }
 
     /// Rows out of the order of time, where they are few and the clock goes on around them.

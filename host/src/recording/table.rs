@@ -14,6 +14,15 @@ use std::collections::VecDeque;
 /// How many lines are looked at to find the layout.
 const N_LINES_LOOKED_AT: usize = 200;
 
+/// A table has fewer columns; in a file of more lines they would be something else.
+const MOST_COLUMNS: usize = 1000;
+
+/// Where each line is a quantity there are no more of them …
+const MOST_QUANTITIES: usize = 8;
+
+/// … and no fewer numbers in it.
+const FEWEST_TURNED: usize = 100;
+
 /// Comments and blank lines above the table may be more.
 const MOST_LINES_HELD: usize = 5000;
 
@@ -33,6 +42,8 @@ pub(super) struct Table<'a> {
     dress: Dress,
     row: Line,
     n_lines: usize,
+    /// The file has a quantity a line.
+    pub(super) is_turned: bool,
 }
 
 /// One line.
@@ -66,6 +77,9 @@ impl<'a> Table<'a> {
         if held.iter().all(|line| line.text.trim().is_empty()) {
             return Err(Fault::Empty);
         }
+        let turned = turned(&held);
+        let is_turned = turned.is_some();
+        let held = turned.unwrap_or(held);
         let n_lines = held.len();
         let texts: Vec<&str> = held.iter().map(|line| line.text.as_str()).collect();
         let separator = find_separator(&texts);
@@ -73,6 +87,9 @@ impl<'a> Table<'a> {
         let is_row = |line: &&str| !is_comment(line) && typical.is_row(line, separator);
         let first_row_idx = texts.iter().position(is_row).ok_or(Fault::NoNumbers { n_lines })?;
         let n_columns = split(texts[first_row_idx], separator).len();
+        if n_columns > MOST_COLUMNS {
+            return Err(Fault::TooWide { line: held[first_row_idx].number, n_columns });
+        }
         let names = dress.names().or_else(|| heading::names(&texts[..first_row_idx], separator, n_columns));
         if separator == Separator::Comma && names_fit_pairs(texts[..first_row_idx].last(), n_columns) {
             return Err(Fault::BareCommas);
@@ -81,7 +98,8 @@ impl<'a> Table<'a> {
         let comments = held.iter().filter(|line| is_comment(&line.text)).map(|line| (line.number, line.text.clone()));
         let comments = comments.collect();
         let held = held.into_iter().skip(first_row_idx).collect();
-        Ok(Self { lines, held, separator, names, n_columns, numerals, comments, dress, row: Line::default(), n_lines })
+        let row = Line::default();
+        Ok(Self { lines, held, separator, names, n_columns, numerals, comments, dress, row, n_lines, is_turned })
     }
 
     /// Comment lines among the first lines, with their numbers from 1.
@@ -167,6 +185,23 @@ fn first_lines(lines: &mut Lines) -> Result<Vec<Line>, Fault> {
         held.push(Line { number: held.len() + 1, text: std::mem::take(&mut line.text), is_complete });
     }
     Ok(held)
+}
+
+/// The rows of a file that has a quantity a line, as programs write an array of arrays.
+fn turned(held: &[Line]) -> Option<Vec<Line>> {
+    let filled = held.iter().filter(|line| !line.text.trim().is_empty() && !is_comment(&line.text));
+    let texts: Vec<&str> = filled.map(|line| line.text.as_str()).collect();
+    if !(2..=MOST_QUANTITIES).contains(&texts.len()) {
+        return None;
+    }
+    let separator = find_separator(&texts);
+    let quantities: Vec<Vec<&str>> = texts.iter().map(|text| split(text, separator)).collect();
+    let n = quantities[0].len();
+    if n < FEWEST_TURNED || quantities.iter().any(|quantity| quantity.len() != n) {
+        return None;
+    }
+    let row = |idx: usize| quantities.iter().map(|quantity| quantity[idx]).collect::<Vec<_>>().join("\t");
+    Some((0..n).map(|idx| Line { number: idx + 1, text: row(idx), is_complete: true }).collect())
 }
 
 /// Takes off the first lines what a serial monitor or plotter put around their numbers.

@@ -70,6 +70,19 @@ pub(super) fn spread(times: &[f64]) -> Option<Vec<f64>> {
     Some(spread)
 }
 
+/// Is it a coarse clock beside even samples? Every tick is as long as the others and has as many rows but one at either
+/// end, which a point that swings would not have, even on a screen of coarse pixels.
+pub(super) fn is_even(times: &[f64]) -> bool {
+    let groups: Vec<&[f64]> = times.chunk_by(|a, b| a == b).collect();
+    let Some(inner) = groups.get(1..groups.len().saturating_sub(1)).filter(|inner| inner.len() > 3) else {
+        return false;
+    };
+    let tick = (inner[inner.len() - 1][0] - inner[0][0]) / (inner.len() - 1) as f64;
+    let is_tick = |pair: &[&[f64]]| (pair[1][0] - pair[0][0] - tick).abs() < 1e-6 * tick;
+    let sizes = || inner.iter().map(|group| group.len());
+    tick > 0.0 && inner.windows(2).all(is_tick) && sizes().max() <= sizes().min().map(|least| least + 2)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -93,6 +106,18 @@ mod tests {
             let mut counts = others;
             assert_eq!((unwind(&mut counts), counts), (None, others));
         }
+    }
+
+    #[test]
+    fn a_coarse_clock_is_told_from_a_point_on_coarse_pixels() {
+        let clock: Vec<f64> = (0..200).map(|row| (10.0 * (18.7 + f64::from(row) / 30.0)).round() / 10.0).collect();
+        assert!(is_even(&clock));
+        for n_period in [400.0, 1000.0, 4000.0] {
+            let point =
+                (0..200).map(|row| -(40.0 * f64::cos(f64::from(row) / n_period * std::f64::consts::TAU)).round());
+            assert!(!is_even(&point.collect::<Vec<_>>()), "{n_period}");
+        }
+        assert!(!is_even(&[1.0, 1.0, 2.0, 2.0]) && !is_even(&[]));
     }
 
     #[test]

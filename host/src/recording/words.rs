@@ -308,8 +308,28 @@ pub(super) fn is_size(name: &str) -> bool {
 
 /// `time`, `theta1 (deg)`, and not `timeTrigger` or `theta_noisy`.
 pub(super) fn says_nothing_else(name: &str) -> bool {
-    words(name).iter().filter(|word| time_unit(word).is_none() && angle_unit(word).is_none()).count() <= 1
+    let says = |word: &&String| time_unit(word).is_none() && angle_unit(word).is_none() && !word.starts_with("pend");
+    words(name).iter().filter(says).count() <= 1
 }
+
+/// Does a name say that it is the pendulum's? `PendPos`, `pendulum_angle`, `Pendelwinkel`.
+pub(super) fn is_of_pendulum(name: &str) -> bool {
+    words(name)
+        .iter()
+        .any(|word| word.starts_with("pend") || word.starts_with("pénd") || PENDULUM.contains(&word.as_str()))
+}
+
+/// Or that of what carries and moves it? `CartPos`, `arm_angle`.
+pub(super) fn is_of_carrier(name: &str) -> bool {
+    words(name).iter().any(|word| CARRIER.contains(&word.as_str()))
+}
+
+/// Words of a pendulum on a cart or an arm.
+const PENDULUM: &[&str] = &["pole", "bob", "stange"];
+
+/// Words of what carries it.
+const CARRIER: &[&str] =
+    &["cart", "trolley", "wagen", "chariot", "carro", "base", "arm", "motor", "servo", "rotor", "wheel"];
 
 /// Is it an acceleration along an axis? `Linear Acceleration x (m/s^2)`, `ax_g`, `Beschleunigung y`.
 pub(super) fn is_acceleration(name: &str) -> bool {

@@ -3,7 +3,8 @@
 use super::super::columns::ColumnRef;
 use super::super::error::Fault;
 use super::super::table::Table;
-use super::super::words::{Meaning, is_acceleration, meaning, says_nothing_else};
+use super::super::words::{Meaning, is_acceleration, is_of_carrier, is_of_pendulum, meaning, says_nothing_else};
+use super::time::rises_evenly;
 use super::unnamed_time;
 
 /// So many examples are shown of what could be told.
@@ -31,7 +32,13 @@ pub(super) fn best<U: Copy>(
     fits: impl Fn(Meaning) -> Option<(Option<U>, u8)>,
 ) -> Result<Option<(usize, Option<U>)>, Fault> {
     let names = table.names.as_deref().unwrap_or_default();
-    let fitting = || names.iter().enumerate().filter_map(|(idx, name)| fits(meaning(name)).map(|fit| (idx, fit)));
+    let all = || names.iter().enumerate().filter_map(|(idx, name)| fits(meaning(name)).map(|fit| (idx, fit)));
+    let is_pendulums = |idx: usize| is_of_pendulum(&names[idx]);
+    let is_free = |idx: usize| !is_of_carrier(&names[idx]);
+    let is_any = |is_it: &dyn Fn(usize) -> bool| all().any(|(idx, _)| is_it(idx));
+    let (names_pendulum, names_free) = (is_any(&is_pendulums), is_any(&is_free));
+    let may_be = |idx: usize| if names_pendulum { is_pendulums(idx) } else { is_free(idx) || !names_free };
+    let fitting = || all().filter(|(idx, _)| may_be(*idx));
     let strongest = fitting().map(|(_, (_, strength))| strength).max();
     let strongest = fitting().filter(|(_, (_, strength))| Some(*strength) == strongest);
     let winners: Vec<(usize, Option<U>)> = strongest.map(|(idx, (unit, _))| (idx, unit)).collect();
@@ -48,7 +55,7 @@ pub(super) fn best<U: Copy>(
     })
 }
 
-/// Says which names were passed over because another one says nothing else.
+/// Says which names were passed over because another one is the pendulum's, or says nothing else.
 pub(super) fn note_rivals<U: Copy>(
     table: &Table,
     role: &str,
@@ -58,12 +65,24 @@ pub(super) fn note_rivals<U: Copy>(
 ) {
     let strength = |name: &String| fits(meaning(name)).map(|(_, strength)| strength);
     let names = table.names.as_deref().unwrap_or_default();
-    let Some(own) = names.get(taken).filter(|name| says_nothing_else(name)).and_then(strength) else { return };
-    let is_rival = |(idx, name): &(usize, &String)| *idx != taken && strength(name) == Some(own);
-    let rivals: Vec<usize> = names.iter().enumerate().filter(is_rival).map(|(idx, _)| idx).collect();
-    if !rivals.is_empty() {
-        let (taken, rivals) = (table.column_name(taken), listed(table, &rivals));
-        notes.push(format!("{taken} taken as the {role}, whose name says nothing else, and not {rivals}"));
+    let Some(own) = names.get(taken).and_then(strength) else { return };
+    let all = |is_it: &dyn Fn(&String) -> bool| -> Vec<usize> {
+        let rivals = names.iter().enumerate().filter(|(idx, name)| *idx != taken && is_it(name));
+        rivals.map(|(idx, _)| idx).collect()
+    };
+    let says_least = says_nothing_else(&names[taken]);
+    let is_pendulums = is_of_pendulum(&names[taken]);
+    let is_others = |name: &String| {
+        let is_told_apart = if is_pendulums { !is_of_pendulum(name) } else { is_of_carrier(name) && !says_least };
+        strength(name).is_some() && is_told_apart
+    };
+    let is_longer = |name: &String| says_least && strength(name) == Some(own) && !is_others(name);
+    let others = if is_of_carrier(&names[taken]) { Vec::new() } else { all(&is_others) };
+    for (rivals, why) in [(others, "the pendulum's by its name"), (all(&is_longer), "whose name says nothing else")] {
+        if !rivals.is_empty() {
+            let (taken, rivals) = (table.column_name(taken), listed(table, &rivals));
+            notes.push(format!("{taken} taken as the {role}, {why}, and not {rivals}"));
+        }
     }
 }
 
@@ -76,7 +95,11 @@ pub(super) fn example(table: &Table, role: &str, candidates: &[usize], wrong: Op
     let names = table.names.as_deref().unwrap_or_default();
     let named = |is_it: fn(Meaning) -> bool| names.iter().position(|name| is_it(meaning(name)));
     let time = named(|meaning| matches!(meaning, Meaning::Time { .. })).unwrap_or_else(|| unnamed_time(table));
-    let moves = |idx: usize| table.first_numbers(idx).windows(2).any(|pair| pair[0] != pair[1]);
+    // What rises evenly counts rows.
+    let moves = |idx: usize| {
+        let numbers = table.first_numbers(idx);
+        numbers.windows(2).any(|pair| pair[0] != pair[1]) && !rises_evenly(&numbers)
+    };
     let is_angle = |idx: usize| names.get(idx).is_some_and(|name| matches!(meaning(name), Meaning::Angle { .. }));
     let told = |time: usize, candidates: &[usize]| {
         let may_be = |idx: &usize| *idx != time && Some(*idx) != wrong && !candidates.contains(idx);

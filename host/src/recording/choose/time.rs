@@ -9,6 +9,7 @@ use super::super::plausible::{LONGEST_PERIOD_S, SHORTEST_PERIOD_S, Swings};
 use super::super::read::ReadOptions;
 use super::super::samples::Samples;
 use super::super::table::Table;
+use super::super::ticks;
 use super::super::words::{self, Meaning, meaning};
 use super::super::{MIN_SAMPLES, median, median_step_s};
 use super::{best, find, the_one};
@@ -172,7 +173,7 @@ pub(super) fn plotted_axes(table: &Table, asked: &Columns) -> Option<(usize, usi
     }
     let axes = the_one(table, Meaning::X).zip(the_one(table, Meaning::Y))?;
     let x = table.first_numbers(axes.0);
-    (x.len() > MIN_SAMPLES && rises_evenly(&x)).then_some(axes)
+    (x.len() > MIN_SAMPLES && (rises_evenly(&x) || ticks::is_even(&x))).then_some(axes)
 }
 
 /// The column of time where none has a name: the first one, unless another one is more of a clock.
@@ -206,7 +207,7 @@ impl Standing {
 }
 
 /// Nine of ten steps are about as long as the typical one, and none is none.
-fn rises_evenly(numbers: &[f64]) -> bool {
+pub(super) fn rises_evenly(numbers: &[f64]) -> bool {
     let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let typical = median(&mut steps.clone());
     let is_even = |step: &f64| (0.5 * typical..=1.5 * typical).contains(step);

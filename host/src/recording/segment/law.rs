@@ -4,7 +4,7 @@ use super::super::smooth::LocalFit;
 use super::super::{Measured, median, median_step_s};
 use super::{Cut, MIN_TURNING_POINTS};
 use nalgebra::{SMatrix, SVector};
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Local polynomials per half width.
 const STATES_PER_WIDTH: f64 = 4.0;
@@ -15,7 +15,8 @@ const DISTURBED_NOISE: f64 = 6.0;
 /// … and this many of the typical misfit of the law (effects it does not know) …
 const DISTURBED_MISFIT: f64 = 5.0;
 
-/// … and this share of gravity at the typical amplitude.
+/// … and this share of gravity at the amplitude of its swing, or at the typical one where that is larger: a spring of
+/// the pivot that gives way leaves the large swings of a long recording 8 % of gravity off what its small ones say.
 const DISTURBED_SHARE: f64 = 0.12;
 
 /// So many disturbed states in a row are a hand; fewer are the kink of dry friction at a turning point.
@@ -47,6 +48,16 @@ enum Scale {
     Rate { gravity_rad_s2: f64 },
 }
 
+impl Scale {
+    /// Gravity at an amplitude, as a share of what it is on the horizontal pendulum.
+    fn gravity_at(self, amplitude_rad: f64) -> f64 {
+        match self {
+            Self::Angle { .. } => amplitude_rad.min(FRAC_PI_2).sin(),
+            Self::Rate { .. } => amplitude_rad,
+        }
+    }
+}
+
 /// Angles obey the pendulum's law. Of a rate ω with its slope α, `ω̈ = −ω0² ω cos θ` and `sin θ = −α/ω0²` give terms
 /// ω (1 − s²/2 − s⁴/8) with s = α/ω0², beside damping and a slope.
 fn law_terms(state: &State, scale: Scale) -> Law {
@@ -69,23 +80,21 @@ impl Cut<'_> {
         if self.states.is_empty() {
             return Some(());
         }
-        let amplitude_rad = self.typical_amplitude_rad();
+        let typical_rad = self.typical_amplitude_rad();
         let frequency_rad_s = PI / self.half_swing_s;
-        let (scale, share) = match self.recording.measured() {
-            Measured::Angle => {
-                (Scale::Angle { slow_rad_s: 0.1 * amplitude_rad * frequency_rad_s }, amplitude_rad.sin())
-            }
-            Measured::Rate => (Scale::Rate { gravity_rad_s2: frequency_rad_s.powi(2) }, amplitude_rad),
+        let scale = match self.recording.measured() {
+            Measured::Angle => Scale::Angle { slow_rad_s: 0.1 * typical_rad * frequency_rad_s },
+            Measured::Rate => Scale::Rate { gravity_rad_s2: frequency_rad_s.powi(2) },
         };
         let (law, misfit) = self.fit_law(scale)?;
         let dry_rad_s2 = if let Scale::Angle { .. } = scale { 2.0 * law[2].abs() } else { 0.0 };
-        let common = DISTURBED_MISFIT * misfit + DISTURBED_SHARE * law[0].abs() * share.abs();
+        let common = DISTURBED_MISFIT * misfit + dry_rad_s2;
         let off = |state: &State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, scale))).abs();
-        let raw: Vec<bool> = self
-            .states
-            .iter()
-            .map(|state| off(state) > common + dry_rad_s2 + DISTURBED_NOISE * state.spread_rad_s2)
-            .collect();
+        let limit = |state: &State| {
+            let gravity = scale.gravity_at(self.amplitude_rad(state.time_s).max(typical_rad));
+            common + DISTURBED_SHARE * law[0].abs() * gravity + DISTURBED_NOISE * state.spread_rad_s2
+        };
+        let raw: Vec<bool> = self.states.iter().map(|state| off(state) > limit(state)).collect();
         self.law = law;
         self.disturbed = sustained(&raw);
         Some(())
@@ -108,6 +117,12 @@ impl Cut<'_> {
             fitted = Some(law);
         }
         fitted.map(|law| (law, limit / 4.0))
+    }
+
+    /// Half of the way from one turning point to the next around a moment, rad.
+    fn amplitude_rad(&self, time_s: f64) -> f64 {
+        let behind = self.turns.partition_point(|turn| turn.time_s <= time_s).clamp(1, self.turns.len() - 1);
+        (self.turns[behind].angle_rad - self.turns[behind - 1].angle_rad).abs() / 2.0
     }
 
     /// Median distance of turning points from their middle, rad.

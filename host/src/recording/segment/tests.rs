@@ -71,6 +71,39 @@ fn a_recording_that_begins_with_the_release_is_kept_whole() {
     assert!(segments.notes.is_empty());
 }
 
+/// On a spring of 11 % of gravity that gives way at 0.02 rad: the small swings are faster than the large ones, and most
+/// of the recording is small swings. The sensor has steps of 0.1 mrad.
+#[test]
+fn large_swings_that_a_pivot_slows_are_not_cut_off() {
+    let (mut angle, mut velocity, mut bent) = (0.15_f64, 0.0_f64, 0.0_f64);
+    let mut angles = Vec::new();
+    for step_idx in 0..1_500_000 {
+        if step_idx % 50 == 0 {
+            angles.push((1e4 * angle).round() / 1e4);
+        }
+        velocity += 1e-4 * (-70.0 * f64::sin(angle) - 8.0 * bent - 0.08 * velocity);
+        angle += 1e-4 * velocity;
+        bent = (bent + 1e-4 * velocity).clamp(-0.02, 0.02);
+    }
+    let recording = Recording::uniform(1.0 / STEP_S, angles).unwrap();
+    let segments = segment(&recording, &SegmentOptions::default()).unwrap();
+    assert_eq!(segments.free.start, 0, "{:?}", segments.notes);
+}
+
+/// A coil adds 1.2 % to each half swing, seen at 20 Hz, twelve samples a period: no step is a growth for certain.
+#[test]
+fn a_few_swings_that_grow_are_doubted_and_a_few_free_ones_are_not() {
+    for (grows, doubted) in [(0.04, true), (-0.04, false), (0.0, false)] {
+        let angle = |idx: u32| {
+            let time_s = f64::from(idx) / 20.0;
+            0.9 * f64::exp(grows * time_s) * f64::cos(10.0 * time_s)
+        };
+        let recording = Recording::uniform(20.0, (0..100).map(angle).collect()).unwrap();
+        let notes = segment(&recording, &SegmentOptions::default()).unwrap().notes;
+        assert_eq!(notes.iter().any(|note| note.contains("don't become smaller")), doubted, "{grows} {notes:?}");
+    }
+}
+
 #[test]
 fn a_hand_that_ends_the_swing_is_cut() {
     let mut angles_rad = swing(1.2, 8.0);
