@@ -6,6 +6,19 @@ const PLAIN_EXPONENTS: std::ops::RangeInclusive<i32> = -2..=3;
 /// Without a spread so many digits are shown.
 const USUAL_DIGITS: i32 = 4;
 
+/// Beyond that nobody counts noises: readings as smooth as that were filtered.
+const MOST_NOISES: f64 = 1000.0;
+
+/// An error as a multiple of the noise: `1.03`, `25.4`, `852`, `more than 1000`.
+pub(crate) fn noises(ratio: f64) -> String {
+    match ratio {
+        _ if ratio > MOST_NOISES => format!("more than {MOST_NOISES:.0}"),
+        _ if ratio >= 100.0 => format!("{ratio:.0}"),
+        _ if ratio >= 10.0 => format!("{ratio:.1}"),
+        _ => format!("{ratio:.2}"),
+    }
+}
+
 /// `(5.40041 ± 0.00032)e-4`: two digits of the standard deviation, and the value as far; `5.400e-4` without one.
 pub(crate) fn with_spread(value: f64, std: Option<f64>) -> String {
     let std = std.filter(|std| std.is_finite() && *std > 0.0);
@@ -56,6 +69,11 @@ fn exponent_of(size: f64) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn noises_have_as_many_digits_as_mean_something() {
+        assert_eq!([1.034, 9.56, 25.44, 851.55, 1e5].map(noises), ["1.03", "9.56", "25.4", "852", "more than 1000"]);
+    }
 
     #[test]
     fn the_spread_decides_the_digits() {

@@ -44,15 +44,20 @@ effects! {
     quadratic_drag,
     power_law_drag,
     stribeck,
+    general_stribeck,
     load_dependent_coulomb,
     asymmetric_coulomb,
     angle_dependent_friction,
     eddy_brake,
+    general_brake,
     drifting_friction,
+    general_drift,
     torsional_spring,
+    general_spring,
     detent,
     pivot_compliance,
     presliding,
+    general_presliding,
     backlash,
     sensor_nonlinearity,
     sensor_gain,
@@ -231,6 +236,9 @@ pub struct Rules {
     pub is_calibrated: bool,
     /// Which of its parameters, at which value, makes it the effect that it generalises: an exponent.
     pub special_case_at: Option<(u8, f64)>,
+    /// It is tried only in place of the effect that it generalises, from the numbers of that one; its first parameters
+    /// are the same. Nothing suggests it alone, so that no first look has to know it.
+    pub follows_special_case: bool,
 }
 
 impl Rules {
@@ -242,6 +250,7 @@ impl Rules {
         resembles_offset: false,
         is_calibrated: false,
         special_case_at: None,
+        follows_special_case: false,
     };
 }
 
@@ -284,6 +293,11 @@ impl<R: Real> Effect<R> {
         Self::ALL.iter().filter(move |effect| rule(&effect.rules))
     }
 
+    /// Those that may be missing from the base model, in their usual form: none that only follows its special case.
+    pub fn usual() -> impl Iterator<Item = &'static Effect<R>> {
+        Self::ALL.iter().filter(|effect| !effect.is_base() && !effect.rules.follows_special_case)
+    }
+
     /// Part of the base model (viscous, Coulomb, stiction)?
     pub const fn is_base(&self) -> bool {
         matches!(self.action, Action::Base)
@@ -300,6 +314,20 @@ const fn without_prose_on_the_board<R: Real, const N: usize>(mut all: [Effect<R>
     }
     all
 }
+
+/// e^(−x) where q is 0, and (1 + q·x)₊^(−1/q) where not: q = 1 is a hyperbola, q = −1 a straight line that ends.
+/// C. Tsallis, J. Stat. Phys. 52 (1988) 479.
+fn q_exponential<R: Real>(x: R, q: R) -> R {
+    let small = q * x;
+    let is_small = small.abs().lt(R::of(1e-3));
+    // ln(1 + s)/s to thirteen digits.
+    let series = R::one() - small * (R::of(0.5) - small * (R::of(1.0 / 3.0) - small * R::of(0.25)));
+    let whole = (R::one() + small).max(R::of(NEARLY_NOTHING)).ln() / R::select(is_small, R::one(), q);
+    (-R::select(is_small, x * series, whole)).exp()
+}
+
+/// Its logarithm exists in single precision too.
+const NEARLY_NOTHING: f64 = 1e-30;
 
 /// Ids are unique, not reserved, and no effect has too many parameters: checked when the crate is compiled.
 const _: () = {
@@ -364,6 +392,18 @@ mod tests {
                 let simpler = Effect::<f64>::by_name(simpler).unwrap();
                 assert!(simpler.parameters.len() < effect.parameters.len(), "{}", effect.name);
             }
+        }
+    }
+
+    #[test]
+    fn a_law_that_follows_its_special_case_has_the_same_numbers_first_under_symbols_of_its_own() {
+        for effect in Effect::<f64>::with(|rules| rules.follows_special_case) {
+            let simpler = Effect::<f64>::by_name(effect.generalises.unwrap()).unwrap();
+            let same = effect.parameters.iter().zip(simpler.parameters).all(|(a, b)| a.unit == b.unit);
+            assert!(same && effect.rules.special_case_at.is_some(), "{}", effect.name);
+            let all = || Effect::<f64>::ALL.iter().flat_map(|effect| effect.parameters);
+            let is_own = |p: &Parameter| all().filter(|other| other.symbol == p.symbol).count() == 1;
+            assert!(effect.parameters.iter().all(is_own), "{}", effect.name);
         }
     }
 

@@ -8,14 +8,17 @@ mod gyroscope;
 mod listed;
 mod plant;
 mod sensor;
+mod shapes;
 
 pub use gyroscope::Gyroscope;
+pub use shapes::SHAPES;
 
 use host::fit::identify::{Method, Options, fit};
 use host::recording::Recording;
 use host::swing::Swing;
 use plant::{Plant, STEP_S};
 use sensor::Sensor;
+use shapes::Shapes;
 use shared::parameters::Parameters;
 
 /// One step of 12 bits over 340°, rad.
@@ -82,8 +85,8 @@ impl Random {
 /// An effect that a rig has and its model does not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hidden {
-    /// As in the product's list; or a law that is not in it: `outside`, a brake on either side of the path, or `bump`,
-    /// friction that is higher about a certain speed.
+    /// As in the product's list; or a law that is not in it: one of [`SHAPES`], `outside`, a brake on either side of the
+    /// path, or `bump`, friction that is higher about a certain speed.
     pub name: &'static str,
     /// How strong, in the unit of its first parameter.
     pub size: f64,
@@ -124,6 +127,8 @@ pub struct Rig {
     pub hidden: Vec<Hidden>,
     /// White noise, rad.
     pub noise_rad: f64,
+    /// Readings are taken so much too early or too late by chance, s.
+    pub jitter_s: f64,
     /// Samples a second.
     pub rate_hz: f64,
     /// No recording is longer, s.
@@ -165,7 +170,10 @@ impl Hidden {
             "angle-offset" => (sign * 5e-3, [0.0; 2], 0.05),
             "sensor-lag" => (5e-3, [0.0; 2], 0.1),
             "zero-drift" => (sign * 2e-3, [0.0; 2], 0.02),
-            _ => return Self::by_the_list(name, random),
+            _ => match shapes::form(name, random) {
+                Some(form) => form,
+                None => return Self::by_the_list(name, random),
+            },
         };
         Self::of(name, own, false)
     }
@@ -181,7 +189,14 @@ impl Hidden {
 
     fn scaled(&self, factor: f64) -> Self {
         let size = (self.size * factor).clamp(-self.largest, self.largest);
-        Self { size: if self.name == "presliding" { size.max(STIFFEST_BRISTLE_RAD) } else { size }, ..*self }
+        Self {
+            size: if matches!(self.name, "presliding" | "hard-bristle") {
+                size.max(STIFFEST_BRISTLE_RAD)
+            } else {
+                size
+            },
+            ..*self
+        }
     }
 }
 
@@ -213,6 +228,7 @@ impl Rig {
             clock: 1.0,
             hidden: Vec::new(),
             noise_rad: LSB_RAD * random.log_between(0.5, 2.0),
+            jitter_s: 0.0,
             rate_hz: random.pick(&[200.0, 250.0, 400.0, 500.0, 1000.0]),
             longest_s: LONGEST_S,
             releases_rad: (0..n_releases).map(|k| side * other(k, &mut random)).collect(),
@@ -248,7 +264,7 @@ impl Rig {
             self.coulomb_nm *= 0.3;
             self.stiction_nm *= 0.3;
         }
-        if name == "presliding" {
+        if matches!(name, "presliding" | "hard-bristle") {
             self.coulomb_nm = self.coulomb_nm.max(5e-4);
             self.stiction_nm = self.coulomb_nm;
         }
@@ -311,7 +327,8 @@ impl Rig {
         let mut angles_rad = Vec::new();
         let (mut time_s, mut rest_s) = (-release_s, 0.0);
         while rest_s < REST_S && time_s < self.longest_s {
-            angles_rad.push(sensor.read(time_s, step_rad, self.noise_rad, &mut random));
+            let noise_rad = self.noise_rad.hypot(self.jitter_s * plant.motion().0[1]);
+            angles_rad.push(sensor.read(time_s, step_rad, noise_rad, &mut random));
             let next_s = angles_rad.len() as f64 / self.rate_hz / self.clock - release_s;
             follow(&mut plant, &mut sensor, time_s.max(0.0), next_s);
             rest_s = if time_s > 0.0 && plant.rests() { rest_s + next_s - time_s } else { 0.0 };

@@ -5,6 +5,7 @@
 use crate::hidden::{LSB_RAD, Rig};
 use crate::rates::fewest_hits;
 use serde_json::Value;
+use shared::effect::Effect;
 
 /// The effect named first is hidden in the rig, in at least this share of rigs that hide something.
 pub const NAMED_FIRST: f64 = 0.97;
@@ -78,9 +79,14 @@ fn names<'a>(rig: &Rig, diagnosis: &'a Value, key: &str) -> Vec<&'a str> {
     names.filter(|name| !(has_offset && *name == "angle-offset")).collect()
 }
 
-/// Drag that grows with the square of the speed, or nearly: either name will do.
+/// Drag that grows with the square of the speed, or nearly: either name will do; and so will that of a law for its wider
+/// form.
 fn canonical(name: &str) -> &str {
-    if name == "power-law-drag" { "quadratic-drag" } else { name }
+    match Effect::<f64>::by_name(name) {
+        Some(wide) if wide.rules.follows_special_case => wide.generalises.unwrap_or(name),
+        _ if name == "power-law-drag" => "quadratic-drag",
+        _ => name,
+    }
 }
 
 /// An uneven characteristic has a gain with it.

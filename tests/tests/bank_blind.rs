@@ -11,7 +11,7 @@ use shared::bank::keeper::Keeper;
 use shared::bank::order::Order;
 use shared::bank::tape::Tape;
 use shared::effect::Effect;
-use shared::parameters::{Parameters, base};
+use shared::parameters::Parameters;
 use shared::sensor::Potentiometer;
 use shared::sensor::potentiometer::FULL_SCALE_12_BIT;
 use shared::units::{Code, Radian};
@@ -183,7 +183,7 @@ fn is_within(rig: &Rig, said: &Suspects) -> Option<bool> {
 }
 
 fn effects() -> Vec<&'static str> {
-    Effect::<f64>::ALL.iter().filter(|effect| !base::has(effect.id)).map(|effect| effect.name).collect()
+    Effect::<f64>::usual().map(|effect| effect.name).collect()
 }
 
 fn round(round: u64, n_innocent: usize) -> Vec<Outcome> {

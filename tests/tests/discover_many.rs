@@ -120,7 +120,7 @@ fn light(round: u64, name: &'static str) -> Case {
 }
 
 fn effects() -> Vec<&'static str> {
-    Effect::<f64>::ALL.iter().filter(|effect| !effect.is_base()).map(|effect| effect.name).collect()
+    Effect::<f64>::usual().map(|effect| effect.name).collect()
 }
 
 fn cases(round: u64) -> Vec<Case> {

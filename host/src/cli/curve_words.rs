@@ -3,7 +3,7 @@
 use super::table::wrapped;
 use crate::diagnose::curve::Contradiction;
 use crate::diagnose::{Diagnosis, FrictionCurve};
-use crate::number::with_spread;
+use crate::number::{noises, with_spread};
 use crate::verdict::Left;
 use shared::effect::Effect;
 
@@ -28,10 +28,10 @@ pub(super) fn in_words(diagnosis: &Diagnosis, curve: &FrictionCurve) -> String {
     };
     let what = if laws.is_empty() { "No law of the list explains it" } else { "No law explains the rest" };
     let mut sentences = vec![format!(
-        "{what}; a free friction curve{beside} leaves {} {unit} of {}, {:.1} times the noise.",
+        "{what}; a free friction curve{beside} leaves {} {unit} of {}, {} times the noise.",
         milli(curve.rmse),
         milli(diagnosis.rmse_after),
-        curve.rmse / diagnosis.noise
+        noises(curve.rmse / diagnosis.noise)
     )];
     sentences.push(format!(
         "{} blocks of the swings, each left out in turn, are predicted to {} {unit}, by viscous and coulomb friction in \

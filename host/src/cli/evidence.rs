@@ -6,7 +6,7 @@ use crate::diagnose::holds::ALPHA;
 use crate::diagnose::{Candidate, Diagnosis, Holding, NotTried, Standing, Step, Suggestion, Value};
 use crate::fit::identify::Carries;
 use crate::formula::effect_of;
-use crate::number::with_spread;
+use crate::number::{noises, with_spread};
 use crate::plot::staircase::Tread;
 use crate::verdict::Left;
 use shared::effect::Effect;
@@ -174,8 +174,8 @@ fn not_tried(diagnosis: &Diagnosis) -> Option<String> {
 
 fn verdict(diagnosis: &Diagnosis) -> String {
     let unit = diagnosis.measured.milli_unit();
-    let noises = |rmse: f64| format!("{:.2} {unit}, {:.2} times the noise", 1e3 * rmse, rmse / diagnosis.noise);
-    let (before, after) = (noises(diagnosis.rmse_before), noises(diagnosis.rmse_after));
+    let left = |rmse: f64| format!("{:.2} {unit}, {} times the noise", 1e3 * rmse, noises(rmse / diagnosis.noise));
+    let (before, after) = (left(diagnosis.rmse_before), left(diagnosis.rmse_after));
     match (diagnosis.verdict.as_slice(), diagnosis.unexplained) {
         ([], false) => format!("Nothing is missing at this noise level: the base model leaves {after}."),
         (offset, true) if diagnosis.has_no_law() => {

@@ -8,6 +8,7 @@ use super::per_swing::Place;
 use super::recording::Judged;
 use super::rms;
 use super::torque::TorqueMap;
+use crate::number::noises;
 use crate::recording::Measured;
 use crate::verdict::Left;
 use serde::Serialize;
@@ -277,7 +278,7 @@ fn torque(seen: &Seen) -> Option<String> {
 
 /// A multiple of the noise, with digits that mean something.
 fn times(ratio: f64) -> String {
-    if ratio < 100.0 { format!("{ratio:.1}") } else { format!("{ratio:.0}") }
+    if ratio < 100.0 { format!("{ratio:.1}") } else { noises(ratio) }
 }
 
 fn held_out(seen: &Seen) -> Option<String> {

@@ -148,7 +148,7 @@ fn best_curve(on: &Problem, from: &Fitted, budget: &Budget) -> Option<Curved> {
     }
     let has_memory =
         |effect: &&'static Effect<f64>| matches!(effect.action, Action::State(_)) && !from.has(effect.name);
-    let effects: Vec<&'static Effect<f64>> = Effect::<f64>::ALL.iter().filter(has_memory).collect();
+    let effects: Vec<&'static Effect<f64>> = Effect::usual().filter(has_memory).collect();
     let beside = promising(on, &alone, &effects);
     let tried = |promise: &Prediction| extended(on, &alone, promise.effect, &promise.start);
     let beside: Vec<Curved> = beside.par_iter().filter_map(tried).collect();

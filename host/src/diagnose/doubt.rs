@@ -1,8 +1,9 @@
 //! What speaks against an effect that explains the fitted swings: numbers within their own errors, held-out swings that
 //! contradict it, and an exponent that says it is another one.
 
+use super::holds::strengths;
 use super::summary::SpecialCase;
-use super::value::{Value, values};
+use super::value::values;
 use super::verdict::Judge;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, HeldOut};
@@ -17,25 +18,49 @@ const EXPONENT_KNOWN: f64 = 0.05;
 /// … if the special one is within so many of them.
 const EXPONENT_STDS: f64 = 2.0;
 
+/// Which numbers of an effect say where on the way it acts: angles to either side that are no strength.
+fn places(effect: &Effect<f64>) -> Vec<usize> {
+    let strong = strengths(effect);
+    let is_place = |index: &usize| {
+        let parameter = &effect.parameters[*index];
+        parameter.unit == "rad" && parameter.low < 0.0 && !strong.contains(index)
+    };
+    (0..effect.parameters.len()).filter(is_place).collect()
+}
+
 impl Judge<'_, '_> {
-    /// Without effects whose numbers can't be told from zero, each of them: whatever they gain, nobody knows by what. Of a wider
-    /// law that may be since its numbers make up for each other; its special case has fewer.
+    /// Without effects whose numbers can't be told from zero, each of them: whatever they gain, nobody knows by what. Of a
+    /// wider law that may be since its numbers make up for each other; its special case has fewer.
     pub(super) fn beyond_their_errors(&self, claimed: Fitted) -> Fitted {
-        if claimed.effects.is_empty() {
-            return claimed;
+        let Some(effect) = self.vague(&claimed) else { return claimed };
+        let surer = self.special_case_of(&claimed, effect).or_else(|| self.surer(&claimed));
+        self.beyond_their_errors(surer.unwrap_or_else(|| self.without_doubtful(&claimed, effect.name)))
+    }
+
+    /// The first effect whose numbers are all within their own errors. A place that is known proves nothing.
+    fn vague(&self, model: &Fitted) -> Option<&'static Effect<f64>> {
+        if model.effects.is_empty() {
+            return None;
         }
-        let values = values(self.problem, &claimed);
-        let is_vague = |effect: &&&'static Effect<f64>| {
-            let mut own = values.iter().filter(|value| value.effect == effect.name);
-            own.all(Value::is_within_its_error)
+        let values = values(self.problem, model);
+        let is_vague = |effect: &&'static Effect<f64>| {
+            let own = values.iter().filter(|value| value.effect == effect.name);
+            let places = places(effect);
+            let mut telling = own.enumerate().filter(|(index, _)| !places.contains(index));
+            telling.all(|(_, value)| value.is_within_its_error())
         };
-        match claimed.effects.iter().find(is_vague).copied() {
-            Some(effect) => {
-                let special = self.special_case_of(&claimed, effect);
-                self.beyond_their_errors(special.unwrap_or_else(|| self.smaller(&claimed, effect.id)))
-            }
-            None => claimed,
-        }
+        model.effects.iter().copied().find(is_vague)
+    }
+
+    /// The best model of as many effects that has fewer numbers, no law of which is vague, and that leaves about as much.
+    fn surer(&self, claimed: &Fitted) -> Option<Fitted> {
+        let level = self.found.levels.get(claimed.effects.len().checked_sub(1)?)?;
+        let mut simpler: Vec<&Fitted> = level
+            .iter()
+            .filter(|model| model.n_added() < claimed.n_added() && self.leaves_about_as_much(model, claimed))
+            .collect();
+        simpler.sort_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)));
+        simpler.into_iter().find(|model| self.vague(model).is_none()).cloned()
     }
 
     /// The claimed model with the special case in place of one of its laws, as the search fitted it.

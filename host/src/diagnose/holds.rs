@@ -206,7 +206,7 @@ fn index_in(model: &Fitted, effect: &Effect<f64>, column: usize) -> Option<usize
 }
 
 /// Which numbers of an effect are zero where it is absent: those that are zero at every start of a fit, or the first.
-fn strengths(effect: &Effect<f64>) -> Vec<usize> {
+pub(super) fn strengths(effect: &Effect<f64>) -> Vec<usize> {
     let is_strength = |index: &usize| effect.starts.iter().all(|start| start[*index] == 0.0);
     let found: Vec<usize> = (0..effect.parameters.len()).filter(is_strength).collect();
     if found.is_empty() { vec![0] } else { found }
@@ -268,7 +268,7 @@ impl Judge<'_, '_> {
     }
 
     /// The better model with one effect less: the rest of the claimed one, or what the search preferred.
-    fn without_doubtful(&self, claimed: &Fitted, name: &str) -> Fitted {
+    pub(super) fn without_doubtful(&self, claimed: &Fitted, name: &str) -> Fitted {
         let Some(doubtful) = claimed.effects.iter().find(|effect| effect.name == name) else { return claimed.clone() };
         let n_left = claimed.effects.len() - 1;
         if n_left == 0 {

@@ -48,7 +48,7 @@ pub fn resemblances(pendulum: &Pendulum<f64>, speeds_rad_s: &[f64], curve: impl 
     let mean = wanted.iter().sum::<f64>() / POINTS as f64;
     let alone = best(&points, &wanted, speeds_rad_s, &[None]);
     let mut found: Vec<Resemblance> = alone.into_iter().map(|fit| fit.named("none", mean)).collect();
-    for effect in Effect::<f64>::ALL.iter().filter(|effect| !effect.is_base()) {
+    for effect in Effect::<f64>::usual() {
         let shapes: Vec<Option<Law>> = laws(pendulum, effect).into_iter().map(Some).collect();
         found.extend(best(&points, &wanted, speeds_rad_s, &shapes).map(|fit| fit.named(effect.name, mean)));
     }

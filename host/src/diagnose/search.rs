@@ -6,6 +6,7 @@ use super::models::{
     NEAR, drop_doubles, excess, is_explained, is_well_explained, near_the_best, sort, worth_all_samples,
 };
 use super::physical::is_sound;
+use super::widening::widened;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::{Fitted, Stiction};
 use crate::fit::problem::Problem;
@@ -131,7 +132,12 @@ fn next_level(
     candidates: &[&'static Effect<f64>],
     budget: &Budget,
 ) -> Vec<Fitted> {
-    let found = found_roughly(rough, beam, candidates);
+    let mut found = found_roughly(rough, beam, candidates);
+    if budget.allows_more() {
+        found.extend(widened(rough, &found, candidates));
+    }
+    sort(&mut found);
+    drop_doubles(&mut found);
     let Some(lowest) = found.first().map(|best| best.cost) else { return found };
     let (mut level, mut rest) = best_on_all(problem, rough, found, budget);
     let best = level[0].clone();

@@ -106,9 +106,14 @@ impl Judge<'_, '_> {
     /// Residuals that are no noise are correlated over many swings, so that sums of squares overrate what more numbers
     /// achieve; of models that leave about as much as the best one, the one with the fewest numbers is taken.
     fn simplest<'t>(&self, level: &'t [Fitted], best: &'t Fitted) -> &'t Fitted {
-        let near = |model: &&Fitted| self.excess(model) < SIMPLER_MAY_LEAVE * self.excess(best);
+        let near = |model: &&Fitted| self.leaves_about_as_much(model, best);
         let order = |a: &&Fitted, b: &&Fitted| a.n_added().cmp(&b.n_added()).then(a.cost.total_cmp(&b.cost));
         level.iter().filter(near).min_by(order).unwrap_or(best)
+    }
+
+    /// Is what a model leaves no more than a few times what the best one does?
+    pub(super) fn leaves_about_as_much(&self, model: &Fitted, best: &Fitted) -> bool {
+        self.excess(model) < SIMPLER_MAY_LEAVE * self.excess(best)
     }
 
     /// The claimed model, after each of several effects had to stand against its replacements; and these.

@@ -9,6 +9,7 @@ use super::quality::Responses;
 use super::runs::responses_at;
 use super::sequential::Stage;
 use super::uncertainty::{Number, Status, UNKNOWN_SHARE, Uncertainty, uncertainty};
+use crate::number::noises;
 use crate::swing::{Swing, Window, kind};
 use crate::verdict::Left;
 use shared::parameters::base;
@@ -75,7 +76,7 @@ impl Report<'_, '_> {
         left: Left,
     ) -> Vec<String> {
         let mut warnings = Vec::new();
-        let noises = self.problem.rmse_rad(self.model.cost) / self.problem.noise_rad();
+        let ratio = self.problem.rmse_rad(self.model.cost) / self.problem.noise_rad();
         let driven = Swing::driven(self.problem.swings);
         if !driven.is_empty() {
             warnings.push(format!(
@@ -86,7 +87,8 @@ impl Report<'_, '_> {
             ));
         } else if left == Left::Missing {
             warnings.push(format!(
-                "the error is {noises:.1} times the noise: physics is missing from the model (host diagnose names it)"
+                "the error is {} times the noise: physics is missing from the model (host diagnose names it)",
+                noises(ratio)
             ));
         }
         if uncertainty.coloured {

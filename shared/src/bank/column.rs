@@ -140,7 +140,7 @@ impl<R: Real<Mask = bool>> Columns<R> {
         for effect in Effect::<R>::ALL.iter().filter(|effect| !effect.is_base()) {
             match parameters.values(effect.id) {
                 Some(values) => columns.add_present(effect, values),
-                None if effect.rules.is_free_offset => {}
+                None if effect.rules.is_free_offset || effect.rules.follows_special_case => {}
                 None => (0..effect.starts.len() as u8).for_each(|place| columns.add_candidate(effect, place)),
             }
         }

@@ -5,8 +5,8 @@
 //! decides between rest and sliding back. A velocity band (D. Karnopp, J. Dyn. Sys. Meas. Control 107 (1985) 100) is
 //! there only where a rig has one. Pre-sliding and the yielding support are integrated as states of their own.
 
-use super::Rig;
 use super::listed::Listed;
+use super::{Rig, Shapes};
 
 /// The longest step, s.
 pub(super) const STEP_S: f64 = 2e-4;
@@ -37,7 +37,29 @@ pub(super) struct Plant<'a> {
     gravity_nm: f64,
     inertia: f64,
     law: Laws,
+    shapes: Shapes,
+    support: Option<Support>,
     listed: Listed,
+}
+
+/// What holds the bearing, where it gives way sideways: moved mass with the bob's, spring, dashpot.
+struct Support {
+    mass_kg: f64,
+    stiffness: f64,
+    damping: f64,
+}
+
+impl Support {
+    fn of(rig: &Rig, gravity_nm: f64, inertia: f64) -> Option<Self> {
+        let (mass_kg, stiffness) = if let Some(stiff) = rig.hidden("pivot-compliance") {
+            (rig.mass_kg * (1.0 + SUPPORT_MASS), 1.0 / stiff.size)
+        } else {
+            let soft = rig.hidden("soft-support")?;
+            let mass_kg = rig.mass_kg / soft.size;
+            (mass_kg, mass_kg * soft.shape[0].powi(2) * gravity_nm / inertia)
+        };
+        Some(Self { mass_kg, stiffness, damping: 2.0 * SUPPORT_DAMPING * (stiffness * mass_kg).sqrt() })
+    }
 }
 
 /// Size and shape numbers of all hidden torques; zero where there is none.
@@ -54,7 +76,6 @@ struct Laws {
     drift: [f64; 3],
     spring: [f64; 2],
     detent: [f64; 3],
-    compliance: f64,
     bristle_rad: f64,
 }
 
@@ -76,7 +97,6 @@ impl Laws {
             drift: three("drifting-friction"),
             spring: two("torsional-spring"),
             detent: three("detent"),
-            compliance: one("pivot-compliance"),
             bristle_rad: one("presliding"),
         }
     }
@@ -90,9 +110,16 @@ impl<'a> Plant<'a> {
         let phase = [angle_rad, 0.0, 0.0, 0.0, 0.0];
         let law = Laws::of(rig);
         let listed = Listed::held(rig, angle_rad);
-        let mut plant = Self { rig, phase, time_s: 0.0, regime: Regime::Rest, gravity_nm, inertia, law, listed };
+        let (shapes, support) = (Shapes::of(rig), Support::of(rig, gravity_nm, inertia));
+        let (time_s, regime) = (0.0, Regime::Rest);
+        let mut plant = Self { rig, phase, time_s, regime, gravity_nm, inertia, law, shapes, support, listed };
         plant.settle();
         plant
+    }
+
+    /// The range of the bristle, 0 where there is none.
+    fn bristle_rad(&self) -> f64 {
+        self.law.bristle_rad + self.shapes.bristle_rad()
     }
 
     /// Angle and velocity, and the time since the release.
@@ -111,7 +138,7 @@ impl<'a> Plant<'a> {
 
     pub(super) fn rests(&self) -> bool {
         let still = self.phase[1].abs() < 1e-3 && self.drive_nm(&self.phase).abs() < 1e-5;
-        self.regime == Regime::Rest || (self.law.bristle_rad > 0.0 && still)
+        self.regime == Regime::Rest || (self.bristle_rad() > 0.0 && still)
     }
 
     /// Goes on for at most [`STEP_S`].
@@ -171,7 +198,7 @@ impl<'a> Plant<'a> {
         let [angle, ..] = self.phase;
         let edge = direction * self.rig.velocity_band;
         let sliding = -direction * self.friction_nm(angle, edge, direction, self.time_s);
-        let level_nm = sliding.max(if self.law.bristle_rad > 0.0 { 0.0 } else { self.rig.stiction_nm });
+        let level_nm = sliding.max(if self.bristle_rad() > 0.0 { 0.0 } else { self.rig.stiction_nm });
         if drive.abs() <= level_nm {
             self.stop();
         } else if self.rig.velocity_band > 0.0 {
@@ -192,15 +219,16 @@ impl<'a> Plant<'a> {
         let law = &self.law;
         let spring = -law.spring[0] * (angle - law.spring[1]);
         let detent = law.detent[0] * (law.detent[1] * angle + law.detent[2]).sin();
-        let held = if law.bristle_rad > 0.0 { -self.rig.coulomb_nm * bristle / law.bristle_rad } else { 0.0 };
+        let held = if self.bristle_rad() > 0.0 { -self.rig.coulomb_nm * bristle / self.bristle_rad() } else { 0.0 };
         let listed = self.listed.drive_nm([angle, phase[1]], self.time_s);
-        -self.gravity_nm * angle.sin() + spring + detent + held + listed
+        -self.gravity_nm * angle.sin() + spring + detent + held + listed + self.shapes.drive_nm(angle)
     }
 
     fn friction_nm(&self, angle: f64, velocity: f64, direction: f64, time_s: f64) -> f64 {
         let (rig, law) = (self.rig, &self.law);
         let drift = if law.drift[0] == 0.0 { 0.0 } else { law.drift[0] * (-time_s / law.drift[1]).exp() };
-        let mut dry = if law.bristle_rad > 0.0 { 0.0 } else { rig.coulomb_nm * (1.0 + drift) };
+        let mut dry = if self.bristle_rad() > 0.0 { 0.0 } else { rig.coulomb_nm * (1.0 + drift) };
+        dry += self.shapes.dry_nm(angle, velocity, time_s);
         if law.stribeck[0] != 0.0 {
             dry += law.stribeck[0] * (-(velocity / law.stribeck[1]).powi(2)).exp();
         }
@@ -219,6 +247,7 @@ impl<'a> Plant<'a> {
         if law.brake[0] != 0.0 {
             smooth += law.brake[0] * velocity * (-((angle - law.brake[1]) / law.brake[2]).powi(2)).exp();
         }
+        smooth += self.shapes.smooth_nm(angle, velocity, time_s);
         if law.bump[0] != 0.0 {
             dry += law.bump[0] * (-((velocity.abs() - law.bump[1]) / law.bump[2]).powi(2)).exp();
         }
@@ -237,22 +266,20 @@ impl<'a> Plant<'a> {
             Regime::Band { push, level_nm } => self.drive_nm(phase) - push * level_nm,
             Regime::Rest => return [0.0; 5],
         };
-        let bending = match self.law.bristle_rad {
+        let bending = match self.bristle_rad() {
             0.0 => 0.0,
-            range => velocity - velocity.abs() * bristle / range,
+            range => velocity * self.shapes.bristle_gives(velocity.signum() * bristle / range),
         };
-        if self.law.compliance == 0.0 {
+        let Some(stand) = &self.support else {
             return [velocity, torque / self.inertia, bending, 0.0, 0.0];
-        }
-        // Two bodies: (M + m)·x″ + m·l·cos θ·θ″ = m·l·sin θ·ω² − k·x − d·x′; m·l·cos θ·x″ + J·θ″ = torque.
-        let mass = self.rig.mass_kg * (1.0 + SUPPORT_MASS);
-        let stiffness = 1.0 / self.law.compliance;
-        let damping = 2.0 * SUPPORT_DAMPING * (stiffness * mass).sqrt();
+        };
+        // Two bodies: M·x″ + m·l·cos θ·θ″ = m·l·sin θ·ω² − k·x − d·x′; m·l·cos θ·x″ + J·θ″ = torque.
         let moment = self.rig.mass_kg * self.rig.length_m;
-        let force = moment * angle.sin() * velocity * velocity - stiffness * support - damping * support_speed;
+        let force =
+            moment * angle.sin() * velocity * velocity - stand.stiffness * support - stand.damping * support_speed;
         let coupling = moment * angle.cos();
-        let determinant = mass * self.inertia - coupling * coupling;
-        let turning = (mass * torque - coupling * force) / determinant;
+        let determinant = stand.mass_kg * self.inertia - coupling * coupling;
+        let turning = (stand.mass_kg * torque - coupling * force) / determinant;
         let shift = (self.inertia * force - coupling * torque) / determinant;
         [velocity, turning, bending, support_speed, shift]
     }

@@ -1,7 +1,7 @@
 //! From the shaft's angle to a code: play, an uneven characteristic, gain, zero, lag, drift, noise, steps.
 
 use super::listed::Listed;
-use super::{Random, Rig};
+use super::{Random, Rig, Shapes};
 
 /// The measuring chain of one recording.
 pub(super) struct Sensor {
@@ -14,6 +14,7 @@ pub(super) struct Sensor {
     wiper_rad: f64,
     before_rad: f64,
     lagging_rad: f64,
+    shapes: Shapes,
     listed: Listed,
     reading_rad: f64,
 }
@@ -35,6 +36,7 @@ impl Sensor {
             wiper_rad: angle_rad + 0.5 * play_rad * place,
             before_rad: 0.0,
             lagging_rad: 0.0,
+            shapes: Shapes::of(rig),
             listed: Listed::held(rig, angle_rad),
             reading_rad: 0.0,
         };
@@ -48,7 +50,7 @@ impl Sensor {
         let half = 0.5 * self.play_rad;
         self.wiper_rad = self.wiper_rad.clamp(angle_rad - half, angle_rad + half);
         let x = self.wiper_rad;
-        x * self.gain + self.bend[0] * x * x + self.bend[1] * x * x * x + self.offset_rad
+        x * self.gain + self.bend[0] * x * x + self.bend[1] * x * x * x + self.shapes.read_rad(x) + self.offset_rad
     }
 
     /// Follows the shaft for a short while.

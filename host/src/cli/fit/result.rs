@@ -5,7 +5,7 @@ use crate::cli::table::{table, wrapped};
 use crate::cli::{evidence, output};
 use crate::fit::identify::{Fit, Identified, Verdict};
 use crate::fit::quality::Responses;
-use crate::number::{count, significant, with_spread};
+use crate::number::{count, noises, significant, with_spread};
 use crate::operations::fit::{After, Check, Outcome};
 use crate::operations::json::all_named;
 use crate::recording::Measured;
@@ -124,7 +124,7 @@ fn error_against_noise(fit: &Fit, unit: &str) -> String {
         }
         Left::Noise => "the model explains all but the noise".to_owned(),
         Left::Nearly => "the model explains nearly all but the noise".to_owned(),
-        Left::Missing => format!("that is {ratio:.2} times the noise, so the model does not explain everything"),
+        Left::Missing => format!("that is {} times the noise, so the model does not explain everything", noises(ratio)),
     };
     format!("Error {:.3} {unit} rms, noise {:.3} {unit} rms: {meaning}.", 1e3 * fit.rmse_rad, 1e3 * fit.noise_rad)
 }

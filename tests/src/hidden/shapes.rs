@@ -1,0 +1,121 @@
+//! Laws that no law of the list contains: what a rig has in reality is never quite what a list has. Each stands for one
+//! that somebody published, and a diagnosis is right if it names the one that comes nearest, or its family.
+
+use super::{Random, Rig};
+
+/// Their names, each with the effects of the list that come nearest.
+pub const SHAPES: [(&str, &[&str]); 9] = [
+    ("slow-stribeck", &["stribeck", "general-stribeck"]),
+    ("ageing-friction", &["drifting-friction", "general-drift"]),
+    ("wide-brake", &["eddy-brake", "general-brake"]),
+    ("lever-load", &["load-dependent-coulomb", "angle-dependent-friction"]),
+    ("hard-bristle", &["presliding", "general-presliding"]),
+    ("hard-spring", &["torsional-spring", "general-spring"]),
+    ("eccentric", &["sensor-nonlinearity", "sensor-gain"]),
+    ("rough-drag", &["quadratic-drag", "power-law-drag"]),
+    ("soft-support", &["pivot-compliance"]),
+];
+
+/// Drag grows with the square of the speed below this one, in proportion to it above, rad/s.
+const DRAG_TURNS_RAD_S: f64 = 4.0;
+
+/// Size, shape and largest size of a law of this file.
+pub(super) fn form(name: &str, random: &mut Random) -> Option<(f64, [f64; 2], f64)> {
+    let sign = random.sign();
+    Some(match name {
+        "slow-stribeck" => (4e-4, [random.log_between(0.15, 1.0), random.pick(&[0.5, 1.0])], 5e-3),
+        "ageing-friction" => {
+            (sign * 0.3, [random.log_between(4.0, 30.0), random.pick(&[-1.0, 1.0])], if sign < 0.0 { 0.7 } else { 3.0 })
+        }
+        "wide-brake" => (5e-4, [random.between(-0.8, 0.8), random.log_between(0.08, 0.3)], 2e-2),
+        "lever-load" => (2e-3, [0.0; 2], 0.02),
+        "hard-bristle" => (5e-3, [random.pick(&[0.5, 2.0]), 0.0], 0.06),
+        "hard-spring" => (2e-3, [0.0; 2], 0.05),
+        "eccentric" => (5e-3, [random.between(-3.1, 3.1), 0.0], 0.1),
+        "rough-drag" => (6e-5, [0.0; 2], 1e-3),
+        "soft-support" => (0.02, [random.log_between(2.5, 10.0), 0.0], 0.8),
+        _ => return None,
+    })
+}
+
+/// Size and shape of all of them on a rig; zero where there is none.
+pub(super) struct Shapes {
+    weight_nm: f64,
+    coulomb_nm: f64,
+    viscous: f64,
+    slow: [f64; 3],
+    ageing: [f64; 3],
+    brake: [f64; 3],
+    lever: f64,
+    bristle: [f64; 2],
+    spring: f64,
+    eccentric: [f64; 2],
+    drag: f64,
+}
+
+impl Shapes {
+    pub(super) fn of(rig: &Rig) -> Self {
+        let three = |name: &str| rig.hidden(name).map_or([0.0; 3], |h| [h.size, h.shape[0], h.shape[1]]);
+        let two = |name: &str| [three(name)[0], three(name)[1]];
+        Self {
+            weight_nm: rig.mass_kg * rig.gravity_m_s2 * rig.length_m,
+            coulomb_nm: rig.coulomb_nm,
+            viscous: rig.viscous,
+            slow: three("slow-stribeck"),
+            ageing: three("ageing-friction"),
+            brake: three("wide-brake"),
+            lever: two("lever-load")[0],
+            bristle: two("hard-bristle"),
+            spring: two("hard-spring")[0],
+            eccentric: two("eccentric"),
+            drag: two("rough-drag")[0],
+        }
+    }
+
+    /// Dry friction, N·m.
+    pub(super) fn dry_nm(&self, angle: f64, velocity: f64, time_s: f64) -> f64 {
+        // A. Tustin, J. IEE 94 (1947) 143 has δ = 1; polymers have less.
+        let [extra, speed, delta] = self.slow;
+        let slow = if extra == 0.0 { 0.0 } else { extra * (-(velocity.abs() / speed).powf(delta)).exp() };
+        // The load of a gear train: what gravity turns it with.
+        slow + self.coulomb_nm * self.aged(time_s) + self.lever * self.weight_nm * angle.sin().abs()
+    }
+
+    /// Friction that vanishes at rest, N·m.
+    pub(super) fn smooth_nm(&self, angle: f64, velocity: f64, time_s: f64) -> f64 {
+        // A field that falls as Lorentz's curve, not as Gauss's.
+        let [strength, place, width] = self.brake;
+        let brake = if strength == 0.0 { 0.0 } else { strength / (1.0 + ((angle - place) / width).powi(2)) };
+        let drag = self.drag * velocity.powi(2) / (1.0 + velocity.abs() / DRAG_TURNS_RAD_S);
+        (brake + self.viscous * self.aged(time_s)) * velocity + drag * velocity.signum()
+    }
+
+    /// (1 + κ·t/τ)₊^(−1/κ): κ = −1 is a straight line that ends, κ = 1 a hyperbola; an exponential lies between.
+    fn aged(&self, time_s: f64) -> f64 {
+        let [size, tau_s, kappa] = self.ageing;
+        if size == 0.0 { 0.0 } else { size * (1.0 + kappa * time_s / tau_s).max(0.0).powf(-1.0 / kappa) }
+    }
+
+    /// A torque that acts at rest too, N·m: a spring that hardens (Duffing).
+    pub(super) fn drive_nm(&self, angle: f64) -> f64 {
+        -self.spring * angle.powi(3)
+    }
+
+    /// The range of the bristle, rad.
+    pub(super) fn bristle_rad(&self) -> f64 {
+        self.bristle[0]
+    }
+
+    /// How much of the way bends the bristle, which is bent by this share of its range in the direction of motion
+    /// already: (1 − share)^i, P. R. Dahl, AIAA J. 14 (1976) 1675, of which the list has i = 1.
+    pub(super) fn bristle_gives(&self, share: f64) -> f64 {
+        let exponent = if self.bristle[0] == 0.0 { 1.0 } else { self.bristle[1] };
+        (1.0 - share).max(0.0).powf(exponent)
+    }
+
+    /// What the sensor adds to an angle, rad: one turn of its track is a circle about another centre.
+    pub(super) fn read_rad(&self, angle: f64) -> f64 {
+        let [size, phase] = self.eccentric;
+        if size == 0.0 { 0.0 } else { size * ((angle - phase).sin() + phase.sin()) }
+    }
+}
