@@ -113,7 +113,7 @@ fn is_named(effect: &str, diagnosis: &Diagnosis) -> bool {
 fn every_effect_of_the_list_is_found_when_it_is_hidden() {
     for (place, effect) in Effect::<f64>::usual().enumerate() {
         // More samples a second would only take longer.
-        let plain = Rig { rate_hz: 250.0, ..Rig::random(40 + place as u64) };
+        let plain = Rig { rate_hz: 125.0, ..Rig::random(40 + place as u64) };
         let (rig, _) = plain.with(effect.name).scaled_to(3.0);
         let diagnosis = diagnose(&rig.swings(), &[], &rig.known());
         let before = diagnosis.rmse_before / rig.total_noise_rad();

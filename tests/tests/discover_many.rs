@@ -153,7 +153,7 @@ fn forty_rigs() {
     chosen.extend((0..n_others.max(INNOCENT.len())).map(|place| innocent(place as u64 / 8, place % INNOCENT.len())));
     assert!(chosen.len() >= 37);
     // More samples a second would only take longer.
-    let slower = |rig: Rig| Rig { rate_hz: rig.rate_hz.min(200.0), ..rig };
+    let slower = |rig: Rig| Rig { rate_hz: rig.rate_hz.min(125.0), ..rig };
     let outcomes: Vec<Outcome> = chosen.iter().map(|case| judged(case, slower)).collect();
     check_within_chance(&outcomes);
 }
