@@ -45,10 +45,6 @@ const FAR_FROM_NOISE: f64 = 2.0;
 /// The search goes on from where it ended if the cost fell below this share.
 const WORTH_ANOTHER_ROUND: f64 = 0.5;
 
-/// … or, where swings stay large, if first-order answers promise to remove this share of what is missing: a pendulum on a
-/// string that swings through 0.3 rad in the end has a band that takes 3.00 to 1.08 mrad.
-const PROMISED_TO_LARGE_SWINGS: f64 = 0.5;
-
 /// So many bands are descended from.
 const PROMISING: usize = 3;
 
@@ -77,9 +73,8 @@ pub(super) fn searched(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Fit
     let none = || best_on(on, &levels, tolerance);
     let least_gain = GAIN_WORTH_A_BAND * on.noise_rad().powi(2);
     if near.cost > FAR_FROM_NOISE * rough.noise_cost() {
-        // Large swings show a band by their period alone, and mostly by little: only where first-order answers promise it.
-        let promised = || (near.cost - lowest_of_bands(&rough, near)) / (near.cost - rough.noise_cost());
-        if !may_have_a_band(on) && promised() < PROMISED_TO_LARGE_SWINGS {
+        // Large swings show a band by their period alone, and by little: only where first-order answers promise it.
+        if !may_have_a_band(on) {
             return none();
         }
         let found = with_band(&rough, near, tolerance).filter(|found| near.cost - found.cost > least_gain);
