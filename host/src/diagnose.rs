@@ -151,14 +151,13 @@ fn candidates(swings: &[Swing]) -> (Vec<&'static Effect<f64>>, Vec<NotTried>) {
     // Of a sensor of rates the scale is free in every fit, as the offset is.
     let is_rate = swings.iter().any(|swing| swing.measured == Measured::Rate);
     let is_free = |effect: &Effect<f64>| effect.rules.is_free_offset || is_rate && effect.rules.is_calibrated;
-    for effect in Effect::ALL.iter().filter(|effect| !effect.is_base() && !is_free(effect)) {
-        let is_out = effect.rules.needs_several_releases && swings.len() < 2;
-        if !is_out {
-            tried.push(effect);
-        } else if !effect.rules.follows_special_case {
+    for effect in Effect::usual().filter(|effect| !is_free(effect)) {
+        if effect.rules.needs_several_releases && swings.len() < 2 {
             let reason = "needs several releases: within one swing the amplitude falls as time goes by, so that it \
                           can't be told from a law of speed or angle";
             not_tried.push(NotTried { effect: effect.name, reason: reason.to_owned() });
+        } else {
+            tried.push(effect);
         }
     }
     (tried, not_tried)

@@ -298,6 +298,11 @@ impl<R: Real> Effect<R> {
         Self::ALL.iter().filter(|effect| !effect.is_base() && !effect.rules.follows_special_case)
     }
 
+    /// The law that is tried in its place where it leaves more than the noise; none on the board, where nothing is tried.
+    pub fn wider_form(&self) -> Option<&'static Effect<R>> {
+        Self::with(|rules| rules.follows_special_case).find(|wide| wide.generalises == Some(self.name))
+    }
+
     /// Part of the base model (viscous, Coulomb, stiction)?
     pub const fn is_base(&self) -> bool {
         matches!(self.action, Action::Base)

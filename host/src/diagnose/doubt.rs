@@ -142,3 +142,22 @@ impl Judge<'_, '_> {
         if rest.effects.is_empty() { self.found.base.clone() } else { rest }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_magnet_and_a_relaxed_spring_have_a_place_and_nothing_else_has() {
+        let of_effect = |effect: &Effect<f64>| {
+            let symbols = places(effect).into_iter().map(|index| effect.parameters[index].symbol);
+            symbols.collect::<Vec<_>>()
+        };
+        let found: Vec<&str> = Effect::<f64>::usual().flat_map(of_effect).collect();
+        assert_eq!(found, ["thb", "ths"]);
+        for effect in Effect::<f64>::usual() {
+            let wide = effect.wider_form().map_or(0, |wide| places(wide).len());
+            assert!(effect.wider_form().is_none() || wide == places(effect).len(), "{}", effect.name);
+        }
+    }
+}

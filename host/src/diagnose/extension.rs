@@ -36,13 +36,9 @@ pub(super) fn extensions(
     least_share: f64,
 ) -> Vec<Fitted> {
     // Of a law in its wider form the usual one is a part.
-    let is_part = |effect: &Effect<f64>| {
-        model.effects.iter().any(|own| own.rules.follows_special_case && own.generalises == Some(effect.name))
-    };
-    let is_fresh = |effect: &&'static Effect<f64>| {
-        !model.has(effect.name) && !effect.rules.follows_special_case && !is_part(effect)
-    };
-    let fresh: Vec<&'static Effect<f64>> = candidates.iter().copied().filter(is_fresh).collect();
+    let is_part = |effect: &Effect<f64>| effect.wider_form().is_some_and(|wide| model.has(wide.name));
+    let fresh: Vec<&'static Effect<f64>> =
+        candidates.iter().copied().filter(|effect| !model.has(effect.name) && !is_part(effect)).collect();
     let (first, mut others) = worth_fitting(predictions(problem, model, &fresh));
     let best_reduction = first.first().map_or(0.0, |prediction| prediction.reduction);
     if best_reduction < least_share * (model.cost - problem.noise_cost()) {

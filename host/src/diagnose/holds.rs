@@ -16,6 +16,7 @@ use serde::Serialize;
 use shared::effect::Effect;
 use shared::score::{MIN_SPARE_CLUSTERS, Normal, score, score_of_few};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use std::iter;
 
 /// Chance that something is claimed that is not there, over all starts that were tested; and that one law holds without
 /// some of the windows by chance.
@@ -264,7 +265,8 @@ impl Judge<'_, '_> {
 
     /// How far each claim of a model goes, of all that were tried.
     pub(super) fn holdings(&self, model: &Fitted) -> Vec<Holding> {
-        holdings(self.problem, model, self.candidates.iter().map(|effect| effect.starts.len()).sum())
+        let tried = self.candidates.iter().flat_map(|effect| iter::once(*effect).chain(effect.wider_form()));
+        holdings(self.problem, model, tried.map(|effect| effect.starts.len()).sum())
     }
 
     /// The better model with one effect less: the rest of the claimed one, or what the search preferred.

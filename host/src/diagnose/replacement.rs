@@ -45,8 +45,7 @@ impl Replacements<'_, '_> {
     fn replaced(&self, claimed: &Fitted, claimed_cost: f64, rest: &Fitted) -> Vec<Fitted> {
         let is_new = |effect: &Effect<f64>| {
             let is_it = |other: &Fitted| other.has(effect.name) && rest.effects.iter().all(|kept| other.has(kept.name));
-            let is_free = !claimed.has(effect.name) && !effect.rules.follows_special_case;
-            is_free && !self.known.iter().any(is_it)
+            !claimed.has(effect.name) && !self.known.iter().any(is_it)
         };
         let fresh: Vec<&'static Effect<f64>> =
             self.candidates.iter().copied().filter(|effect| is_new(effect)).collect();

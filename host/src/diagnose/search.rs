@@ -134,10 +134,10 @@ fn next_level(
 ) -> Vec<Fitted> {
     let mut found = found_roughly(rough, beam, candidates);
     if budget.allows_more() {
-        found.extend(widened(rough, &found, candidates));
+        found.extend(widened(rough, &found));
+        sort(&mut found);
+        drop_doubles(&mut found);
     }
-    sort(&mut found);
-    drop_doubles(&mut found);
     let Some(lowest) = found.first().map(|best| best.cost) else { return found };
     let (mut level, mut rest) = best_on_all(problem, rough, found, budget);
     let best = level[0].clone();

@@ -13,11 +13,11 @@ use shared::effect::{Effect, MAX_VALUES};
 /// The models of a sorted level that come near the best, each of their laws in its wider form where there is one, fitted
 /// on decimated swings; and in its usual form again, where the way through the wider one led to a better minimum. None
 /// where the best leaves no more than the noise.
-pub(super) fn widened(rough: &Problem, level: &[Fitted], candidates: &[&'static Effect<f64>]) -> Vec<Fitted> {
+pub(super) fn widened(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
     if level.first().is_none_or(|best| is_explained(rough, best)) {
         return Vec::new();
     }
-    let all: Vec<Widening> = near_the_best(level).iter().flat_map(|model| widenings(model, candidates)).collect();
+    let all: Vec<Widening> = near_the_best(level).iter().flat_map(widenings).collect();
     let fitted = all.par_iter().filter_map(|widening| widening.fitted(rough)).flatten_iter();
     fitted.filter(|model| is_sound(rough, model)).collect()
 }
@@ -29,37 +29,35 @@ struct Widening<'a> {
     wide: &'static Effect<f64>,
 }
 
-fn widenings<'a>(model: &'a Fitted, candidates: &[&'static Effect<f64>]) -> Vec<Widening<'a>> {
-    let wider = candidates.iter().filter(|wide| wide.rules.follows_special_case);
-    let pair = |wide: &&'static Effect<f64>| {
-        let usual = model.effects.iter().find(|effect| wide.generalises == Some(effect.name))?;
-        Some(Widening { model, usual, wide })
-    };
-    wider.filter_map(pair).collect()
+fn widenings(model: &Fitted) -> impl Iterator<Item = Widening<'_>> {
+    model.effects.iter().filter_map(move |usual| Some(Widening { model, usual, wide: usual.wider_form()? }))
 }
 
 impl Widening<'_> {
     /// From the numbers of the usual law and from each start of what the wider one has beyond them the best, and the
     /// usual law from there if that is better than it was.
     fn fitted(&self, rough: &Problem) -> Option<Vec<Fitted>> {
-        let rest = self.model.without(self.usual.id);
-        let own = self.model.parameters.values(self.usual.id)?;
         let fits = self.wide.starts.iter().filter_map(|start| {
-            let mut values = *start;
-            values.iter_mut().zip(own).for_each(|(value, own)| *value = *own);
-            Some(rest.with(self.wide, &values)?.refined(rough, Band::Held, Tolerance::SCREEN))
+            let wide = exchanged(self.model, self.usual, self.wide, *start)?;
+            Some(wide.refined(rough, Band::Held, Tolerance::SCREEN))
         });
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         let mut found = vec![levels(rough, &best).swap_remove(0)];
-        let narrow = self.narrowed(&found[0])?.refined(rough, Band::Held, Tolerance::SCREEN);
+        let narrow = exchanged(&found[0], self.wide, self.usual, [0.0; MAX_VALUES])?;
+        let narrow = narrow.refined(rough, Band::Held, Tolerance::SCREEN);
         found.extend((narrow.cost < self.model.cost).then_some(narrow));
         Some(found)
     }
+}
 
-    /// The usual law with the first numbers of the wider one, not fitted yet.
-    fn narrowed(&self, wide: &Fitted) -> Option<Fitted> {
-        let mut values = [0.0; MAX_VALUES];
-        values.iter_mut().zip(wide.parameters.values(self.wide.id)?).for_each(|(value, own)| *value = *own);
-        wide.without(self.wide.id).with(self.usual, &values)
-    }
+/// A model with another law in place of one of its own, not fitted yet: with the numbers of that one, and `values` beyond
+/// them.
+fn exchanged(
+    model: &Fitted,
+    own: &Effect<f64>,
+    other: &'static Effect<f64>,
+    mut values: [f64; MAX_VALUES],
+) -> Option<Fitted> {
+    values.iter_mut().zip(model.parameters.values(own.id)?).for_each(|(value, own)| *value = *own);
+    model.without(own.id).with(other, &values)
 }

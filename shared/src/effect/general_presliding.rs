@@ -4,6 +4,7 @@
 //! dz/dt = ω·(1 − (z/zc)·sgn ω)^i, torque = −(Fd/zc)·z. Between two reversals what is left to the limit, y = 1 − s·z/zc,
 //! depends on the angle alone, in closed form: y = y₀·(1 + (i − 1)·y₀^(i−1)·|θ − θ₀|/zc)₊^(−1/(i − 1)).
 
+use super::presliding::start;
 use super::{Action, Effect, Family, MAX_VALUES, MEMORY, Memory, Parameter, Rules, q_exponential};
 use crate::motion::Motion;
 use crate::real::Real;
@@ -50,11 +51,6 @@ pub const fn effect<R: Real>() -> Effect<R> {
         rules: Rules { special_case_at: Some((2, 1.0)), follows_special_case: true, ..Rules::NONE },
         action: Action::State(Memory { start, torque, advance }),
     }
-}
-
-/// Memory: the bristle's deflection z and the angle at which it had it, both in rad.
-fn start<R: Real>(motion: &Motion<R>, _: &[R; MAX_VALUES]) -> [R; MEMORY] {
-    [R::zero(), motion.angle_rad]
 }
 
 fn deflection<R: Real>(angle_rad: R, memory: &[R; MEMORY], values: &[R; MAX_VALUES]) -> R {

@@ -46,7 +46,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
 }
 
 /// Memory: the bristle's deflection z and the angle at which it had it, both in rad.
-fn start<R: Real>(motion: &Motion<R>, _: &[R; MAX_VALUES]) -> [R; MEMORY] {
+pub(super) fn start<R: Real>(motion: &Motion<R>, _: &[R; MAX_VALUES]) -> [R; MEMORY] {
     [R::zero(), motion.angle_rad]
 }
 
