@@ -177,7 +177,7 @@ mod tests {
     fn a_wrong_gain_shows_in_the_swing() {
         let model = Model::new(&Parameters::paper());
         let mut state = model.release(1.6, 0.0);
-        let mut noise = crate::sim::Noise::new(5);
+        let mut noise = crate::random::Noise::new(5);
         let (mut times_s, mut angles_rad) = (Vec::new(), Vec::new());
         for idx in 0..12_000 {
             times_s.push(f64::from(idx) * 1e-3);

@@ -5,7 +5,8 @@ mod tables;
 use crate::compare::Comparison;
 use crate::compare::pictures::pictures;
 use crate::compare::verdict::Answer;
-use crate::plot::{Picture, web};
+use crate::plot::Picture;
+use crate::web;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// The whole page.

@@ -14,7 +14,7 @@ mod quantity;
 mod read;
 mod write;
 
-pub use curve::KnownCurve;
+pub use crate::fit::curve::KnownCurve;
 pub use error::RigFileError;
 pub use quantity::Quantity;
 

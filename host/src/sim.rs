@@ -6,11 +6,9 @@
 
 mod bench;
 mod looks;
-mod noise;
 mod paced;
 mod scenario;
 
-pub use noise::{Noise, normal_pair};
 pub use paced::Paced;
 pub use scenario::Scenario;
 

@@ -1,6 +1,6 @@
 //! Repeatable chance.
 
-use host::sim::normal_pair;
+use host::random::normal_pair;
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::ops::Range;

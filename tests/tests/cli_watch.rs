@@ -1,9 +1,10 @@
 //! `host watch` on simulated rigs: what is missing is named with its size, nothing is named where nothing is missing, and
 //! why.
 
+use host::look::Look;
 use host::record::{Listener as _, Stage};
 use host::sim::Scenario;
-use host::watch::{Event, Look, Watcher};
+use host::watch::{Event, Watcher};
 use serde_json::Value;
 use shared::model::Model;
 use shared::parameters::Parameters;

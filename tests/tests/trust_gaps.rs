@@ -5,9 +5,9 @@
 mod physics_reference;
 
 use host::fit::identify::{Fit, Method, Options, fit};
+use host::random::Noise;
 use host::recording::segment::SegmentOptions;
 use host::recording::{ReadOptions, read_bytes};
-use host::sim::Noise;
 use host::swing::Swing;
 use physics_reference::Reference;
 use shared::parameters::Parameters;

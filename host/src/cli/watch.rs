@@ -3,10 +3,11 @@
 use super::record::Patience;
 use super::{interrupt, output, port};
 use crate::error::Failure;
+use crate::look::{Candidate, Look, sentence};
 use crate::number::significant;
 use crate::operations::watch::{is_simulated, watch};
 use crate::record::{Limits, Stage};
-use crate::watch::{Candidate, Event, Look, sentence};
+use crate::watch::Event;
 use clap::Args;
 use std::io::Write;
 

@@ -195,7 +195,7 @@ fn amplitude(codes: &[u16], periods_a_sample: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::Noise;
+    use crate::random::Noise;
     use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
 
     fn settings() -> Settings {

@@ -2,9 +2,10 @@
 
 use crate::error::Failure;
 use crate::formula::{self, effect_of};
+use crate::random::Noise;
 use crate::recording::{Calibration, Header, sensor_name};
 use crate::rigfile::Quantity;
-use crate::sim::{Noise, Scenario};
+use crate::sim::Scenario;
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::model::Model;
 use shared::parameters::Parameters;

@@ -2,8 +2,9 @@
 
 use crate::error::Failure;
 use crate::link::{SIMULATED, Session};
+use crate::look::Look;
 use crate::record::{End, Limits, listen};
-use crate::watch::{Event, Look, OwnLooks, Watcher, disconnected};
+use crate::watch::{Event, OwnLooks, Watcher, disconnected};
 use std::sync::atomic::AtomicBool;
 
 /// Simulated pendulums let go by themselves, at most so often.

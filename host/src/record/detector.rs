@@ -234,7 +234,7 @@ fn square(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::Noise;
+    use crate::random::Noise;
 
     const RATE_HZ: f64 = 1000.0;
     const STEP_RAD: f64 = 1.45e-3;

@@ -1,6 +1,7 @@
 //! The friction curve in the model file: `[effect.friction-curve]` with the speeds of its knots and the friction there.
 
 use super::{RigFile, RigFileError, Source, write};
+use crate::fit::curve::KnownCurve;
 use shared::curve::Curve;
 use shared::effect::{CURVE_ID, CURVE_NAME};
 use toml_edit::{Array, Item, Table, TableLike, Value};
@@ -10,15 +11,6 @@ pub(super) const KEYS: [&str; 6] = ["speed", "torque", "std", "method", "recordi
 
 /// In place of a standard deviation that no two stretches of the swings agree on.
 const UNKNOWN: &str = "unknown";
-
-/// A friction curve and how well its torques are known.
-#[derive(Clone, Debug, PartialEq)]
-pub struct KnownCurve {
-    /// The knots.
-    pub curve: Curve<f64>,
-    /// Standard deviations of the torques, N·m, where they are known.
-    pub stds: Vec<Option<f64>>,
-}
 
 impl RigFile {
     /// Sets the friction curve, viscous and Coulomb friction being zero.

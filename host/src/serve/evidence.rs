@@ -1,8 +1,8 @@
 //! What the page shows of the evidence that grows while the pendulum swings.
 
 use crate::error::Failure;
+use crate::look::{Candidate, Judge, Look, sentence};
 use crate::record::Stage;
-use crate::watch::{Candidate, Judge, Look, sentence};
 use serde::Serialize;
 
 /// What the bank, or the rig itself, says of the rig's model; and what goes on meanwhile.

@@ -1,6 +1,6 @@
 //! The page's files, part of the program; and what can be downloaded.
 
-use crate::plot::web;
+use crate::web;
 use std::sync::OnceLock;
 
 /// Name, type and text of every file.

@@ -1,6 +1,7 @@
 //! The simulated bench: a pendulum, a hand that lifts it and lets go, a potentiometer with its converter, an encoder.
 
-use super::{Noise, Scenario};
+use super::Scenario;
+use crate::random::Noise;
 use shared::model::{Model, SensorState, State};
 use shared::potentiometer::{FULL_SCALE_12_BIT, Potentiometer};
 use shared::sensor::Sensor;

@@ -1,8 +1,8 @@
 //! What the rig itself found: its answer as a look, once it has looked.
 
-use super::words::of_reason;
-use super::{Candidate, Judge, Look, Value};
 use crate::link::{LinkError, Session, patient};
+use crate::look::of_reason;
+use crate::look::{Candidate, Judge, Look, Value};
 use shared::bank::chance::upper_tail;
 use shared::effect::{Effect, Parameter};
 use shared::wire::{Suspected, Suspects};

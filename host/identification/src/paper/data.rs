@@ -7,13 +7,13 @@ use crate::rsm::{Factor, PrintedEquation, read_equations};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-const RECORDING: &str = include_str!("../../data/paper/reconstructed_recording.csv");
-const RECONSTRUCTION: &str = include_str!("../../data/paper/reconstruction.json");
-const CONSTANTS: &str = include_str!("../../data/paper/constants.json");
-const LEVELS: &str = include_str!("../../data/paper/levels.csv");
-const TABLE_3: &str = include_str!("../../data/paper/table3.csv");
-const TABLE_8: &str = include_str!("../../data/paper/table8.csv");
-const EQUATIONS: &str = include_str!("../../data/paper/equations_18_22.csv");
+const RECORDING: &str = include_str!("../../../data/paper/reconstructed_recording.csv");
+const RECONSTRUCTION: &str = include_str!("../../../data/paper/reconstruction.json");
+const CONSTANTS: &str = include_str!("../../../data/paper/constants.json");
+const LEVELS: &str = include_str!("../../../data/paper/levels.csv");
+const TABLE_3: &str = include_str!("../../../data/paper/table3.csv");
+const TABLE_8: &str = include_str!("../../../data/paper/table8.csv");
+const EQUATIONS: &str = include_str!("../../../data/paper/equations_18_22.csv");
 
 /// The paper's factors, in its order.
 pub const SYMBOLS: [&str; 5] = ["Mw", "Mc", "Ms", "DV", "I"];

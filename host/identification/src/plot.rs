@@ -1,4 +1,4 @@
-//! Pictures, before it is decided how they are drawn: [`svg`] draws them for paper, [`web`] for the browser.
+//! Pictures, before it is decided how they are drawn: [`svg`] draws them for paper; the program, for the browser.
 //! [`overlay`] is the drawing of a fit, with its own layout.
 
 pub mod decimate;
@@ -6,7 +6,6 @@ pub mod friction;
 pub mod overlay;
 pub mod staircase;
 pub mod svg;
-pub mod web;
 
 use serde::Serialize;
 

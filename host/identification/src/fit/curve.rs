@@ -40,6 +40,15 @@ const PATIENT: Tolerance = Tolerance { max_iterations: 40, least_gain: 3.0, leas
 /// Sliding so far builds up whatever builds up, rad.
 const FAR_RAD: f64 = 30.0;
 
+/// A friction curve and how well its torques are known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownCurve {
+    /// The knots.
+    pub curve: Curve<f64>,
+    /// Standard deviations of the torques, N·m, where they are known.
+    pub stds: Vec<Option<f64>>,
+}
+
 /// A fitted curve and what the blocks say of it.
 #[derive(Clone, Debug)]
 pub struct Curved {

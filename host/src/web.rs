@@ -1,7 +1,7 @@
 //! Pictures for the browser, zoomable, by plotly.
 
-use super::decimate::decimated;
-use super::{Axis, Content, Curve, Heat, Picture, Style, colour, diverging};
+use crate::plot::decimate::decimated;
+use crate::plot::{Axis, Content, Curve, Heat, Picture, Style, colour, diverging};
 use plotly::common::{
     ColorBar, ColorScale, ColorScaleElement, DashType, ErrorData, ErrorType, Font, Line, Marker, Mode, Title,
 };

@@ -10,7 +10,7 @@ const USUAL_DIGITS: i32 = 4;
 const MOST_NOISES: f64 = 1000.0;
 
 /// An error as a multiple of the noise: `1.03`, `25.4`, `852`, `more than 1000`.
-pub(crate) fn noises(ratio: f64) -> String {
+pub fn noises(ratio: f64) -> String {
     match ratio {
         _ if ratio > MOST_NOISES => format!("more than {MOST_NOISES:.0}"),
         _ if ratio >= 100.0 => format!("{ratio:.0}"),
@@ -20,7 +20,7 @@ pub(crate) fn noises(ratio: f64) -> String {
 }
 
 /// `(5.40041 ± 0.00032)e-4`: two digits of the standard deviation, and the value as far; `5.400e-4` without one.
-pub(crate) fn with_spread(value: f64, std: Option<f64>) -> String {
+pub fn with_spread(value: f64, std: Option<f64>) -> String {
     let std = std.filter(|std| std.is_finite() && *std > 0.0);
     let size = value.abs().max(std.unwrap_or(0.0));
     if size == 0.0 || !size.is_finite() {
@@ -43,7 +43,7 @@ pub(crate) fn with_spread(value: f64, std: Option<f64>) -> String {
 }
 
 /// `1.165e-4`, `0.0465`: so many significant digits.
-pub(crate) fn significant(value: f64, n_digits: usize) -> String {
+pub fn significant(value: f64, n_digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }
@@ -56,7 +56,7 @@ pub(crate) fn significant(value: f64, n_digits: usize) -> String {
 }
 
 /// A count with its sign only where it is negative; halves and the like with two decimals.
-pub(crate) fn count(value: f64) -> String {
+pub fn count(value: f64) -> String {
     // Adding zero takes the sign from a zero.
     let hundredths = (100.0 * value).round() / 100.0 + 0.0;
     if value == value.round() { format!("{hundredths:.0}") } else { format!("{hundredths:.2}") }

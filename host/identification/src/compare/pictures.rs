@@ -30,6 +30,6 @@ fn milli(value: f64) -> f64 {
 }
 
 /// The part of a path that people call a recording.
-pub(crate) fn short_name(name: &str) -> &str {
+pub fn short_name(name: &str) -> &str {
     name.rsplit(['/', '\\']).next().unwrap_or(name)
 }

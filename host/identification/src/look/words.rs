@@ -1,16 +1,14 @@
 //! What a look says, in words.
 
 use super::{Candidate, Judge, Look, Value};
-use crate::error::Failure;
 use crate::number::{significant, with_spread};
 use shared::bank::findings::Reason;
-use shared::sensor::Sensor;
 
 /// From this share of the noise's squares on, more than noise is left.
 const MORE: f64 = 0.1;
 
 /// The words for why nothing is named.
-pub(super) fn of_reason(reason: Reason) -> &'static str {
+pub fn of_reason(reason: Reason) -> &'static str {
     match reason {
         Reason::TooFewSwings => "too few swings yet: let it go again, from a large angle",
         Reason::NotThisPendulum => {
@@ -72,10 +70,4 @@ fn numbers(candidate: &Candidate) -> String {
         }
     };
     candidate.values.iter().map(number).collect::<Vec<_>>().join(", ")
-}
-
-/// Why a swing with such a sensor says nothing.
-pub fn disconnected(code: u16, sensor: &Sensor) -> Failure {
-    let what = format!("the {} reads code {code}, an end of its range: nothing is said of this swing", sensor.name());
-    Failure::failed(what).next(format!("{}; release from a smaller angle if it left its track", sensor.wires()))
 }

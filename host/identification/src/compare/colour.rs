@@ -127,7 +127,7 @@ fn goertzel(values: &[f64], window: &[f64], cycles_per_sample: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::Noise;
+    use crate::random::Noise;
 
     fn white(n: usize, seed: u64) -> Vec<f64> {
         let mut noise = Noise::new(seed);

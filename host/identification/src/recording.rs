@@ -246,13 +246,13 @@ fn check_increasing(times_s: &[f64]) -> Result<(), Fault> {
 }
 
 /// The median difference of neighbours, s.
-pub(crate) fn median_step_s(times_s: &[f64]) -> f64 {
+pub fn median_step_s(times_s: &[f64]) -> f64 {
     let mut steps_s: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     median(&mut steps_s)
 }
 
 /// The middle value (the upper one of two); NaN when there is none. Reorders its input.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
+pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;
     }

@@ -3,9 +3,9 @@
 //! It says within a fraction of a second what the diagnosis then goes into, and tells what a rig will say by itself of
 //! such swings.
 
+use crate::look::{Look, RATE_HZ, said};
 use crate::recording::{Measured, median_step_s};
 use crate::swing::Swing;
-use crate::watch::{Look, RATE_HZ, said};
 use shared::bank::findings::look;
 use shared::bank::order::ERROR_A_LOOK;
 use shared::bank::refit::{MAX_RELEASES, Releases};
@@ -59,7 +59,7 @@ fn parts(swing: &Swing) -> Option<Vec<(f64, Vec<f64>)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::Noise;
+    use crate::random::Noise;
     use shared::model::Model;
 
     const RATE_HZ: f64 = 1000.0;

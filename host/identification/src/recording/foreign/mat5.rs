@@ -289,7 +289,7 @@ mod tests {
 
     #[test]
     fn a_file_that_ends_early_is_damaged_wherever_it_ends() {
-        let whole = include_bytes!("../../../../tests/corpus/foreign/simulink.mat");
+        let whole = include_bytes!("../../../../../tests/corpus/foreign/simulink.mat");
         assert_eq!(variables(whole).unwrap().len(), 1);
         assert!((HEAD + TAG..whole.len()).step_by(97).all(|end| variables(&whole[..end]) == Err(Problem::Damaged)));
     }

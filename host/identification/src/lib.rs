@@ -1,0 +1,29 @@
+//! From recordings to numbers and missing physics: what needs neither a rig, nor a page, nor a command line.
+//!
+//! The program `host` and the Python package are made of it.
+
+#![forbid(unsafe_code)]
+
+pub mod compare;
+pub mod diagnose;
+pub mod files;
+pub mod fit;
+pub mod formula;
+pub mod geometry;
+pub mod improve;
+pub mod lanes;
+pub mod look;
+pub mod noise;
+pub mod number;
+pub mod pace;
+pub mod paper;
+pub mod plan;
+pub mod plot;
+pub mod random;
+pub mod recording;
+pub mod responses;
+pub mod rsm;
+pub mod swing;
+pub mod trajectory;
+pub mod verdict;
+pub mod zero_phase;
