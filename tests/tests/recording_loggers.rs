@@ -208,6 +208,63 @@ fn of_several_angles_the_one_that_names_the_pendulum_is_taken() {
 }
 
 #[test]
+fn of_names_alike_the_column_that_moves_is_the_angle() {
+    let arm = table("t,theta_1,theta_2\n", |(t, a, _)| format!("{t:.2},0.0,{a:.5}"));
+    check_found(&arm, 1e-5, "2 (theta_2) taken as the angle, because 1 (theta_1) never moves");
+    // At rest for longer than the lines that are looked at first, beside one that drifts.
+    let late = |(t, a, _): Row| (t, if t < 3.0 { 1.0 } else { a });
+    let late = |row: Row| format!("{:.2},{:.5},{:.5},{:.5}", late(row).0, 0.2 * late(row).0, late(row).1, 0.01 * row.1);
+    let body = open(table("t,yaw,pitch,roll\n", late).as_bytes(), &ReadOptions::default()).unwrap();
+    assert!(body.notes().join("; ").contains("of 3 angles of the sensor 2 (pitch) moves most"), "{:?}", body.notes());
+    assert!((body.angles_rad()[0] - 1.0).abs() < 1e-5);
+    let both = table("t,theta_1,theta_2\n", |(t, a, _)| format!("{t:.2},{:.5},{a:.5}", 0.1 * a));
+    let refused = open(both.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("several columns could be the angle: 1 (theta_1), 2 (theta_2)"), "{refused}");
+}
+
+#[test]
+fn bare_axes_are_rates_where_the_file_is_a_gyroscopes_and_no_point_where_it_is_not() {
+    let epoch = |t: f64| 1_700_000_000_000_000_000_u64 + (1e9 * t).round() as u64;
+    let row = |(t, _, v): Row| format!("{},{t:.2},{v:.5},{:.5},{:.5}", epoch(t), 0.01 * v, -0.02 * v);
+    let text = table("time,seconds_elapsed,z,y,x\n", row);
+    let phone = read_bytes("Gyroscope.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(phone.measured(), Measured::Rate);
+    let truth = swing(RATE_HZ, 20);
+    let off = |idx: usize| phone.angles_rad()[idx] - truth[idx].2;
+    assert!((0..truth.len()).all(|idx| off(idx).abs() < 1e-5), "{:?}", phone.notes());
+    let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("the axes of a gyroscope") && refused.contains("t=1,rate=2"), "{refused}");
+}
+
+#[test]
+fn settings_above_the_rows_are_none_of_them() {
+    let lone = table("trigger_deg, sample_rate, duration\n90, 100, 20\n", |(_, a, _)| format!("{a:.5}"));
+    check_found(&lone, 1e-5, "\"90, 100, 20\" above the table are settings, no row, with 100 samples a second");
+    let named = table("rate,seconds\n100,20\nt,theta\n", |(t, a, _)| format!("{t:.2},{a:.5}"));
+    check_found(&named, 1e-5, "\"100,20\" above the table are settings, no row");
+}
+
+#[test]
+fn times_since_the_row_before_are_added_up() {
+    // Milliseconds that scatter by one as rounded steps do; the sum is off by half a one at most.
+    let ms = |t: f64| (1000.0 * t + 3.0 * (7.0 * t).sin()).round();
+    let steps = table("angle,elapsed\n", |(t, a, _)| format!("{a:.5},{}", ms(t + 0.01) - ms(t)));
+    let recording = open(steps.as_bytes(), &ReadOptions::default()).unwrap();
+    let notes = recording.notes().join("; ");
+    assert!(notes.contains("the time since the row before: added up") && notes.contains("in milliseconds"), "{notes}");
+    let (first_s, last_s) = (recording.times_s()[0], recording.times_s()[1999]);
+    assert!((last_s - first_s - 19.99).abs() < 0.01, "{first_s} {last_s}");
+}
+
+#[test]
+fn periods_of_a_light_gate_are_named_as_such() {
+    let text: String = (1..40).map(|idx| format!("{:.6}\t2.133149\t0.031032\n", f64::from(idx) * 1.0665)).collect();
+    let text = format!("#Time\tPeriod\tTransit time\n#[s]\t[s]\t[s]\n{text}");
+    let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("light gate") && refused.contains("record the angle"), "{refused}");
+}
+
+#[test]
 fn counts_and_volts_are_told_by_what_one_is_worth() {
     let counts = table("time_ms,encoder\n", |(t, a, _)| {
         format!("{},{}", (1e3 * t).round(), (a * 2400.0 / std::f64::consts::TAU).round())

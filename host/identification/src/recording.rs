@@ -24,6 +24,7 @@ mod monitor;
 mod number;
 mod order;
 pub mod plausible;
+mod preamble;
 mod rate;
 mod read;
 mod samples;

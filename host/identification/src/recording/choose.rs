@@ -1,6 +1,7 @@
 //! Which column is what: by what the user said, the header, the names, and at last the place.
 
 mod names;
+mod rivals;
 mod time;
 
 use super::angle::Angles;
@@ -16,7 +17,7 @@ use super::samples::{MOST_COLUMNS, Samples};
 use super::table::Table;
 use super::words::{self, Meaning, is_size, meaning};
 use super::{MIN_SAMPLES, clock};
-use names::{best, example, find, no_angle, note_rivals, the_one};
+use names::{all_best, ambiguous, bare_axes, example, find, no_angle, note_rivals, the_one};
 use std::f64::consts::FRAC_PI_2;
 pub(super) use time::{LONGEST_STEP_S, TimeSource};
 use time::{as_time, choose_time, plotted_axes, unit_in_cell, unnamed_time};
@@ -38,6 +39,10 @@ pub(super) enum ReadingSource {
         idx: usize,
         unit: Option<AngleUnit>,
     },
+    /// One of several columns with names alike, which only all of their rows can tell.
+    Rivals {
+        columns: Vec<usize>,
+    },
     /// Angular velocities; of several axes the one that moves most counts.
     Rates {
         columns: Vec<usize>,
@@ -58,7 +63,7 @@ impl ReadingSource {
     pub(super) fn columns(&self) -> Vec<usize> {
         match self {
             Self::Angle { idx, .. } => vec![*idx],
-            Self::Rates { columns, .. } => columns.clone(),
+            Self::Rates { columns, .. } | Self::Rivals { columns } => columns.clone(),
             Self::Point { x, y, .. } => vec![*x, *y],
             Self::Codes => Vec::new(),
         }
@@ -68,7 +73,7 @@ impl ReadingSource {
     fn first_idx(&self) -> Option<usize> {
         match self {
             Self::Angle { idx, .. } => Some(*idx),
-            Self::Rates { columns, .. } => columns.first().copied(),
+            Self::Rates { columns, .. } | Self::Rivals { columns } => columns.first().copied(),
             Self::Point { .. } | Self::Codes => None,
         }
     }
@@ -101,7 +106,8 @@ impl Sources {
         if let (ReadingSource::Angle { idx, .. }, None) = (&reading, &asked.angle) {
             note_rivals(table, "angle", *idx, as_angle, notes);
         }
-        if let (TimeSource::Column { idx, .. } | TimeSource::Clock { idx }, None) = (&time, &asked.time) {
+        let is_named = asked.time.is_none() && all_best(table, as_time).len() == 1;
+        if let (TimeSource::Column { idx, .. } | TimeSource::Clock { idx }, true) = (&time, is_named) {
             note_rivals(table, "time", *idx, as_time, notes);
         }
         if time.column().is_some_and(|idx| reading.first_idx() == Some(idx)) {
@@ -149,7 +155,14 @@ impl Sources {
                 Angles { times_s, is_ours, options, notes }.of_column(readings, *unit)
             }
             ReadingSource::Point { is_guess: false, .. } => {
-                Angles { times_s, is_ours, options, notes }.of_point(&samples.readings[0], &samples.readings[1])
+                let angles = Angles { times_s, is_ours, options, notes };
+                let is_told = options.columns.as_ref().is_some_and(|columns| columns.x.is_some());
+                angles.of_point(&samples.readings[0], &samples.readings[1]).map_err(|fault| {
+                    match bare_axes(table).filter(|_| !is_told) {
+                        Some(axes) => Fault::ThreeAxes { example: self.rate_example(&axes) },
+                        None => fault,
+                    }
+                })
             }
             ReadingSource::Point { x, y, is_guess: true } => {
                 let mut of_point = vec![format!("columns {x} and {y} lie on a circle: read as x and y of a point")];
@@ -166,11 +179,18 @@ impl Sources {
                     }
                 }
             }
+            ReadingSource::Rivals { columns } => Err(ambiguous(table, "angle", columns)),
             ReadingSource::Rates { columns, unit } => {
                 let names = columns.iter().map(|idx| table.column_name(*idx)).collect();
                 Rates { times_s, is_ours, options, names, notes }.of_columns(&samples.readings, *unit)
             }
         }
+    }
+
+    /// What tells of one of these columns that it is an angular velocity.
+    fn rate_example(&self, columns: &[usize]) -> String {
+        let time = self.time.column().map_or(String::new(), |idx| format!("t={idx},"));
+        columns.iter().map(|idx| format!("{time}rate={idx}")).collect::<Vec<_>>().join(" or ")
     }
 
     /// An angle that is the same throughout is another column's.
@@ -204,6 +224,9 @@ fn choose_reading(
         return Ok(rates(table, options, vec![idx], *unit));
     }
     let is_told = asked.angle.is_some() || asked.x.is_some();
+    if let (false, true, Some(axes)) = (is_told, table.is_of_gyroscope, bare_axes(table)) {
+        return Ok(rates(table, options, axes, None));
+    }
     let measured =
         (!is_told).then(|| header.measured.or(options.measured.filter(|_| header.version.is_none()))).flatten();
     let has_rate = options.rate_hz.or(header.rate_hz).is_some();
@@ -275,7 +298,15 @@ fn choose_angle(
     if let (Some(x), Some(y)) = (&asked.x, &asked.y) {
         return Ok(ReadingSource::Point { x: find(table, x)?, y: find(table, y)?, is_guess: false });
     }
-    let named = best(table, "angle", as_angle)?;
+    let named = all_best(table, as_angle);
+    if named.len() > 1 {
+        let columns: Vec<usize> = named.iter().map(|(idx, _)| *idx).collect();
+        return if columns.len() > MOST_COLUMNS {
+            Err(ambiguous(table, "angle", &columns))
+        } else {
+            Ok(ReadingSource::Rivals { columns })
+        };
+    }
     let time_idx = asked.time.as_ref().and_then(|(column, _)| find(table, column).ok());
     let fields = table.first_fields();
     let is_clock = |idx: &usize| fields.get(*idx).is_some_and(|field| clock::read(field).is_some());
@@ -285,8 +316,8 @@ fn choose_angle(
     let is_number = |idx: &usize| fields.get(*idx).is_some_and(|field| Numerals::new().read(field) != Cell::Text);
     let mut unnamed = (0..table.n_columns).filter(|idx| is_free(idx) && is_number(idx));
     let (unnamed, next) = (unnamed.next(), unnamed.next());
-    match (named, the_one(table, Meaning::X), the_one(table, Meaning::Y), unnamed) {
-        (Some((idx, _)), ..) => Ok(ReadingSource::Angle { idx, unit: angle_unit_of(table, idx) }),
+    match (named.first(), the_one(table, Meaning::X), the_one(table, Meaning::Y), unnamed) {
+        (Some(&(idx, _)), ..) => Ok(ReadingSource::Angle { idx, unit: angle_unit_of(table, idx) }),
         (None, Some(x), Some(y), _) => Ok(ReadingSource::Point { x, y, is_guess: false }),
         (None, ..) if code_idx.is_some() => Ok(ReadingSource::Codes),
         (None, _, _, Some(idx)) if table.names.is_none() || table.n_columns == 1 => {

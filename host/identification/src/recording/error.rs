@@ -139,6 +139,25 @@ pub enum Fault {
         /// Names or count of what there is.
         available: String,
     },
+    /// Nothing but periods and the like.
+    #[error(
+        "{available}: among them are durations, as a light gate gives them, which can't be fitted, because they tell nothing \
+         of the motion in between; record the angle or the angular velocity through the swing. If another column is the \
+         angle, name it with --columns theta=..."
+    )]
+    OnlyDurations {
+        /// Names or count of what there is.
+        available: String,
+    },
+    /// x, y and z that are no point's.
+    #[error(
+        "x, y and z are no point that swings; if they are the axes of a gyroscope, name the one that moves, --columns \
+         {example}"
+    )]
+    ThreeAxes {
+        /// What could be told of this file.
+        example: String,
+    },
     /// More columns than a table has.
     #[error("line {line} has {n_columns} columns; expected a row of time and angle for each sample")]
     TooWide {

@@ -41,6 +41,11 @@ fn of_known_words(lines: &[&str], separator: Separator, n_columns: usize) -> Opt
     })
 }
 
+/// Is this line one of names, of which some are known?
+pub(super) fn says_columns(line: &[&str], separator: Separator, n_columns: usize) -> bool {
+    like_the_rows(line, separator, n_columns).is_some_and(|names| is_known(&names))
+}
+
 fn is_known(names: &[String]) -> bool {
     names.iter().any(|name| meaning(name) != Meaning::Other)
 }

@@ -37,6 +37,9 @@ const MOST_GROWTH: f64 = 4.0;
 /// Near upright the law of the period is steep, and angles in a wrong unit may seem to lie anywhere, rad.
 const LARGEST_TAKEN_OFF_RAD: f64 = 2.5;
 
+/// Periods, each of which begins at another turning point, of the first two swings: a hand or a motor may have made them.
+const FIRST: usize = 4;
+
 /// Just below upright, where the law of the period ends.
 const LARGEST_SINE: f64 = 0.99;
 
@@ -172,20 +175,33 @@ impl Swings {
         if growth + SURE * spread < LEAST_GROWTH {
             return Scale::TooLarge { predicted_percent: 100.0 * span, found_percent: 100.0 * span * growth };
         }
-        match growth - SURE * spread > MOST_GROWTH {
-            true => Scale::TooSmall { factor: growth.sqrt() },
-            false if growth - SURE * spread > LEAST_GROWTH => Scale::Right,
-            false => Scale::Unknown,
+        let at_least = match growth - SURE * spread {
+            at_least if at_least > MOST_GROWTH => self.growth_behind_start().unwrap_or(at_least),
+            at_least => at_least,
+        };
+        match () {
+            () if at_least > MOST_GROWTH => Scale::TooSmall { factor: growth.sqrt() },
+            () if at_least > LEAST_GROWTH => Scale::Right,
+            () => Scale::Unknown,
         }
     }
 }
 
 impl Swings {
+    /// The least growth that the periods behind the first ones show for sure.
+    fn growth_behind_start(&self) -> Option<f64> {
+        let (growth, spread, _) = self.growth_of(self.periods.get(FIRST..)?)?;
+        Some(growth - SURE * spread)
+    }
+
     /// As `growth` says of the swings that are seen well.
     fn growth(&self) -> Option<(f64, f64, f64)> {
+        self.growth_of(&self.periods)
+    }
+
+    fn growth_of(&self, periods: &[(f64, f64)]) -> Option<(f64, f64, f64)> {
         let least_rad = SMALLEST_SHARE * self.largest_rad;
-        let points: Vec<(f64, f64, f64)> = self
-            .periods
+        let points: Vec<(f64, f64, f64)> = periods
             .iter()
             .filter(|(amplitude, _)| *amplitude > least_rad && *amplitude < 0.98 * PI)
             .map(|(amplitude, period_s)| (lengthening(*amplitude) - 1.0, *period_s, amplitude.powi(2)))
@@ -341,6 +357,19 @@ mod tests {
         let degrees: Vec<f64> = angles.iter().map(|angle| angle.to_degrees()).collect();
         assert!(matches!(scale(&times, &degrees), Scale::TooLarge { .. }));
         assert_eq!(scale(&times, &angles), Scale::Unknown);
+    }
+
+    /// A motor swings it to and fro in 1.15 s, one and a half times, and then it swings freely, in 1 s.
+    #[test]
+    fn driven_swings_at_the_start_are_no_other_unit() {
+        let (_, angles, _) = swing(0.13);
+        let driven = (0..172_u32).map(|idx| -0.2 * (TAU * f64::from(idx) / 115.0).cos());
+        let angles: Vec<f64> = driven.chain(angles).collect();
+        let times: Vec<f64> = (0..angles.len()).map(|idx| idx as f64 * 0.01).collect();
+        let swings = Swings::of(&times, &angles).unwrap();
+        let (growth, spread, _) = swings.growth().unwrap();
+        assert!(growth - SURE * spread > MOST_GROWTH, "no case: {growth} ± {spread}");
+        assert!(!matches!(swings.scale(), Scale::TooSmall { .. }), "{:?}", swings.scale());
     }
 
     /// Between two counts it flickers for a minute after six seconds of swing.

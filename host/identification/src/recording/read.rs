@@ -19,6 +19,7 @@ use super::measured::Measured;
 use super::samples::Samples;
 use super::source::Lines;
 use super::table::Table;
+use super::words;
 
 /// What the user says about the file; what is left out is found.
 #[derive(Debug, Clone, Default)]
@@ -46,7 +47,8 @@ pub struct ReadOptions {
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording, ReadError> {
     let with_name = |fault| ReadError { file: path.display().to_string(), fault };
     let file = open(path).map_err(with_name)?;
-    parse(BufReader::new(UntilItsEnd { file, has_ended: false }), options).map_err(with_name)
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    parse(BufReader::new(UntilItsEnd { file, has_ended: false }), &name, options).map_err(with_name)
 }
 
 /// A file up to where its end was once met: one that is cut and written anew meanwhile would go on in the middle of a
@@ -72,7 +74,7 @@ impl Read for UntilItsEnd {
 /// # Errors
 /// Everything in [`Fault`], with the file's name.
 pub fn read_bytes(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Recording, ReadError> {
-    parse(bytes, options).map_err(|fault| ReadError { file: file.to_owned(), fault })
+    parse(bytes, file, options).map_err(|fault| ReadError { file: file.to_owned(), fault })
 }
 
 pub(super) fn open(path: &Path) -> Result<File, Fault> {
@@ -85,16 +87,21 @@ pub(super) fn open(path: &Path) -> Result<File, Fault> {
     })
 }
 
-fn parse(reader: impl BufRead, options: &ReadOptions) -> Result<Recording, Fault> {
+fn parse(reader: impl BufRead, name: &str, options: &ReadOptions) -> Result<Recording, Fault> {
     let mut notes = Vec::new();
     let mut table = Table::new(Lines::of(reader, &mut notes)?)?;
     if table.is_turned {
         notes.push("it has a quantity a line: each is read as a column".to_owned());
     }
-    let header = read_header(&table)?;
+    table.is_of_gyroscope = words::is_gyroscope(name);
+    let mut header = read_header(&table)?;
+    let rate_hz = rate_of_settings(&table, &mut notes);
+    header.rate_hz = header.rate_hz.or(rate_hz);
     let sources = Sources::choose(&table, &header, options, &mut notes)?;
     let is_ours = header.version.is_some();
-    let mut samples = Samples::collect(&mut table, &sources, is_ours, &mut notes)?;
+    let collected = Samples::collect(&mut table, &sources, is_ours, &mut notes);
+    let mut samples = collected.map_err(|fault| sources.undecided(&table).unwrap_or(fault))?;
+    let sources = sources.settled(&table, &mut samples, options, &mut notes)?;
     let mut times_s = sources.time.times_s(&samples, &mut notes)?;
     if !is_ours && samples.codes.is_empty() {
         grid::make_even(&mut times_s, &mut notes);
@@ -118,4 +125,13 @@ fn read_header(table: &Table) -> Result<Header, Fault> {
     let mut reader = HeaderReader::default();
     table.comments().try_for_each(|(line, text)| reader.take(line, text))?;
     Ok(reader.finish())
+}
+
+/// Hz, where nothing but settings above a lone column tells it.
+fn rate_of_settings(table: &Table, notes: &mut Vec<String>) -> Option<f64> {
+    let settings = table.settings.as_ref()?;
+    let rate_hz = settings.rate_hz.filter(|_| table.n_columns == 1);
+    let rate = rate_hz.map_or(String::new(), |rate_hz| format!(", with {rate_hz} samples a second"));
+    notes.push(format!("\"{}\" above the table are settings, no row{rate}", settings.values));
+    rate_hz
 }

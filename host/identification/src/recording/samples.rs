@@ -159,11 +159,17 @@ impl Samples {
         Ok(Some(day as f64 * clock::DAY_S + moment.second))
     }
 
-    /// Counters that began anew, and clocks coarser than the samples; true where rows of the same time are several.
+    /// Steps instead of times, counters that began anew, and clocks coarser than the samples; true where rows of the same
+    /// time are several.
     fn set_clock_right(&mut self, notes: &mut Vec<String>) -> Result<bool, Fault> {
         let Some(fault) = self.standstill.take() else { return Ok(false) };
         let mut times = self.times.clone();
         let anew = ticks::unwind(&mut times);
+        if let (Some(times), None) = (ticks::of_steps(&self.times), anew) {
+            notes.push("the column of the time holds the time since the row before: added up".to_owned());
+            self.times = times;
+            return Ok(true);
+        }
         let even = grid::of_few_digits(&times);
         let n_digits = even.as_ref().map(|(_, n_digits)| *n_digits);
         let spread = even.map(|(even, _)| even).or_else(|| ticks::spread(&times));

@@ -8,6 +8,7 @@ use super::error::Fault;
 use super::heading;
 use super::monitor::Dress;
 use super::number::{Cell, Numerals, is_missing, number_and_unit};
+use super::preamble::{self, Preamble};
 use super::source::Lines;
 use std::collections::VecDeque;
 
@@ -44,6 +45,10 @@ pub(super) struct Table<'a> {
     n_lines: usize,
     /// The file has a quantity a line.
     pub(super) is_turned: bool,
+    /// The file is called after a gyroscope.
+    pub(super) is_of_gyroscope: bool,
+    /// Settings in numbers above the rows.
+    pub(super) settings: Option<Preamble>,
 }
 
 /// One line.
@@ -86,12 +91,16 @@ impl<'a> Table<'a> {
         let typical = Typical::of(&texts, separator);
         let is_row = |line: &&str| !is_comment(line) && typical.is_row(line, separator);
         let first_row_idx = texts.iter().position(is_row).ok_or(Fault::NoNumbers { n_lines })?;
+        let settings = preamble::find(&texts, first_row_idx, separator);
+        let above_idx = settings.as_ref().map_or(0, |settings| settings.end_idx);
+        let below = texts.iter().skip(first_row_idx.max(above_idx)).position(is_row);
+        let first_row_idx = first_row_idx.max(above_idx) + below.ok_or(Fault::NoNumbers { n_lines })?;
         let n_columns = split(texts[first_row_idx], separator).len();
         if n_columns > MOST_COLUMNS {
             return Err(Fault::TooWide { line: held[first_row_idx].number, n_columns });
         }
-        let names = dress.names().or_else(|| heading::names(&texts[..first_row_idx], separator, n_columns));
-        if separator == Separator::Comma && names_fit_pairs(texts[..first_row_idx].last(), n_columns) {
+        let names = dress.names().or_else(|| heading::names(&texts[above_idx..first_row_idx], separator, n_columns));
+        if separator == Separator::Comma && names_fit_pairs(texts[above_idx..first_row_idx].last(), n_columns) {
             return Err(Fault::BareCommas);
         }
         let numerals = learnt(&texts[first_row_idx..], separator);
@@ -99,7 +108,21 @@ impl<'a> Table<'a> {
         let comments = comments.collect();
         let held = held.into_iter().skip(first_row_idx).collect();
         let row = Line::default();
-        Ok(Self { lines, held, separator, names, n_columns, numerals, comments, dress, row, n_lines, is_turned })
+        Ok(Self {
+            lines,
+            held,
+            separator,
+            names,
+            n_columns,
+            numerals,
+            comments,
+            dress,
+            row,
+            n_lines,
+            is_turned,
+            is_of_gyroscope: false,
+            settings,
+        })
     }
 
     /// Comment lines among the first lines, with their numbers from 1.

@@ -4,9 +4,13 @@
 //! `Time [s]`, `time_ms`, `thetaRad`, `Winkel / °`, `Temps (s)`. A name with a word of motion (`omega`, `vitesse`,
 //! `theta_punkt`) is no angle, nor is one with a unit that no angle has (`position (m)`).
 
+mod sensors;
+
 use super::columns::{AngleUnit, RateUnit, TimeUnit};
 use super::units::rate_word;
 pub(super) use super::units::{angle_unit, rate_unit, time_unit};
+use sensors::TURNS_OF_BODY;
+pub(super) use sensors::{is_acceleration, is_duration, is_gyroscope, is_turn_of_body};
 
 /// What a column name says about its content.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -150,8 +154,8 @@ const TIME: &[&str] = &[
     "시간",
 ];
 
-/// Words of a day, which is the time where nothing else is.
-const DATE: &[&str] = &["date", "datum", "fecha"];
+/// Words of a day, and of the time since the row before, which are the time where nothing else is.
+const DATE: &[&str] = &["date", "datum", "fecha", "dt", "δt"];
 
 const ANGLE: &[&str] = &[
     "theta",
@@ -186,6 +190,7 @@ const ANGLE: &[&str] = &[
 ];
 const TILT: &[&str] =
     &["tilt", "inclination", "neigung", "neigungswinkel", "inclinaison", "inclinación", "inclinazione"];
+
 const CODE: &[&str] = &["code", "codes", "adc"];
 
 /// Units that no angle and no time has.
@@ -266,7 +271,7 @@ pub(super) fn meaning(name: &str) -> Meaning {
         (true, ..) => Meaning::Code,
         (_, Some(_), _) => Meaning::Time { unit: time, strength: NAMES_A_UNIT },
         (.., Some(_)) => Meaning::Angle { unit: angle, strength: NAMES_A_UNIT },
-        _ if has(TILT) => Meaning::Angle { unit: None, strength: NAMES_A_UNIT },
+        _ if has(TILT) || has(TURNS_OF_BODY) => Meaning::Angle { unit: None, strength: NAMES_A_UNIT },
         _ if has(DATE) => Meaning::Time { unit: None, strength: NAMES_IT_PERHAPS },
         _ => Meaning::Other,
     }
@@ -330,33 +335,6 @@ const PENDULUM: &[&str] = &["pole", "bob", "stange"];
 /// Words of what carries it.
 const CARRIER: &[&str] =
     &["cart", "trolley", "wagen", "chariot", "carro", "base", "arm", "motor", "servo", "rotor", "wheel"];
-
-/// Is it an acceleration along an axis? `Linear Acceleration x (m/s^2)`, `ax_g`, `Beschleunigung y`.
-pub(super) fn is_acceleration(name: &str) -> bool {
-    let words = words(name);
-    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
-    let is_per_square = name.contains("/s²") || name.contains("/s^2") || name.contains("/s2");
-    let in_metres = is_per_square && words.iter().any(|word| word == "m");
-    let in_g = words.last().is_some_and(|word| matches!(word.as_str(), "g" | "mg")) && has(&["ax", "ay", "az"]);
-    let is_angular = words.iter().any(|word| angle_unit(word).is_some() || ANGULAR.contains(&word.as_str()));
-    (in_metres || in_g || has(ACCELERATION)) && !is_angular
-}
-
-/// Words of an acceleration.
-const ACCELERATION: &[&str] = &[
-    "acceleration",
-    "accelerometer",
-    "acc",
-    "accel",
-    "beschleunigung",
-    "accélération",
-    "aceleración",
-    "aceleracion",
-    "accelerazione",
-];
-
-/// Words that make it one of the angle.
-const ANGULAR: &[&str] = &["angular", "angulaire", "angolare", "theta", "phi"];
 
 /// Words of a size.
 const SIZE: &[&str] =
@@ -461,16 +439,6 @@ mod tests {
         ];
         for (name, expected) in cases {
             assert_eq!(meaning(name), expected, "{name}");
-        }
-    }
-
-    #[test]
-    fn accelerations_along_an_axis_are_told_from_those_of_an_angle() {
-        for name in ["Linear Acceleration x (m/s^2)", "Acceleration y (m/s²)", "ax_g", "Beschleunigung z", "accX"] {
-            assert!(is_acceleration(name), "{name}");
-        }
-        for name in ["alpha (rad/s²)", "Angular acceleration (rad/s^2)", "x (m)", "angle", "t_s", "v (m/s)", "g"] {
-            assert!(!is_acceleration(name), "{name}");
         }
     }
 }

@@ -3,7 +3,9 @@
 use super::super::columns::ColumnRef;
 use super::super::error::Fault;
 use super::super::table::Table;
-use super::super::words::{Meaning, is_acceleration, is_of_carrier, is_of_pendulum, meaning, says_nothing_else};
+use super::super::words::{
+    Meaning, is_acceleration, is_duration, is_of_carrier, is_of_pendulum, meaning, says_nothing_else,
+};
 use super::time::rises_evenly;
 use super::unnamed_time;
 
@@ -16,21 +18,34 @@ pub(super) fn the_one(table: &Table, wanted: Meaning) -> Option<usize> {
     all.next().map(|(idx, _)| idx).filter(|_| all.next().is_none())
 }
 
-/// No column can be the angle; of accelerations it is said why they can't.
+/// Columns `x`, `y` and `z` that say nothing else: of a sensor's three axes, if not of a point in space.
+pub(super) fn bare_axes(table: &Table) -> Option<Vec<usize>> {
+    let names = table.names.as_deref()?;
+    let place = |wanted: &str| names.iter().position(|name| name.trim().eq_ignore_ascii_case(wanted));
+    ["x", "y", "z"].into_iter().map(place).collect()
+}
+
+/// No column can be the angle; of accelerations and periods it is said why they can't.
 pub(super) fn no_angle(table: &Table) -> Fault {
     let available = table.available();
-    match table.names.iter().flatten().any(|name| is_acceleration(name)) {
-        true => Fault::OnlyAccelerations { available },
-        false => Fault::NoAngleColumn { available },
+    let has = |is_it: fn(&str) -> bool| table.names.iter().flatten().any(|name| is_it(name));
+    match (has(is_acceleration), has(is_duration)) {
+        (true, _) => Fault::OnlyAccelerations { available },
+        (_, true) => Fault::OnlyDurations { available },
+        _ => Fault::NoAngleColumn { available },
     }
 }
 
-/// The one column whose name fits best; an error when two fit equally.
-pub(super) fn best<U: Copy>(
+/// Nothing tells which of these columns is meant.
+pub(super) fn ambiguous(table: &Table, role: &'static str, several: &[usize]) -> Fault {
+    Fault::AmbiguousColumn { role, candidates: listed(table, several), example: example(table, role, several, None) }
+}
+
+/// The columns whose names fit best, with the unit that stands there.
+pub(super) fn all_best<U: Copy>(
     table: &Table,
-    role: &'static str,
     fits: impl Fn(Meaning) -> Option<(Option<U>, u8)>,
-) -> Result<Option<(usize, Option<U>)>, Fault> {
+) -> Vec<(usize, Option<U>)> {
     let names = table.names.as_deref().unwrap_or_default();
     let all = || names.iter().enumerate().filter_map(|(idx, name)| fits(meaning(name)).map(|fit| (idx, fit)));
     let is_pendulums = |idx: usize| is_of_pendulum(&names[idx]);
@@ -43,16 +58,7 @@ pub(super) fn best<U: Copy>(
     let strongest = fitting().filter(|(_, (_, strength))| Some(*strength) == strongest);
     let winners: Vec<(usize, Option<U>)> = strongest.map(|(idx, (unit, _))| (idx, unit)).collect();
     let exact: Vec<_> = winners.iter().filter(|(idx, _)| says_nothing_else(&names[*idx])).copied().collect();
-    let several = if exact.is_empty() { winners } else { exact };
-    if several.len() < 2 {
-        return Ok(several.first().copied());
-    }
-    let several: Vec<usize> = several.into_iter().map(|(idx, _)| idx).collect();
-    Err(Fault::AmbiguousColumn {
-        role,
-        candidates: listed(table, &several),
-        example: example(table, role, &several, None),
-    })
+    if exact.is_empty() { winners } else { exact }
 }
 
 /// Says which names were passed over because another one is the pendulum's, or says nothing else.
@@ -86,7 +92,7 @@ pub(super) fn note_rivals<U: Copy>(
     }
 }
 
-fn listed(table: &Table, columns: &[usize]) -> String {
+pub(super) fn listed(table: &Table, columns: &[usize]) -> String {
     columns.iter().map(|idx| table.column_name(*idx)).collect::<Vec<_>>().join(", ")
 }
 
@@ -95,6 +101,9 @@ pub(super) fn example(table: &Table, role: &str, candidates: &[usize], wrong: Op
     let names = table.names.as_deref().unwrap_or_default();
     let named = |is_it: fn(Meaning) -> bool| names.iter().position(|name| is_it(meaning(name)));
     let time = named(|meaning| matches!(meaning, Meaning::Time { .. })).unwrap_or_else(|| unnamed_time(table));
+    // Several recordings side by side have times of their own.
+    let is_time = |name: &String| matches!(meaning(name), Meaning::Time { .. });
+    let own_time = |angle: usize| names.get(..angle).and_then(|before| before.iter().rposition(is_time));
     // What rises evenly counts rows.
     let moves = |idx: usize| {
         let numbers = table.first_numbers(idx);
@@ -110,7 +119,7 @@ pub(super) fn example(table: &Table, role: &str, candidates: &[usize], wrong: Op
     let each: Vec<String> = match role {
         "time" => candidates.iter().map(|time| told(*time, candidates)).collect(),
         _ if candidates.is_empty() => vec![told(time, &[])],
-        _ => candidates.iter().map(|angle| format!("t={time},theta={angle}")).collect(),
+        _ => candidates.iter().map(|angle| format!("t={},theta={angle}", own_time(*angle).unwrap_or(time))).collect(),
     };
     each.into_iter().take(SHOWN).collect::<Vec<_>>().join(" or ")
 }

@@ -12,7 +12,8 @@ use super::super::table::Table;
 use super::super::ticks;
 use super::super::words::{self, Meaning, meaning};
 use super::super::{MIN_SAMPLES, median, median_step_s};
-use super::{best, find, the_one};
+use super::names::{all_best, ambiguous};
+use super::{find, the_one};
 
 /// Steps of unstated unit beyond this are refused: at 2 Hz a laboratory pendulum cannot be followed.
 pub(in crate::recording) const LONGEST_STEP_S: f64 = 0.5;
@@ -232,14 +233,38 @@ pub(super) fn as_time(meaning: Meaning) -> Option<(Option<TimeUnit>, u8)> {
 }
 
 fn named_time(table: &Table, angle_idx: Option<usize>, notes: &mut Vec<String>) -> Result<NamedTime, Fault> {
-    let found = best(table, "time", as_time);
-    let (Err(Fault::AmbiguousColumn { .. }), Some(angle_idx)) = (&found, angle_idx) else { return found };
+    let all = all_best(table, as_time);
+    if all.len() < 2 {
+        return Ok(all.first().copied());
+    }
+    let columns: Vec<usize> = all.iter().map(|(idx, _)| *idx).collect();
     let names = table.names.as_deref().unwrap_or_default();
-    let before = names[..angle_idx].iter().rposition(|name| as_time(meaning(name)).is_some());
-    let Some(idx) = before else { return found };
-    let (name, angle) = (table.column_name(idx), table.column_name(angle_idx));
-    notes.push(format!("several columns of times: {name} taken, which stands before {angle}"));
-    Ok(Some((idx, unit_in_name(table, idx))))
+    let before = angle_idx.and_then(|idx| names[..idx].iter().rposition(|name| as_time(meaning(name)).is_some()));
+    if let Some((idx, angle_idx)) = before.zip(angle_idx) {
+        let (name, angle) = (table.column_name(idx), table.column_name(angle_idx));
+        notes.push(format!("several columns of times: {name} taken, which stands before {angle}"));
+        return Ok(Some((idx, unit_in_name(table, idx))));
+    }
+    if are_one_clock(table, &columns) {
+        return Ok(all.iter().find(|(_, unit)| unit.is_some()).or(all.first()).copied());
+    }
+    Err(ambiguous(table, "time", &columns))
+}
+
+/// Do these columns count the same moments, in whatever units and from whenever?
+fn are_one_clock(table: &Table, columns: &[usize]) -> bool {
+    let all: Vec<Vec<f64>> = columns.iter().map(|idx| table.first_numbers(*idx)).collect();
+    let first = &all[0];
+    let span = |numbers: &[f64]| numbers.last().zip(numbers.first()).map_or(0.0, |(last, first)| last - first);
+    // Half a step apart they are still the same rows.
+    let near = 0.5 / first.len().max(1) as f64;
+    let is_same = |numbers: &Vec<f64>| {
+        let shares = |of: &[f64]| of.iter().map(|time| (time - of[0]) / span(of)).collect::<Vec<f64>>();
+        numbers.len() == first.len()
+            && span(numbers) > 0.0
+            && shares(numbers).iter().zip(shares(first)).all(|(a, b)| (a - b).abs() < near)
+    };
+    first.len() >= MIN_SAMPLES && span(first) > 0.0 && all[1..].iter().all(is_same)
 }
 
 fn unit_in_name(table: &Table, idx: usize) -> Option<TimeUnit> {

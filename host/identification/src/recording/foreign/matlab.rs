@@ -2,7 +2,7 @@
 //! that stands alone is a table without names.
 //!
 //! Of structures the fields count, and of those that Simulink logs (`Structure With Time`) each signal's values, under
-//! its label.
+//! its label, or else under the name of the variable.
 
 use super::mat5::{Problem, Variable};
 use super::{mat4, mat5, refused, text_of};
@@ -26,8 +26,8 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     if columns.numbers.is_empty() {
         return Err(refused(
             what,
-            "it holds no vectors, matrices of up to 64 columns or structures of numbers; tables and timeseries are not \
-             read: save the vectors themselves, save('swing.mat', 't', 'theta', '-v7')",
+            "it holds no vectors, matrices of up to 64 columns or structures of numbers; tables, timeseries and cells are \
+             not read: save the vectors themselves, such as t = Time{1}; save('swing.mat', 't', 'theta', '-v7')",
         ));
     }
     match columns.lone_matrix() {
@@ -68,10 +68,20 @@ impl Columns {
         for (field, value) in fields.iter().zip(entry) {
             match field.as_str() {
                 "values" => self.add(label, value),
+                "signals" if named("time").is_some() => self.add_signals(name, value),
                 // How the signal is laid out and drawn.
                 "dimensions" | "plotStyle" if is_signal => {}
                 field => self.add(field, value),
             }
+        }
+    }
+
+    /// The signals of a structure, each under its label; `To Workspace` gives none, and the variable has the name.
+    fn add_signals(&mut self, name: &str, signals: &Variable) {
+        let Variable::Structure { fields, entries } = signals else { return self.add(name, signals) };
+        for (idx, entry) in entries.iter().enumerate() {
+            let number = if entries.len() > 1 { format!(" {}", idx + 1) } else { String::new() };
+            self.add_entry(&format!("{name}{number}"), fields, entry);
         }
     }
 
@@ -110,5 +120,33 @@ impl Columns {
             .collect();
         let [matrix] = parts[..] else { return None };
         (matrix.len() > 1).then_some(matrix)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(values: &[f64]) -> Variable {
+        Variable::Numbers { n_rows: values.len(), n_columns: 1, values: values.to_vec() }
+    }
+
+    fn structure(fields: &[(&str, Variable)]) -> Variable {
+        let (names, entry) = fields.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).unzip();
+        Variable::Structure { fields: names, entries: vec![entry] }
+    }
+
+    #[test]
+    fn a_signal_without_a_label_has_the_name_of_its_variable() {
+        let logged = |label: &str| {
+            let values = ("values", numbers(&[0.5, 0.4]));
+            let signals =
+                structure(&[values, ("dimensions", numbers(&[1.0])), ("label", Variable::Text(label.into()))]);
+            structure(&[("time", numbers(&[0.0, 0.1])), ("signals", signals)])
+        };
+        let mut columns = Columns::default();
+        columns.add("Theta1", &logged(""));
+        columns.add("ScopeData", &logged("velocity"));
+        assert_eq!(columns.names, ["time", "Theta1", "time", "velocity"]);
     }
 }

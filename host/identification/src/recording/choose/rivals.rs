@@ -1,0 +1,59 @@
+//! Of several columns that could be the angle, the one that their readings tell: the only one that moves, or the liveliest
+//! of the three angles of an orientation. Names can't tell that, and the first rows may be those of a pendulum at rest.
+
+use super::super::error::Fault;
+use super::super::read::ReadOptions;
+use super::super::samples::Samples;
+use super::super::table::Table;
+use super::super::words::is_turn_of_body;
+use super::names::{ambiguous, listed};
+use super::{ReadingSource, Sources, angle_unit_of};
+
+/// A step of more than this share of all that a column covers is an angle that wraps around.
+const WRAP: f64 = 0.5;
+
+impl Sources {
+    /// Decides between rivals by all of their rows, and leaves the readings of the one that is the angle.
+    pub(in crate::recording) fn settled(
+        self,
+        table: &Table,
+        samples: &mut Samples,
+        options: &ReadOptions,
+        notes: &mut Vec<String>,
+    ) -> Result<Self, Fault> {
+        let ReadingSource::Rivals { columns } = &self.reading else { return Ok(self) };
+        let movements: Vec<f64> = samples.readings.iter().map(|readings| movement(readings)).collect();
+        let is_still = |place: &usize| samples.readings[*place].windows(2).all(|pair| pair[0] == pair[1]);
+        let still: Vec<usize> = (0..columns.len()).filter(is_still).map(|place| columns[place]).collect();
+        let liveliest = (0..columns.len()).max_by(|a, b| movements[*a].total_cmp(&movements[*b])).unwrap_or(0);
+        let idx = columns[liveliest];
+        let names = table.names.as_deref().unwrap_or_default();
+        let are_turns = columns.iter().all(|idx| names.get(*idx).is_some_and(|name| is_turn_of_body(name)));
+        let taken = table.column_name(idx);
+        if still.len() + 1 == columns.len() {
+            notes.push(format!("{taken} taken as the angle, because {} never moves", listed(table, &still)));
+        } else if are_turns {
+            notes.push(format!("of {} angles of the sensor {taken} moves most and is taken", columns.len()));
+        } else {
+            return Err(ambiguous(table, "angle", columns));
+        }
+        samples.readings = vec![samples.readings.swap_remove(liveliest)];
+        let reading = ReadingSource::Angle { idx, unit: options.angle_unit.or(angle_unit_of(table, idx)) };
+        Ok(Self { reading, ..self })
+    }
+
+    /// Is the angle still one of several columns?
+    pub(in crate::recording) fn undecided(&self, table: &Table) -> Option<Fault> {
+        match &self.reading {
+            ReadingSource::Rivals { columns } => Some(ambiguous(table, "angle", columns)),
+            _ => None,
+        }
+    }
+}
+
+/// How far a column goes in all, up and down; one that drifts goes far, but only once.
+fn movement(readings: &[f64]) -> f64 {
+    let (low, high) = readings.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+    let steps = readings.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    steps.filter(|step| *step <= WRAP * (high - low)).sum()
+}

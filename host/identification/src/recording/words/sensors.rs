@@ -1,0 +1,82 @@
+//! What names say of a sensor: a gyroscope, the angles of an orientation, accelerations, a light gate.
+
+use super::{angle_unit, words};
+
+/// The three angles of a body that an orientation sensor gives.
+pub(super) const TURNS_OF_BODY: &[&str] =
+    &["pitch", "roll", "yaw", "tangage", "roulis", "lacet", "cabeceo", "alabeo", "beccheggio"];
+
+/// Does a name say that it is a gyroscope's? `Gyroscope`, `gyro_2`, `GyroscopeUncalibrated`.
+pub(in crate::recording) fn is_gyroscope(name: &str) -> bool {
+    words(name).iter().any(|word| word.starts_with("gyro") || word.starts_with("girosc"))
+}
+
+/// Is it how long a swing takes, or how long it shuts a light gate? `Period [s]`, `Transit time`, `Schwingungsdauer`.
+pub(in crate::recording) fn is_duration(name: &str) -> bool {
+    words(name).iter().any(|word| DURATION.contains(&word.as_str()))
+}
+
+/// Words of such durations.
+const DURATION: &[&str] = &[
+    "period",
+    "periods",
+    "transit",
+    "gate",
+    "blocked",
+    "periode",
+    "periodendauer",
+    "schwingungsdauer",
+    "dunkelzeit",
+    "lichtschranke",
+    "période",
+    "durée",
+    "periodo",
+    "período",
+];
+
+/// Is it one of the angles of an orientation? `pitch`, `Roll (deg)`.
+pub(in crate::recording) fn is_turn_of_body(name: &str) -> bool {
+    words(name).iter().any(|word| TURNS_OF_BODY.contains(&word.as_str()))
+}
+
+/// Is it an acceleration along an axis? `Linear Acceleration x (m/s^2)`, `ax_g`, `Beschleunigung y`.
+pub(in crate::recording) fn is_acceleration(name: &str) -> bool {
+    let words = words(name);
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let is_per_square = name.contains("/s²") || name.contains("/s^2") || name.contains("/s2");
+    let in_metres = is_per_square && words.iter().any(|word| word == "m");
+    let in_g = words.last().is_some_and(|word| matches!(word.as_str(), "g" | "mg")) && has(&["ax", "ay", "az"]);
+    let is_angular = words.iter().any(|word| angle_unit(word).is_some() || ANGULAR.contains(&word.as_str()));
+    (in_metres || in_g || has(ACCELERATION)) && !is_angular
+}
+
+/// Words of an acceleration.
+const ACCELERATION: &[&str] = &[
+    "acceleration",
+    "accelerometer",
+    "acc",
+    "accel",
+    "beschleunigung",
+    "accélération",
+    "aceleración",
+    "aceleracion",
+    "accelerazione",
+];
+
+/// Words that make it one of the angle.
+const ANGULAR: &[&str] = &["angular", "angulaire", "angolare", "theta", "phi"];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn accelerations_along_an_axis_are_told_from_those_of_an_angle() {
+        for name in ["Linear Acceleration x (m/s^2)", "Acceleration y (m/s²)", "ax_g", "Beschleunigung z", "accX"] {
+            assert!(is_acceleration(name), "{name}");
+        }
+        for name in ["alpha (rad/s²)", "Angular acceleration (rad/s^2)", "x (m)", "angle", "t_s", "v (m/s)", "g"] {
+            assert!(!is_acceleration(name), "{name}");
+        }
+    }
+}
