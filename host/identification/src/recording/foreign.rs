@@ -49,10 +49,10 @@ impl Kind {
         }
     }
 
-    /// The file as a table of text.
-    pub(super) fn table(self, bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Fault> {
-        match self {
-            Self::Zip => zipped::table(bytes, notes),
+    /// The file as a table of text; that of an archive has a name of its own.
+    pub(super) fn table(self, bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, Option<String>), Fault> {
+        let text = match self {
+            Self::Zip => return zipped::table(bytes, notes).map(|(text, name)| (text, Some(name))),
             Self::Matlab => matlab::table(bytes),
             Self::Hdf5 => Err(refused(
                 "HDF5 file",
@@ -66,7 +66,8 @@ impl Kind {
                 "Tracker (.trk), Logger Pro (.cmbl) and CASSY Lab (.labx) keep their projects so; open it there, and \
                  export the table with time and angle as text or CSV",
             )),
-        }
+        };
+        text.map(|text| (text, None))
     }
 }
 

@@ -93,7 +93,7 @@ fn parse(reader: impl BufRead, name: &str, options: &ReadOptions) -> Result<Reco
     if table.is_turned {
         notes.push("it has a quantity a line: each is read as a column".to_owned());
     }
-    table.is_of_gyroscope = words::is_gyroscope(name);
+    table.is_of_gyroscope |= words::is_gyroscope(name);
     let mut header = read_header(&table)?;
     let rate_hz = rate_of_settings(&table, &mut notes);
     header.rate_hz = header.rate_hz.or(rate_hz);

@@ -24,6 +24,8 @@ pub(super) struct Lines<'a> {
     reader: Box<dyn BufRead + 'a>,
     bytes: Vec<u8>,
     n_read: u64,
+    /// What the file is called in its archive.
+    pub(super) name: Option<String>,
 }
 
 impl<'a> Lines<'a> {
@@ -31,15 +33,20 @@ impl<'a> Lines<'a> {
     pub(super) fn of(mut reader: impl BufRead + 'a, notes: &mut Vec<String>) -> Result<Self, Fault> {
         let mut head = Vec::new();
         reader.by_ref().take(N_LOOKED_AT as u64).read_to_end(&mut head)?;
+        let mut name = None;
         let whole = |head: Vec<u8>, reader| all_of(Cursor::new(head).chain(reader));
         let reader: Box<dyn BufRead + 'a> = match (&head[..], foreign::Kind::of(&head)) {
             ([0xff, 0xfe, ..], _) => Box::new(Cursor::new(utf16(&whole(head, reader)?[2..], u16::from_le_bytes))),
             ([0xfe, 0xff, ..], _) => Box::new(Cursor::new(utf16(&whole(head, reader)?[2..], u16::from_be_bytes))),
-            (_, Some(kind)) => Box::new(Cursor::new(kind.table(&whole(head, reader)?, notes)?)),
+            (_, Some(kind)) => {
+                let (text, its_name) = kind.table(&whole(head, reader)?, notes)?;
+                name = its_name;
+                Box::new(Cursor::new(text))
+            }
             ([0xef, 0xbb, 0xbf, rest @ ..], _) => Box::new(Cursor::new(rest.to_vec()).chain(reader)),
             _ => Box::new(Cursor::new(head).chain(reader)),
         };
-        Ok(Self { reader, bytes: Vec::new(), n_read: 0 })
+        Ok(Self { reader, bytes: Vec::new(), n_read: 0, name })
     }
 
     /// The next line without its end, and whether it has one; `None` behind the last.

@@ -10,6 +10,7 @@ use super::monitor::Dress;
 use super::number::{Cell, Numerals, is_missing, number_and_unit};
 use super::preamble::{self, Preamble};
 use super::source::Lines;
+use super::words::is_gyroscope;
 use std::collections::VecDeque;
 
 /// How many lines are looked at to find the layout.
@@ -45,7 +46,7 @@ pub(super) struct Table<'a> {
     n_lines: usize,
     /// The file has a quantity a line.
     pub(super) is_turned: bool,
-    /// The file is called after a gyroscope.
+    /// The file is called after a gyroscope, or was so in its archive.
     pub(super) is_of_gyroscope: bool,
     /// Settings in numbers above the rows.
     pub(super) settings: Option<Preamble>,
@@ -108,6 +109,7 @@ impl<'a> Table<'a> {
         let comments = comments.collect();
         let held = held.into_iter().skip(first_row_idx).collect();
         let row = Line::default();
+        let is_of_gyroscope = lines.name.as_deref().is_some_and(is_gyroscope);
         Ok(Self {
             lines,
             held,
@@ -120,7 +122,7 @@ impl<'a> Table<'a> {
             row,
             n_lines,
             is_turned,
-            is_of_gyroscope: false,
+            is_of_gyroscope,
             settings,
         })
     }

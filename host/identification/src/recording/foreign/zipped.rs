@@ -1,12 +1,15 @@
-//! An archive with one table in it, as phyphox exports it: `Raw Data.csv` beside `meta/device.csv` and `meta/time.csv`.
+//! An archive with one table in it, as phyphox exports it: `Raw Data.csv` beside `meta/device.csv` and `meta/time.csv`. Of
+//! a table for each sensor of a phone that of the gyroscope is read, because no other one can be fitted.
 
 use super::{Kind, refused};
 use crate::recording::error::Fault;
 use crate::recording::source::MOST_BYTES_WHOLE;
+use crate::recording::words::is_gyroscope;
 use std::io::{Cursor, Read};
 use zip::ZipArchive;
 
-pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Fault> {
+/// The table, and what it is called in the archive.
+pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, String), Fault> {
     let unreadable = |error: zip::result::ZipError| refused("zip archive", &format!("it can't be unpacked ({error})"));
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(unreadable)?;
     let names: Vec<String> = archive.file_names().filter_map(|name| Some(name.ok()?.into_owned())).collect();
@@ -20,7 +23,7 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Fa
             && !lower.contains("__macosx")
     };
     let tables: Vec<&String> = names.iter().filter(is_table).collect();
-    let [name] = tables[..] else {
+    let Some(name) = the_one(&tables) else {
         let listed = if tables.is_empty() {
             names.join(", ")
         } else {
@@ -41,7 +44,22 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Fa
         return Err(refused("zip archive", &format!("{name} in it is no table: unpack it and name the file")));
     }
     notes.push(format!("{name} read from the archive"));
-    Ok(text)
+    Ok((text, stem(name).to_owned()))
+}
+
+/// The only table, the one that is called `Gyroscope`, or the only one of a gyroscope.
+fn the_one<'a>(tables: &[&'a String]) -> Option<&'a String> {
+    let only = |is_it: &dyn Fn(&str) -> bool| {
+        let mut found = tables.iter().copied().filter(|name| is_it(stem(name)));
+        found.next().filter(|_| found.next().is_none())
+    };
+    only(&|_| true).or_else(|| only(&|stem| stem.eq_ignore_ascii_case("gyroscope"))).or_else(|| only(&is_gyroscope))
+}
+
+/// The name of a file without its folder and its ending.
+fn stem(name: &str) -> &str {
+    let file = name.rsplit('/').next().unwrap_or(name);
+    file.rsplit_once('.').map_or(file, |(stem, _)| stem)
 }
 
 #[cfg(test)]
@@ -61,7 +79,10 @@ mod tests {
     #[test]
     fn the_one_table_of_an_archive_is_read_and_of_several_one_must_be_named() {
         let read = |files: &[(&str, &str)]| table(&archive(files), &mut Vec::new()).map_err(|fault| fault.to_string());
-        assert_eq!(read(&[("Raw Data.csv", "t,theta"), ("meta/device.csv", "x,y")]).unwrap(), b"t,theta");
+        let one = read(&[("Raw Data.csv", "t,theta"), ("meta/device.csv", "x,y")]).unwrap();
+        assert_eq!(one, (b"t,theta".to_vec(), "Raw Data".to_owned()));
+        let phone = [("Accelerometer.csv", "a"), ("run/Gyroscope.csv", "g"), ("GyroscopeUncalibrated.csv", "u")];
+        assert_eq!(read(&phone).unwrap(), (b"g".to_vec(), "Gyroscope".to_owned()));
         assert!(read(&[("a.csv", "1"), ("b.csv", "2")]).unwrap_err().contains("2 tables (of a.csv, b.csv)"));
         assert!(read(&[("xl/workbook.xml", "")]).unwrap_err().contains("save the sheet as CSV"));
         assert!(table(b"PK\x03\x04rubbish", &mut Vec::new()).unwrap_err().to_string().contains("can't be unpacked"));
