@@ -38,6 +38,7 @@ const MOST_GROWTH: f64 = 4.0;
 const LARGEST_TAKEN_OFF_RAD: f64 = 2.5;
 
 /// Periods, each of which begins at another turning point, of the first two swings: a hand or a motor may have made them.
+/// With all of them kept, one and a half swings of a motor make angles seem seven times too small.
 const FIRST: usize = 4;
 
 /// Just below upright, where the law of the period ends.

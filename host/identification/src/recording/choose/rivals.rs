@@ -9,7 +9,8 @@ use super::super::words::is_turn_of_body;
 use super::names::{ambiguous, listed};
 use super::{ReadingSource, Sources, angle_unit_of};
 
-/// A step of more than this share of all that a column covers is an angle that wraps around.
+/// A step of more than this share of all that a column covers is an angle that wraps around: by a whole turn, and it
+/// covers no more than that. A pendulum moves so far in half a period, which has more samples than two.
 const WRAP: f64 = 0.5;
 
 impl Sources {
