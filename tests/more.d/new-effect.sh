@@ -18,4 +18,4 @@ rustfmt --edition 2024 --check shared/src/effect/*.rs
 cargo test -p shared
 cargo check -p shared --target "$TARGET"
 cargo test -p tests --lib --test physics_effects --test physics_sensitivities --test export --test trust_numbers \
-    --test discover --test docs
+    --test discover --test discover_many --test docs

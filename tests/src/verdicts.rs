@@ -13,11 +13,11 @@ pub const NAMED_FIRST: f64 = 0.97;
 /// Both of two hidden effects are named, in at least this share of such rigs.
 pub const BOTH_NAMED: f64 = 0.85;
 
-/// No more than `NOISE_LEFT` noises are left, or the rest is said to be unexplained, in at least this share of rigs.
+/// No more than `NOISES_LEFT` noises are left, or the rest is said to be unexplained, in at least this share of rigs.
 pub const SETTLED: f64 = 0.93;
 
 /// So many noises count as nothing but noise.
-const NOISE_LEFT: f64 = 1.05;
+pub const NOISES_LEFT: f64 = 1.05;
 
 /// The zero's error is claimed from one step of the converter on; a rig with less than half a step has none.
 const OFFSET_IS_THERE_RAD: f64 = 0.5 * LSB_RAD;
@@ -31,10 +31,14 @@ pub struct Outcome {
     pub named_first: bool,
     /// All that is hidden is named.
     pub all_named: bool,
+    /// All that is hidden is named, or told as what free swings cannot tell from it.
+    pub all_told: bool,
     /// All that is hidden is named, and nothing else.
     pub exact: bool,
     /// Only noise is left, or it is said that more is.
     pub settled: bool,
+    /// The error left, as a multiple of the noise.
+    pub noises_left: f64,
     /// Everything about it, on a line.
     pub words: String,
 }
@@ -44,6 +48,7 @@ impl Outcome {
     pub fn of(rig: &Rig, diagnosis: &Value) -> Self {
         let truth: Vec<&str> = rig.hidden.iter().map(|hidden| canonical(hidden.name)).collect();
         let verdict: Vec<&str> = names(rig, diagnosis, "verdict");
+        let undecided = names(rig, diagnosis, "undecided");
         let ranked = names(rig, diagnosis, "ranked");
         let number = |key: &str| diagnosis[key].as_f64().unwrap_or(f64::NAN);
         let noises_left = number("rmse_after") / rig.total_noise_rad();
@@ -53,8 +58,10 @@ impl Outcome {
             n_hidden: truth.len(),
             named_first: ranked.first().is_some_and(|first| truth.contains(first)),
             all_named,
+            all_told: truth.iter().all(|name| verdict.contains(name) || undecided.contains(name)),
             exact: all_named && nothing_else,
-            settled: noises_left <= NOISE_LEFT || diagnosis["unexplained"] == true,
+            settled: noises_left <= NOISES_LEFT || diagnosis["unexplained"] == true,
+            noises_left,
             words: format!(
                 "{truth:?} -> {verdict:?}, undecided {}, first {:?}; {:.2} -> {noises_left:.3} noises; {:.2} s",
                 diagnosis["undecided"],

@@ -1,11 +1,10 @@
-//! The diagnosis on rigs whose missing physics is known: the examples, one simulated rig for each effect of the list,
-//! rigs without any, and pendulums of other laboratories.
+//! The diagnosis on rigs whose missing physics is known: the examples, rigs without any, and pendulums of
+//! other laboratories. `discover_many` has a rig for each effect of the list.
 
 use host::diagnose::{Diagnosis, diagnose};
 use host::recording::segment::SegmentOptions;
 use host::recording::{Recording, read};
 use host::swing::Swing;
-use shared::effect::Effect;
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
 use std::path::{Path, PathBuf};
@@ -98,30 +97,6 @@ fn slow_and_quick_pendulums_are_known_as_well_as_the_usual_ones() {
             assert_eq!(diagnosis.verdict, [truth], "{name}, {factor} times as slow");
             assert!(!diagnosis.unexplained, "{name}, {factor} times as slow: {} rad", diagnosis.rmse_after);
         }
-    }
-}
-
-/// What a verdict may say instead of an effect that free swings show no better.
-fn is_named(effect: &str, diagnosis: &Diagnosis) -> bool {
-    let named = |name: &str| diagnosis.verdict.contains(&name) || diagnosis.undecided.contains(&name);
-    let generalisations = Effect::<f64>::ALL.iter().filter(|other| other.generalises == Some(effect));
-    let special = Effect::<f64>::by_name(effect).and_then(|known| known.generalises);
-    named(effect) || generalisations.map(|other| other.name).chain(special).any(named)
-}
-
-#[test]
-fn every_effect_of_the_list_is_found_when_it_is_hidden() {
-    for (place, effect) in Effect::<f64>::usual().enumerate() {
-        // More samples a second would only take longer.
-        let plain = Rig { rate_hz: 125.0, ..Rig::random(40 + place as u64) };
-        let (rig, _) = plain.with(effect.name).scaled_to(3.0);
-        let diagnosis = diagnose(&rig.swings(), &[], &rig.known());
-        let before = diagnosis.rmse_before / rig.total_noise_rad();
-        assert!(before > 1.05, "the base model suffices without {}: {before}", effect.name);
-        let (verdict, undecided) = (&diagnosis.verdict, &diagnosis.undecided);
-        assert!(is_named(effect.name, &diagnosis), "{}: {verdict:?}, undecided {undecided:?}", effect.name);
-        let left = diagnosis.rmse_after / rig.total_noise_rad();
-        assert!(left < 1.05, "{}: {left} times the noise is left with {verdict:?}", effect.name);
     }
 }
 

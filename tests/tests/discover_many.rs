@@ -9,7 +9,7 @@ use shared::effect::Effect;
 use std::collections::HashMap;
 use std::time::Instant;
 use tests::hidden::{Random, Rig};
-use tests::verdicts::{NAMED_FIRST, Outcome, check_in_full, check_within_chance};
+use tests::verdicts::{NAMED_FIRST, NOISES_LEFT, Outcome, check_in_full, check_within_chance};
 
 /// So many noises a base model leaves without the one effect that is hidden …
 const ONE_LEAVES: [f64; 4] = [1.5, 2.2, 3.0, 5.0];
@@ -200,6 +200,17 @@ fn forty_rigs() {
     let slower = |rig: Rig| Rig { rate_hz: rig.rate_hz.min(125.0), ..rig };
     let outcomes: Vec<Outcome> = chosen.iter().map(|case| judged(case, slower)).collect();
     check_within_chance(&outcomes);
+    check_every_effect_is_told(&outcomes);
+}
+
+/// Of an effect that is hidden alone the diagnosis must tell whatever the rates are: so that none of the list is lost.
+#[track_caller]
+fn check_every_effect_is_told(outcomes: &[Outcome]) {
+    let alone = outcomes.iter().filter(|rig| rig.n_hidden == 1);
+    let (told, lost): (Vec<_>, Vec<_>) = alone.partition(|rig| rig.all_told && rig.noises_left <= NOISES_LEFT);
+    let lost: Vec<&str> = lost.iter().map(|rig| rig.words.as_str()).collect();
+    assert!(lost.is_empty(), "{lost:#?}");
+    assert_eq!(told.len(), effects().len(), "rigs with one effect");
 }
 
 /// `UPDATE_SIZES=1` writes them anew. A rig that is not kept is made as the long form makes it.
