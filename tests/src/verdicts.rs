@@ -37,7 +37,9 @@ pub struct Outcome {
     pub exact: bool,
     /// Only noise is left, or it is said that more is.
     pub settled: bool,
-    /// The error left, as a multiple of the noise.
+    /// The error of the base model, as a multiple of the noise.
+    pub noises_before: f64,
+    /// The error left, likewise.
     pub noises_left: f64,
     /// Everything about it, on a line.
     pub words: String,
@@ -51,7 +53,7 @@ impl Outcome {
         let undecided = names(rig, diagnosis, "undecided");
         let ranked = names(rig, diagnosis, "ranked");
         let number = |key: &str| diagnosis[key].as_f64().unwrap_or(f64::NAN);
-        let noises_left = number("rmse_after") / rig.total_noise_rad();
+        let [noises_before, noises_left] = ["rmse_before", "rmse_after"].map(|key| number(key) / rig.total_noise_rad());
         let all_named = truth.iter().all(|name| verdict.contains(name));
         let nothing_else = verdict.iter().all(|name| truth.contains(name) || is_part_of(name, &truth));
         Self {
@@ -61,12 +63,13 @@ impl Outcome {
             all_told: truth.iter().all(|name| verdict.contains(name) || undecided.contains(name)),
             exact: all_named && nothing_else,
             settled: noises_left <= NOISES_LEFT || diagnosis["unexplained"] == true,
+            noises_before,
             noises_left,
             words: format!(
-                "{truth:?} -> {verdict:?}, undecided {}, first {:?}; {:.2} -> {noises_left:.3} noises; {:.2} s",
+                "{truth:?} -> {verdict:?}, undecided {}, first {:?}; \
+                 {noises_before:.2} -> {noises_left:.3} noises; {:.2} s",
                 diagnosis["undecided"],
                 ranked.first(),
-                number("rmse_before") / rig.total_noise_rad(),
                 number("seconds"),
             ),
         }

@@ -203,11 +203,12 @@ fn forty_rigs() {
     check_every_effect_is_told(&outcomes);
 }
 
-/// Of an effect that is hidden alone the diagnosis must tell whatever the rates are: so that none of the list is lost.
+/// An effect that is hidden alone is missed by the base model and told of, whatever the rates are: none of the list is
+/// lost.
 #[track_caller]
 fn check_every_effect_is_told(outcomes: &[Outcome]) {
-    let alone = outcomes.iter().filter(|rig| rig.n_hidden == 1);
-    let (told, lost): (Vec<_>, Vec<_>) = alone.partition(|rig| rig.all_told && rig.noises_left <= NOISES_LEFT);
+    let is_told = |rig: &&Outcome| rig.noises_before > NOISES_LEFT && rig.all_told && rig.noises_left <= NOISES_LEFT;
+    let (told, lost): (Vec<_>, Vec<_>) = outcomes.iter().filter(|rig| rig.n_hidden == 1).partition(is_told);
     let lost: Vec<&str> = lost.iter().map(|rig| rig.words.as_str()).collect();
     assert!(lost.is_empty(), "{lost:#?}");
     assert_eq!(told.len(), effects().len(), "rigs with one effect");
