@@ -239,6 +239,8 @@ pub struct Rules {
     /// It is tried only in place of the effect that it generalises, from the numbers of that one; its first parameters
     /// are the same. Nothing suggests it alone, so that no first look has to know it.
     pub follows_special_case: bool,
+    /// No first look tries it, because a board has no room for it or can't tell it; a diagnosis does.
+    pub is_left_to_diagnosis: bool,
 }
 
 impl Rules {
@@ -251,6 +253,7 @@ impl Rules {
         is_calibrated: false,
         special_case_at: None,
         follows_special_case: false,
+        is_left_to_diagnosis: false,
     };
 }
 
@@ -296,6 +299,12 @@ impl<R: Real> Effect<R> {
     /// Those that may be missing from the base model, in their usual form: none that only follows its special case.
     pub fn usual() -> impl Iterator<Item = &'static Effect<R>> {
         Self::ALL.iter().filter(|effect| !effect.is_base() && !effect.rules.follows_special_case)
+    }
+
+    /// Does a first look try it?
+    pub const fn is_for_first_look(&self) -> bool {
+        let Rules { is_free_offset, follows_special_case, is_left_to_diagnosis, .. } = self.rules;
+        !(self.is_base() || is_free_offset || follows_special_case || is_left_to_diagnosis)
     }
 
     /// The law that is tried in its place where it leaves more than the noise; none on the board, where nothing is tried.

@@ -183,7 +183,8 @@ fn is_within(rig: &Rig, said: &Suspects) -> Option<bool> {
 }
 
 fn effects() -> Vec<&'static str> {
-    Effect::<f64>::usual().map(|effect| effect.name).collect()
+    let known = Effect::<f64>::usual().filter(|effect| !effect.rules.is_left_to_diagnosis);
+    known.map(|effect| effect.name).collect()
 }
 
 fn round(round: u64, n_innocent: usize) -> Vec<Outcome> {

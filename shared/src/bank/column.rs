@@ -140,8 +140,10 @@ impl<R: Real<Mask = bool>> Columns<R> {
         for effect in Effect::<R>::ALL.iter().filter(|effect| !effect.is_base()) {
             match parameters.values(effect.id) {
                 Some(values) => columns.add_present(effect, values),
-                None if effect.rules.is_free_offset || effect.rules.follows_special_case => {}
-                None => (0..effect.starts.len() as u8).for_each(|place| columns.add_candidate(effect, place)),
+                None if effect.is_for_first_look() => {
+                    (0..effect.starts.len() as u8).for_each(|place| columns.add_candidate(effect, place));
+                }
+                None => {}
             }
         }
         if knows_band {
