@@ -56,6 +56,7 @@ effects! {
     general_spring,
     detent,
     pivot_compliance,
+    resonant_support,
     presliding,
     general_presliding,
     backlash,
@@ -121,6 +122,8 @@ pub enum Action<R> {
     Friction(Torque<R>),
     /// A torque with a memory of its own.
     State(Memory<R>),
+    /// Something that swings with the pendulum, integrated beside it.
+    Support(Support<R>),
     /// What the sensor makes of the angle.
     Sensor(Sensor<R>),
     /// A torque that somebody typed; not in the list of all.
@@ -139,6 +142,20 @@ pub struct Memory<R> {
     pub torque: fn(&Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> R,
     /// The memory after a step from the first instant to the second; the sliding direction did not change in between.
     pub advance: Advance<R>,
+}
+
+/// A degree of freedom of its own, which the Runge–Kutta step takes with the pendulum's. It moves while the bearing sticks
+/// too.
+#[derive(Clone, Copy)]
+pub struct Support<R> {
+    /// The memory at the first instant that is known.
+    pub start: fn(&Motion<R>, &[R; MAX_VALUES]) -> [R; MEMORY],
+    /// Torque in N·m on a pendulum that turns evenly; acts at rest too.
+    pub torque: fn(&Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> R,
+    /// How fast the memory changes, its unit/s.
+    pub rate: fn(&Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> [R; MEMORY],
+    /// The pendulum's inertia as a share of what it is in a bearing that is held.
+    pub share_held: fn(&Motion<R>, &[R; MAX_VALUES]) -> R,
 }
 
 /// An effect on the measurement.

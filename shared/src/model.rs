@@ -7,13 +7,14 @@
 //! at DV = 0.
 
 mod state;
+mod support;
 
 pub use state::{SensorState, State};
 
 use crate::curve::Spline;
 use crate::effect::{
-    Action, CURVE_ID, CUSTOM_FORMULA_ID, Effect, MAX_VALUES, MEMORY, Memory, SENSOR_MEMORY, Sensor, Torque, coulomb,
-    viscous,
+    Action, CURVE_ID, CUSTOM_FORMULA_ID, Effect, MAX_VALUES, MEMORY, Memory, SENSOR_MEMORY, Sensor, Support, Torque,
+    coulomb, viscous,
 };
 use crate::formula::Program;
 use crate::karnopp::{Balance, Contact};
@@ -49,11 +50,16 @@ pub struct Model<R: 'static> {
     drives: Vec<Term<Torque<R>, R>, MAX_EFFECTS>,
     frictions: Vec<Term<Torque<R>, R>, MAX_EFFECTS>,
     memories: Vec<Term<Memory<R>, R>, MAX_MEMORIES>,
+    support: Option<Term<Support<R>, R>>,
     sensors: Vec<Term<Sensor<R>, R>, MAX_SENSORS>,
     custom: Option<Term<Program<R>, R>>,
     curve: Option<Spline<R>>,
     /// Nothing beyond the base effects: the inner loop skips the lists.
     plain: bool,
+    /// Of what is there at rest, gravity is all.
+    hangs_freely: bool,
+    /// Something is remembered from step to step.
+    remembers: bool,
 }
 
 /// The coefficients of the base model in the present contact: which of them act, divided by the inertia.
@@ -63,6 +69,14 @@ struct Regime<R> {
     viscous: R,
     dry: R,
     contact: Contact<R>,
+}
+
+impl<R: Real> Regime<R> {
+    /// What the base model makes of it, rad/s².
+    #[inline(always)]
+    fn acceleration(&self, angle: R, velocity: R) -> R {
+        (self.dry + self.viscous * velocity) - self.gravity * angle.sin()
+    }
 }
 
 /// Values in the length that every law takes.
@@ -86,10 +100,13 @@ impl<R: Real> Model<R> {
             drives: Vec::new(),
             frictions: Vec::new(),
             memories: Vec::new(),
+            support: None,
             sensors: Vec::new(),
             custom: None,
             curve: None,
             plain: true,
+            hangs_freely: true,
+            remembers: false,
         };
         // In the order of the list of all effects, which for the sensor is that from the shaft to the wire.
         for effect in Effect::<R>::ALL {
@@ -101,11 +118,13 @@ impl<R: Real> Model<R> {
             model.custom = Some(Term { law: Program::new(formula), values: padded(numbers) });
         }
         model.curve = parameters.curve.as_ref().filter(|_| parameters.values(CURVE_ID).is_some()).map(Spline::new);
-        model.plain = model.drives.is_empty()
-            && model.frictions.is_empty()
-            && model.memories.is_empty()
-            && model.custom.is_none()
-            && model.curve.is_none();
+        if model.memories.is_full() {
+            // The check of parameters lets none of these pass.
+            model.support = None;
+        }
+        model.remembers = !model.memories.is_empty() || model.support.is_some();
+        model.hangs_freely = model.drives.is_empty() && !model.remembers && model.custom.is_none();
+        model.plain = model.hangs_freely && model.frictions.is_empty() && model.curve.is_none();
         model
     }
 
@@ -117,6 +136,7 @@ impl<R: Real> Model<R> {
             Action::Drive(law) => self.drives.push(Term { law, values }).is_ok(),
             Action::Friction(law) => self.frictions.push(Term { law, values }).is_ok(),
             Action::State(law) => self.memories.push(Term { law, values }).is_ok(),
+            Action::Support(law) => self.support.replace(Term { law, values }).is_none(),
             Action::Sensor(law) => self.sensors.push(Term { law, values }).is_ok(),
         };
     }
@@ -134,6 +154,9 @@ impl<R: Real> Model<R> {
         let mut memories = [[R::zero(); MEMORY]; MAX_MEMORIES];
         for (memory, term) in memories.iter_mut().zip(&self.memories) {
             *memory = (term.law.start)(&motion, &term.values);
+        }
+        if let Some(support) = &self.support {
+            memories[self.memories.len()] = (support.law.start)(&motion, &support.values);
         }
         let mut state = State { angle_rad, velocity_rad_s, time_s, contact, memories };
         self.reconsider(&mut state);
@@ -263,7 +286,9 @@ impl<R: Real> Model<R> {
         let regime = self.regime(&state.contact);
         let rise_start =
             self.acceleration(&regime, state.angle_rad, state.velocity_rad_s, state.time_s, &state.memories);
-        let rise_end = self.acceleration(&regime, trial.angle, trial.velocity, state.time_s + dt_s, &state.memories);
+        let moved = self.support_moved(state, dt_s);
+        let memories = moved.as_ref().unwrap_or(&state.memories);
+        let rise_end = self.acceleration(&regime, trial.angle, trial.velocity, state.time_s + dt_s, memories);
         rk4::share_until(state.velocity_rad_s, rise_start * dt_s, trial.velocity, rise_end * dt_s, edge)
     }
 
@@ -299,13 +324,27 @@ impl<R: Real> Model<R> {
     fn trial(&self, state: &State<R>, dt_s: R) -> Phase<R> {
         let regime = self.regime(&state.contact);
         let start = Phase { angle: state.angle_rad, velocity: state.velocity_rad_s };
-        let acceleration = |angle, velocity, time| self.acceleration(&regime, angle, velocity, time, &state.memories);
+        if self.plain {
+            return rk4::step(|angle, velocity, _| regime.acceleration(angle, velocity), start, state.time_s, dt_s);
+        }
+        self.trial_with_added(&regime, start, state, dt_s)
+    }
+
+    #[inline(never)]
+    fn trial_with_added(&self, regime: &Regime<R>, start: Phase<R>, state: &State<R>, dt_s: R) -> Phase<R> {
+        if let Some(support) = &self.support {
+            return self.step_on(support, regime, start, state, dt_s).0;
+        }
+        let acceleration = |angle, velocity, time| {
+            let added = self.added_acceleration(regime, angle, velocity, time, &state.memories);
+            regime.acceleration(angle, velocity) + added
+        };
         rk4::step(acceleration, start, state.time_s, dt_s)
     }
 
     #[inline(always)]
     fn accept(&self, state: &mut State<R>, reached: Phase<R>, dt_s: R) {
-        if !self.memories.is_empty() {
+        if self.remembers {
             self.advance_memories(state, reached, dt_s);
         }
         state.angle_rad = reached.angle;
@@ -320,6 +359,9 @@ impl<R: Real> Model<R> {
         let after = self.motion(reached.angle, reached.velocity, direction, state.time_s + dt_s);
         for (memory, term) in state.memories.iter_mut().zip(&self.memories) {
             *memory = (term.law.advance)(&before, &after, memory, &term.values);
+        }
+        if let Some(moved) = self.support_moved(state, dt_s) {
+            state.memories[self.memories.len()] = moved[self.memories.len()];
         }
     }
 
@@ -345,8 +387,18 @@ impl<R: Real> Model<R> {
         time: R,
         memories: &[[R; MEMORY]; MAX_MEMORIES],
     ) -> R {
-        let base = (regime.dry + regime.viscous * velocity) - regime.gravity * angle.sin();
-        if self.plain { base } else { base + self.added_acceleration(regime, angle, velocity, time, memories) }
+        let base = regime.acceleration(angle, velocity);
+        if self.plain {
+            return base;
+        }
+        let all = base + self.added_acceleration(regime, angle, velocity, time, memories);
+        match &self.support {
+            None => all,
+            Some(support) => {
+                let motion = self.motion(angle, velocity, regime.contact.slide, time);
+                all / (support.law.share_held)(&motion, &support.values)
+            }
+        }
     }
 
     #[inline(never)]
@@ -375,6 +427,9 @@ impl<R: Real> Model<R> {
         for (term, memory) in self.memories.iter().zip(memories) {
             sum = sum + (term.law.torque)(motion, memory, &term.values);
         }
+        if let Some(term) = &self.support {
+            sum = sum + (term.law.torque)(motion, &memories[self.memories.len()], &term.values);
+        }
         if let Some(term) = &self.custom {
             sum = sum + term.law.drive_nm(motion, &term.values);
         }
@@ -399,7 +454,7 @@ impl<R: Real> Model<R> {
     /// Torque of everything that acts at rest too: gravity, springs, magnets, bristles.
     fn drive_nm(&self, angle: R, velocity: R, time: R, memories: &[[R; MEMORY]; MAX_MEMORIES]) -> R {
         let gravity = -self.gravity_nm * angle.sin();
-        if self.drives.is_empty() && self.memories.is_empty() && self.custom.is_none() {
+        if self.hangs_freely {
             return gravity;
         }
         gravity + self.added_drive_nm(&self.motion(angle, velocity, R::zero(), time), memories)

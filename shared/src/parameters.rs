@@ -290,7 +290,7 @@ enum Kind {
 impl Kind {
     fn of(id: u16) -> Option<Self> {
         match Effect::<f32>::by_id(id)?.action {
-            Action::State(_) => Some(Self::Torque),
+            Action::State(_) | Action::Support(_) => Some(Self::Torque),
             Action::Sensor(_) => Some(Self::Sensor),
             _ => None,
         }

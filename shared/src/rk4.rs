@@ -34,6 +34,30 @@ pub(crate) fn step<R: Real>(acceleration: impl Fn(R, R, R) -> R, start: Phase<R>
     }
 }
 
+/// One step of θ' = ω with two numbers beside it; `slope(θ, ω, t, numbers)` gives ω' and how fast the numbers change.
+#[inline(always)]
+pub(crate) fn step_beside<R: Real>(
+    slope: impl Fn(R, R, R, [R; 2]) -> (R, [R; 2]),
+    start: Phase<R>,
+    beside: [R; 2],
+    time: R,
+    dt: R,
+) -> (Phase<R>, [R; 2]) {
+    let (half, sixth) = (R::of(0.5) * dt, R::of(1.0 / 6.0) * dt);
+    let moved = |rate: [R; 2], by: R| [beside[0] + by * rate[0], beside[1] + by * rate[1]];
+    let mean = |a: R, b: R, c: R, d: R| sixth * (a + (b + c) + (b + c) + d);
+    let Phase { angle, velocity: v1 } = start;
+    let (a1, r1) = slope(angle, v1, time, beside);
+    let v2 = v1 + half * a1;
+    let (a2, r2) = slope(angle + half * v1, v2, time + half, moved(r1, half));
+    let v3 = v1 + half * a2;
+    let (a3, r3) = slope(angle + half * v2, v3, time + half, moved(r2, half));
+    let v4 = v1 + dt * a3;
+    let (a4, r4) = slope(angle + dt * v3, v4, time + dt, moved(r3, dt));
+    let phase = Phase { angle: angle + mean(v1, v2, v3, v4), velocity: v1 + mean(a1, a2, a3, a4) };
+    (phase, [0, 1].map(|i| beside[i] + mean(r1[i], r2[i], r3[i], r4[i])))
+}
+
 /// The share 0 … 1 of a step at which the velocity reaches `target`, by Newton's method on the cubic through both
 /// ends (Hermite). `rise_*` are acceleration times step. Meant for steps in which it does cross.
 pub(crate) fn share_until<R: Real>(v_start: R, rise_start: R, v_end: R, rise_end: R, target: R) -> R {

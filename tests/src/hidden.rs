@@ -163,6 +163,8 @@ impl Hidden {
             "detent" => (2e-4, [random.pick(&[4.0, 5.0, 6.0, 8.0, 12.0]), phase], 2e-3),
             // The resonance of a softer stand comes too near to the swing to be called a stand.
             "pivot-compliance" => (1e-3, [0.0; 2], 1.2e-3),
+            // Its frequency in those of the swing.
+            "resonant-support" => (0.02, [random.log_between(2.5, 10.0), 0.0], 0.8),
             "presliding" => (5e-3, [0.0; 2], 0.06),
             "backlash" => (6e-3, [random.between(-1.0, 1.0), 0.0], 0.05),
             "sensor-nonlinearity" => (sign * 0.4, [0.08 * random.sign(), 0.05 * random.sign()], 2.0),

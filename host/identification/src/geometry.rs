@@ -119,7 +119,8 @@ pub fn check(parameters: &Parameters<f64>, swings: &[Swing]) -> Result<Vec<Strin
 /// Is there a torque beside gravity that makes it swing?
 fn has_drive(parameters: &Parameters<f64>) -> bool {
     let is_drive = |id: u16| {
-        Effect::<f64>::by_id(id).is_some_and(|effect| matches!(effect.action, Action::Drive(_) | Action::State(_)))
+        Effect::<f64>::by_id(id)
+            .is_some_and(|effect| matches!(effect.action, Action::Drive(_) | Action::State(_) | Action::Support(_)))
     };
     parameters.effects.iter().any(|effect| effect.id == CUSTOM_FORMULA_ID || is_drive(effect.id))
 }

@@ -60,6 +60,7 @@ pub fn acts_on(effect: &Effect<f64>) -> &'static str {
         Action::Base => "base model",
         Action::Drive(_) | Action::Friction(_) | Action::Curve => "torque",
         Action::State(_) => "torque with memory",
+        Action::Support(_) => "something that swings with it",
         Action::Sensor(_) => "sensor",
         Action::Formula(_) => "formula",
     }

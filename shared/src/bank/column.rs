@@ -379,7 +379,7 @@ impl<R: Real> Remembered<R> {
             Action::Drive(law) => law(drive, values),
             Action::Friction(law) => rubs * law(friction, values),
             Action::State(law) => (law.torque)(drive, &self.torque(), values),
-            Action::Base | Action::Sensor(_) | Action::Formula(_) | Action::Curve => R::zero(),
+            Action::Base | Action::Support(_) | Action::Sensor(_) | Action::Formula(_) | Action::Curve => R::zero(),
         }
     }
 

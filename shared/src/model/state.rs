@@ -37,6 +37,12 @@ impl<R: Real> State<R> {
         })
     }
 
+    /// What effects remember.
+    #[cfg(test)]
+    pub(crate) fn memories(&self) -> &[[R; MEMORY]; MAX_MEMORIES] {
+        &self.memories
+    }
+
     /// The state that [`State::numbers`] gave.
     pub fn from_numbers(numbers: &[R; STATE_NUMBERS]) -> Self {
         let [angle_rad, velocity_rad_s, time_s, slide, push, level_nm, ..] = *numbers;

@@ -3,7 +3,8 @@
 //! Runge and Kutta's fourth-order steps of at most 0.2 ms with the platform's sine; dry friction as a set: the direction
 //! of sliding is fixed within a step, the end of sliding is located by bisection, and there the balance of torques
 //! decides between rest and sliding back. A velocity band (D. Karnopp, J. Dyn. Sys. Meas. Control 107 (1985) 100) is
-//! there only where a rig has one. Pre-sliding and the yielding support are integrated as states of their own.
+//! there only where a rig has one. Pre-sliding and the yielding support are integrated as states of their own; the
+//! support rings on while the bearing sticks, and shakes what it holds.
 
 use super::listed::Listed;
 use super::{Rig, Shapes};
@@ -54,7 +55,7 @@ impl Support {
         let (mass_kg, stiffness) = if let Some(stiff) = rig.hidden("pivot-compliance") {
             (rig.mass_kg * (1.0 + SUPPORT_MASS), 1.0 / stiff.size)
         } else {
-            let soft = rig.hidden("soft-support")?;
+            let soft = rig.hidden("resonant-support")?;
             let mass_kg = rig.mass_kg / soft.size;
             (mass_kg, mass_kg * soft.shape[0].powi(2) * gravity_nm / inertia)
         };
@@ -137,7 +138,7 @@ impl<'a> Plant<'a> {
     }
 
     pub(super) fn rests(&self) -> bool {
-        let still = self.phase[1].abs() < 1e-3 && self.drive_nm(&self.phase).abs() < 1e-5;
+        let still = self.phase[1].abs() < 1e-3 && self.held_nm(&self.phase).abs() < 1e-5;
         self.regime == Regime::Rest || (self.bristle_rad() > 0.0 && still)
     }
 
@@ -146,6 +147,7 @@ impl<'a> Plant<'a> {
         let mut left_s = seconds;
         for _ in 0..50 {
             if self.regime == Regime::Rest {
+                self.phase = self.stepped(left_s);
                 self.time_s += left_s;
                 self.settle();
                 return;
@@ -185,7 +187,7 @@ impl<'a> Plant<'a> {
         match self.regime {
             Regime::Sliding { direction } => direction * phase[1] >= self.rig.velocity_band,
             Regime::Band { push, level_nm } => {
-                phase[1].abs() <= self.rig.velocity_band && push * self.drive_nm(phase) >= level_nm
+                phase[1].abs() <= self.rig.velocity_band && push * self.held_nm(phase) >= level_nm
             }
             Regime::Rest => true,
         }
@@ -193,7 +195,7 @@ impl<'a> Plant<'a> {
 
     /// Slow enough to stick: does friction hold?
     fn settle(&mut self) {
-        let drive = self.drive_nm(&self.phase);
+        let drive = self.held_nm(&self.phase);
         let direction = if drive < 0.0 { -1.0 } else { 1.0 };
         let [angle, ..] = self.phase;
         let edge = direction * self.rig.velocity_band;
@@ -206,11 +208,21 @@ impl<'a> Plant<'a> {
         } else {
             self.regime = Regime::Sliding { direction };
             self.phase[1] = 0.0;
-            // A moving support may push the other way at this instant.
-            if direction * self.slope(&self.phase, self.time_s)[1] <= 0.0 {
-                self.stop();
-            }
         }
+    }
+
+    /// What the bearing has to hold if the pendulum is not to turn: all that acts at rest, and the support's shaking.
+    fn held_nm(&self, phase: &Phase) -> f64 {
+        let Some(stand) = &self.support else { return self.drive_nm(phase) };
+        let coupling = self.rig.mass_kg * self.rig.length_m * phase[0].cos();
+        self.drive_nm(phase) - coupling * self.shaken(stand, phase) / stand.mass_kg
+    }
+
+    /// The force that moves the support of a pendulum which turns evenly, N.
+    fn shaken(&self, stand: &Support, phase: &Phase) -> f64 {
+        let [angle, velocity, _, support, support_speed] = *phase;
+        let moment = self.rig.mass_kg * self.rig.length_m;
+        moment * angle.sin() * velocity * velocity - stand.stiffness * support - stand.damping * support_speed
     }
 
     /// What acts at rest too.
@@ -258,13 +270,16 @@ impl<'a> Plant<'a> {
     }
 
     fn slope(&self, phase: &Phase, time_s: f64) -> Phase {
-        let [angle, velocity, bristle, support, support_speed] = *phase;
+        let [angle, velocity, bristle, _, support_speed] = *phase;
         let torque = match self.regime {
             Regime::Sliding { direction } => {
                 self.drive_nm(phase) + self.friction_nm(angle, velocity, direction, time_s)
             }
             Regime::Band { push, level_nm } => self.drive_nm(phase) - push * level_nm,
-            Regime::Rest => return [0.0; 5],
+            Regime::Rest => {
+                let shift = self.support.as_ref().map_or(0.0, |stand| self.shaken(stand, phase) / stand.mass_kg);
+                return [0.0, 0.0, 0.0, support_speed, shift];
+            }
         };
         let bending = match self.bristle_rad() {
             0.0 => 0.0,
@@ -274,10 +289,8 @@ impl<'a> Plant<'a> {
             return [velocity, torque / self.inertia, bending, 0.0, 0.0];
         };
         // Two bodies: M·x″ + m·l·cos θ·θ″ = m·l·sin θ·ω² − k·x − d·x′; m·l·cos θ·x″ + J·θ″ = torque.
-        let moment = self.rig.mass_kg * self.rig.length_m;
-        let force =
-            moment * angle.sin() * velocity * velocity - stand.stiffness * support - stand.damping * support_speed;
-        let coupling = moment * angle.cos();
+        let force = self.shaken(stand, phase);
+        let coupling = self.rig.mass_kg * self.rig.length_m * angle.cos();
         let determinant = stand.mass_kg * self.inertia - coupling * coupling;
         let turning = (stand.mass_kg * torque - coupling * force) / determinant;
         let shift = (self.inertia * force - coupling * torque) / determinant;

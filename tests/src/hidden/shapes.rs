@@ -4,7 +4,7 @@
 use super::{Random, Rig};
 
 /// Their names, each with the effects of the list that come nearest.
-pub const SHAPES: [(&str, &[&str]); 9] = [
+pub const SHAPES: [(&str, &[&str]); 8] = [
     ("slow-stribeck", &["stribeck", "general-stribeck"]),
     ("ageing-friction", &["drifting-friction", "general-drift"]),
     ("wide-brake", &["eddy-brake", "general-brake"]),
@@ -13,7 +13,6 @@ pub const SHAPES: [(&str, &[&str]); 9] = [
     ("hard-spring", &["torsional-spring", "general-spring"]),
     ("eccentric", &["sensor-nonlinearity", "sensor-gain"]),
     ("rough-drag", &["quadratic-drag", "power-law-drag"]),
-    ("soft-support", &["pivot-compliance"]),
 ];
 
 /// Drag grows with the square of the speed below this one, in proportion to it above, rad/s.
@@ -33,7 +32,6 @@ pub(super) fn form(name: &str, random: &mut Random) -> Option<(f64, [f64; 2], f6
         "hard-spring" => (2e-3, [0.0; 2], 0.05),
         "eccentric" => (5e-3, [random.between(-3.1, 3.1), 0.0], 0.1),
         "rough-drag" => (6e-5, [0.0; 2], 1e-3),
-        "soft-support" => (0.02, [random.log_between(2.5, 10.0), 0.0], 0.8),
         _ => return None,
     })
 }

@@ -1,0 +1,233 @@
+//! Resonant support: what holds the bearing moves sideways with a mass, a spring and a damping of its own, and the
+//! pendulum shakes it.
+//! Source: P. Hagedorn, D. Hochlenert, Technische Schwingungslehre (Harri Deutsch, 2012): the pendulum on an oscillator.
+//!
+//! M is all the mass that moves sideways, the pendulum's among it, x the support's way, J = m·l² + I:
+//!
+//! M·x″ + m·l·(sin θ)″ = −k·x − c·x′ and J·θ″ + m·l·cos θ·x″ = τ.
+//!
+//! In u = x + μ·l·sin θ, μ = m/M, no acceleration is left: u″ = −ws²·x − 2·zs·ws·x′ with ws² = k/M, c = 2·zs·ws·M, and
+//!
+//! θ″ = [τ − m·l·cos θ·(u″ + μ·l·ω²·sin θ)] / (J − μ·m·l²·cos² θ).
+//!
+//! While the bearing sticks, the support rings on, and the bearing has to hold against m·l·cos θ·u″. Far above the swing
+//! it is [`super::pivot_compliance`] with ck = μ/(m·ws²).
+
+use super::{Action, Effect, Family, MAX_VALUES, MEMORY, Parameter, Rules, Support};
+use crate::motion::Motion;
+use crate::real::Real;
+
+/// The effect's entry in the list.
+pub const fn effect<R: Real>() -> Effect<R> {
+    Effect {
+        id: 25,
+        name: "resonant-support",
+        summary: "The stand swings too: it has a mass and a frequency of its own, rings after each push and takes energy.",
+        formula: "torque = -m*l*cos(theta)*x'', x'' + 2*zs*ws*x' + ws^2*x = -ms*l*(sin(theta))'', ws = rs*w0",
+        source: "P. Hagedorn, D. Hochlenert, Technische Schwingungslehre (Harri Deutsch, 2012)",
+        experiment: "A finger on the stand; a knock on it, and a phone's accelerometer there: it shows the frequency.",
+        parameters: &[
+            Parameter {
+                symbol: "ms",
+                unit: "1",
+                low: 0.0,
+                high: 0.95,
+                start: 0.0,
+                meaning: prose!("the pendulum's share of all mass that moves sideways"),
+            },
+            Parameter {
+                symbol: "rs",
+                unit: "1",
+                low: 1.5,
+                high: 15.0,
+                start: 2.8,
+                meaning: prose!("frequency of the support, in those of small swings"),
+            },
+            Parameter {
+                symbol: "zs",
+                unit: "1",
+                low: 0.0,
+                high: 1.0,
+                start: 0.05,
+                meaning: prose!("damping ratio of the support"),
+            },
+            Parameter {
+                symbol: "bs",
+                unit: "1",
+                low: -1.0,
+                high: 2.0,
+                start: 1.0,
+                meaning: prose!("how much of the bend that the swing gives it the support has at the start"),
+            },
+        ],
+        // Near three, where the swing's third harmonic shakes it, a resonance is seen from close by only.
+        starts: &[
+            [0.0, 2.8, 0.05, 1.0],
+            [0.0, 2.5, 0.05, 1.0],
+            [0.0, 3.2, 0.05, 1.0],
+            [0.0, 4.5, 0.05, 1.0],
+            [0.0, 7.0, 0.05, 1.0],
+        ],
+        family: Family::Give,
+        generalises: Some("pivot-compliance"),
+        is_fine: true,
+        rules: Rules { is_left_to_diagnosis: true, ..Rules::NONE },
+        action: Action::Support(Support { start, torque, rate, share_held }),
+    }
+}
+
+/// ws, rad/s.
+fn frequency<R: Real>(motion: &Motion<R>, values: &[R; MAX_VALUES]) -> R {
+    values[1] * (motion.pendulum.gravity_torque_nm() / motion.pendulum.pivot_inertia_kg_m2()).sqrt()
+}
+
+/// Memory: u in m and u′ in m/s. The support bends as the swing pulls it, and does not ring yet.
+fn start<R: Real>(motion: &Motion<R>, values: &[R; MAX_VALUES]) -> [R; MEMORY] {
+    let (sine, cosine, omega) = (motion.angle_rad.sin(), motion.angle_rad.cos(), motion.velocity_rad_s);
+    let natural = motion.pendulum.gravity_torque_nm() / motion.pendulum.pivot_inertia_kg_m2();
+    let reach = values[0] * motion.pendulum.length_m;
+    let gives = reach / (values[1] * values[1] * natural);
+    // x = −gives·(sin θ)″ with θ″ = −ω₀²·sin θ.
+    let x = gives * sine * (natural * cosine + omega * omega);
+    let twice = R::of(4.0) * cosine * cosine - R::of(3.0);
+    let speed = gives * omega * (natural * twice + omega * omega * cosine);
+    [values[3] * x + reach * sine, values[3] * speed + reach * cosine * omega]
+}
+
+/// u″ in m/s².
+fn push<R: Real>(motion: &Motion<R>, memory: &[R; MEMORY], values: &[R; MAX_VALUES]) -> R {
+    let [u, speed] = *memory;
+    let (frequency, damping) = (frequency(motion, values), values[2]);
+    let reach = values[0] * motion.pendulum.length_m;
+    let x = u - reach * motion.angle_rad.sin();
+    let moves = speed - reach * motion.angle_rad.cos() * motion.velocity_rad_s;
+    -frequency * (frequency * x + (damping + damping) * moves)
+}
+
+fn torque<R: Real>(motion: &Motion<R>, memory: &[R; MEMORY], values: &[R; MAX_VALUES]) -> R {
+    let pendulum = &motion.pendulum;
+    let swings = values[0] * pendulum.length_m * motion.velocity_rad_s * motion.velocity_rad_s * motion.angle_rad.sin();
+    -pendulum.mass_kg * pendulum.length_m * motion.angle_rad.cos() * (push(motion, memory, values) + swings)
+}
+
+fn rate<R: Real>(motion: &Motion<R>, memory: &[R; MEMORY], values: &[R; MAX_VALUES]) -> [R; MEMORY] {
+    [memory[1], push(motion, memory, values)]
+}
+
+/// 1 − μ·m·l²·cos² θ/J.
+fn share_held<R: Real>(motion: &Motion<R>, values: &[R; MAX_VALUES]) -> R {
+    let pendulum = &motion.pendulum;
+    let across = pendulum.length_m * motion.angle_rad.cos();
+    R::one() - values[0] * pendulum.mass_kg * across * across / pendulum.pivot_inertia_kg_m2()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::model::Model;
+    use crate::motion::Pendulum;
+    use crate::parameters::Parameters;
+    use std::vec::Vec;
+
+    const PENDULUM: Pendulum<f64> =
+        Pendulum { mass_kg: 0.15, length_m: 0.16, inertia_kg_m2: 2.7e-3, gravity_m_s2: 9.81 };
+    const SHARE: f64 = 0.3;
+    const TIMES: f64 = 3.3;
+    const DAMPING: f64 = 0.05;
+
+    /// How fast support and pendulum change: both bodies' equations, solved for their accelerations; the bearing rubs
+    /// with a torque, or holds.
+    fn slope([x, u, angle, omega]: [f64; 4], rubs_nm: Option<f64>) -> [f64; 4] {
+        let Pendulum { mass_kg, length_m, .. } = PENDULUM;
+        let (sine, cosine, moment) = (libm::sin(angle), libm::cos(angle), mass_kg * length_m);
+        let natural = libm::sqrt(PENDULUM.gravity_torque_nm() / PENDULUM.pivot_inertia_kg_m2());
+        let (all, frequency) = (mass_kg / SHARE, TIMES * natural);
+        let force = moment * omega * omega * sine - all * frequency * (frequency * x + 2.0 * DAMPING * u);
+        let Some(rubs_nm) = rubs_nm else { return [u, force / all, 0.0, 0.0] };
+        let torque = rubs_nm - PENDULUM.gravity_torque_nm() * sine;
+        let inertia = PENDULUM.pivot_inertia_kg_m2();
+        let determinant = all * inertia - (moment * cosine) * (moment * cosine);
+        let push = (force * inertia - moment * cosine * torque) / determinant;
+        [u, push, omega, (all * torque - moment * cosine * force) / determinant]
+    }
+
+    const DT: f64 = 5e-5;
+
+    /// One Runge–Kutta step.
+    fn stepped(y: [f64; 4], rubs_nm: Option<f64>, dt: f64) -> [f64; 4] {
+        let moved = |k: [f64; 4], h: f64| -> [f64; 4] { core::array::from_fn(|i| y[i] + h * k[i]) };
+        let k1 = slope(y, rubs_nm);
+        let k2 = slope(moved(k1, 0.5 * dt), rubs_nm);
+        let k3 = slope(moved(k2, 0.5 * dt), rubs_nm);
+        let k4 = slope(moved(k3, dt), rubs_nm);
+        core::array::from_fn(|i| y[i] + dt / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
+    }
+
+    /// Angles every 5 ms of two bodies with dry friction: it slides until it turns, and slides on if what the bearing
+    /// would have to hold is more than the friction.
+    fn two_bodies(friction_nm: f64, mut y: [f64; 4], n: usize) -> Vec<f64> {
+        let held_nm = |y: [f64; 4]| {
+            let shaken = slope(y, None)[1];
+            let moment = PENDULUM.mass_kg * PENDULUM.length_m;
+            -PENDULUM.gravity_torque_nm() * libm::sin(y[2]) - moment * libm::cos(y[2]) * shaken
+        };
+        let mut direction = 0.0_f64;
+        let mut next = || {
+            let mut left_s = 5e-3;
+            while left_s > 1e-9 {
+                if direction == 0.0 && held_nm(y).abs() > friction_nm {
+                    direction = held_nm(y).signum();
+                }
+                let rubs_nm = (direction != 0.0).then_some(-friction_nm * direction);
+                let (before, mut step_s) = (y, DT.min(left_s));
+                y = stepped(before, rubs_nm, step_s);
+                if direction * y[3] < 0.0 && direction * before[3] > 0.0 {
+                    // It turns where a straight line passes zero.
+                    step_s *= before[3] / (before[3] - y[3]);
+                    y = stepped(before, rubs_nm, step_s);
+                    (direction, y[3]) = (0.0, 0.0);
+                }
+                left_s -= step_s;
+            }
+            y[2]
+        };
+        (0..n).map(|_| next()).collect()
+    }
+
+    fn ours(friction_nm: f64, start: f64, n: usize, steps: usize) -> (Vec<f64>, [f64; 4]) {
+        let mut parameters = Parameters::frictionless(PENDULUM);
+        parameters.set_friction(0.0, friction_nm, friction_nm, 0.0);
+        parameters.set(25, &[SHARE, TIMES, DAMPING, 0.3]).unwrap();
+        let model = Model::new(&parameters);
+        let mut state = model.release(start, 0.0);
+        let [u, speed] = state.memories()[0];
+        let reach = SHARE * PENDULUM.length_m;
+        let begins = [u - reach * libm::sin(start), speed, start, 0.0];
+        let mut next = || {
+            (0..steps).for_each(|_| model.step(&mut state, 5e-3 / steps as f64));
+            state.angle_rad
+        };
+        ((0..n).map(|_| next()).collect(), begins)
+    }
+
+    fn apart(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()))
+    }
+
+    #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
+    fn it_moves_as_two_bodies_do_and_rings_on_while_the_bearing_sticks() {
+        for friction_nm in [0.0, 2e-3, 2e-2] {
+            let (angles, begins) = ours(friction_nm, 1.2, 2000, 5);
+            let error = apart(&angles, &two_bodies(friction_nm, begins, 2000));
+            // The two bodies turn to 0.05 ms, at 0.02 rad/s by then.
+            assert!(error < 2e-6, "with {friction_nm} N·m: {error:e} rad");
+        }
+    }
+
+    #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
+    fn steps_of_5_ms_follow_it() {
+        let error = apart(&ours(2e-3, 1.2, 2000, 1).0, &ours(2e-3, 1.2, 2000, 50).0);
+        assert!(error < 5e-5, "{error:e} rad");
+    }
+}
