@@ -150,12 +150,19 @@ pub struct Memory<R> {
 pub struct Support<R> {
     /// The memory at the first instant that is known.
     pub start: fn(&Motion<R>, &[R; MAX_VALUES]) -> [R; MEMORY],
+    /// What it does at an instant.
+    pub shake: fn(&Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> Shake<R>,
+}
+
+/// What a support does to a pendulum, and what becomes of itself.
+#[derive(Clone, Copy)]
+pub struct Shake<R> {
     /// Torque in N·m on a pendulum that turns evenly; acts at rest too.
-    pub torque: fn(&Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> R,
-    /// How fast the memory changes, its unit/s.
-    pub rate: fn(&Motion<R>, &[R; MEMORY], &[R; MAX_VALUES]) -> [R; MEMORY],
+    pub torque_nm: R,
     /// The pendulum's inertia as a share of what it is in a bearing that is held.
-    pub share_held: fn(&Motion<R>, &[R; MAX_VALUES]) -> R,
+    pub share_held: R,
+    /// How fast the memory changes, its unit/s.
+    pub rate: [R; MEMORY],
 }
 
 /// An effect on the measurement.

@@ -60,6 +60,8 @@ pub struct Model<R: 'static> {
     hangs_freely: bool,
     /// Something is remembered from step to step.
     remembers: bool,
+    /// Beside the support something else is added.
+    has_others: bool,
 }
 
 /// The coefficients of the base model in the present contact: which of them act, divided by the inertia.
@@ -107,6 +109,7 @@ impl<R: Real> Model<R> {
             plain: true,
             hangs_freely: true,
             remembers: false,
+            has_others: false,
         };
         // In the order of the list of all effects, which for the sensor is that from the shaft to the wire.
         for effect in Effect::<R>::ALL {
@@ -122,9 +125,11 @@ impl<R: Real> Model<R> {
             // The check of parameters lets none of these pass.
             model.support = None;
         }
+        let is_driven = !(model.drives.is_empty() && model.memories.is_empty() && model.custom.is_none());
+        model.has_others = is_driven || !model.frictions.is_empty() || model.curve.is_some();
         model.remembers = !model.memories.is_empty() || model.support.is_some();
-        model.hangs_freely = model.drives.is_empty() && !model.remembers && model.custom.is_none();
-        model.plain = model.hangs_freely && model.frictions.is_empty() && model.curve.is_none();
+        model.hangs_freely = !is_driven && model.support.is_none();
+        model.plain = !model.has_others && model.support.is_none();
         model
     }
 
@@ -175,13 +180,22 @@ impl<R: Real> Model<R> {
     /// Advances by `dt_s` seconds.
     #[inline]
     pub fn step(&self, state: &mut State<R>, dt_s: R) {
+        if let Some(support) = &self.support {
+            return self.step_with(support, state, dt_s);
+        }
         let trial = self.trial(state, dt_s);
-        let onward = self.velocity_band.le(state.contact.slide * trial.velocity);
-        if state.contact.is_sliding().and(onward).all() || self.stays(state, trial, dt_s).all() {
+        if self.goes_on(state, trial, dt_s) {
             self.accept(state, trial, dt_s);
         } else {
             self.step_in_pieces(state, trial, dt_s);
         }
+    }
+
+    /// Is the contact the same after a step, in all lanes?
+    #[inline(always)]
+    fn goes_on(&self, state: &State<R>, trial: Phase<R>, dt_s: R) -> bool {
+        let onward = self.velocity_band.le(state.contact.slide * trial.velocity);
+        state.contact.is_sliding().and(onward).all() || self.stays(state, trial, dt_s).all()
     }
 
     /// True where the contact is the same before and after a step.
@@ -286,7 +300,7 @@ impl<R: Real> Model<R> {
         let regime = self.regime(&state.contact);
         let rise_start =
             self.acceleration(&regime, state.angle_rad, state.velocity_rad_s, state.time_s, &state.memories);
-        let moved = self.support_moved(state, dt_s);
+        let moved = self.with_support_moved(state, dt_s);
         let memories = moved.as_ref().unwrap_or(&state.memories);
         let rise_end = self.acceleration(&regime, trial.angle, trial.velocity, state.time_s + dt_s, memories);
         rk4::share_until(state.velocity_rad_s, rise_start * dt_s, trial.velocity, rise_end * dt_s, edge)
@@ -333,7 +347,7 @@ impl<R: Real> Model<R> {
     #[inline(never)]
     fn trial_with_added(&self, regime: &Regime<R>, start: Phase<R>, state: &State<R>, dt_s: R) -> Phase<R> {
         if let Some(support) = &self.support {
-            return self.step_on(support, regime, start, state, dt_s).0;
+            return self.beside(support, regime, start, state, dt_s).0;
         }
         let acceleration = |angle, velocity, time| {
             let added = self.added_acceleration(regime, angle, velocity, time, &state.memories);
@@ -345,23 +359,22 @@ impl<R: Real> Model<R> {
     #[inline(always)]
     fn accept(&self, state: &mut State<R>, reached: Phase<R>, dt_s: R) {
         if self.remembers {
-            self.advance_memories(state, reached, dt_s);
+            self.advance_memories(state, reached, dt_s, self.support_moved(state, dt_s));
         }
-        state.angle_rad = reached.angle;
-        state.velocity_rad_s = reached.velocity;
-        state.time_s = state.time_s + dt_s;
+        state.go_to(reached, dt_s);
     }
 
+    /// The support's memory has moved to `moved` by then.
     #[inline(never)]
-    fn advance_memories(&self, state: &mut State<R>, reached: Phase<R>, dt_s: R) {
+    fn advance_memories(&self, state: &mut State<R>, reached: Phase<R>, dt_s: R, moved: Option<[R; MEMORY]>) {
         let direction = state.contact.slide;
         let before = self.motion(state.angle_rad, state.velocity_rad_s, direction, state.time_s);
         let after = self.motion(reached.angle, reached.velocity, direction, state.time_s + dt_s);
         for (memory, term) in state.memories.iter_mut().zip(&self.memories) {
             *memory = (term.law.advance)(&before, &after, memory, &term.values);
         }
-        if let Some(moved) = self.support_moved(state, dt_s) {
-            state.memories[self.memories.len()] = moved[self.memories.len()];
+        if let Some(moved) = moved {
+            state.memories[self.memories.len()] = moved;
         }
     }
 
@@ -387,18 +400,11 @@ impl<R: Real> Model<R> {
         time: R,
         memories: &[[R; MEMORY]; MAX_MEMORIES],
     ) -> R {
+        if let Some(support) = &self.support {
+            return self.shaken(support, regime, angle, velocity, time, memories).0;
+        }
         let base = regime.acceleration(angle, velocity);
-        if self.plain {
-            return base;
-        }
-        let all = base + self.added_acceleration(regime, angle, velocity, time, memories);
-        match &self.support {
-            None => all,
-            Some(support) => {
-                let motion = self.motion(angle, velocity, regime.contact.slide, time);
-                all / (support.law.share_held)(&motion, &support.values)
-            }
-        }
+        if self.plain { base } else { base + self.added_acceleration(regime, angle, velocity, time, memories) }
     }
 
     #[inline(never)]
@@ -427,9 +433,6 @@ impl<R: Real> Model<R> {
         for (term, memory) in self.memories.iter().zip(memories) {
             sum = sum + (term.law.torque)(motion, memory, &term.values);
         }
-        if let Some(term) = &self.support {
-            sum = sum + (term.law.torque)(motion, &memories[self.memories.len()], &term.values);
-        }
         if let Some(term) = &self.custom {
             sum = sum + term.law.drive_nm(motion, &term.values);
         }
@@ -457,7 +460,12 @@ impl<R: Real> Model<R> {
         if self.hangs_freely {
             return gravity;
         }
-        gravity + self.added_drive_nm(&self.motion(angle, velocity, R::zero(), time), memories)
+        let motion = self.motion(angle, velocity, R::zero(), time);
+        let shaken = match &self.support {
+            None => R::zero(),
+            Some(term) => (term.law.shake)(&motion, &memories[self.memories.len()], &term.values).torque_nm,
+        };
+        gravity + shaken + self.added_drive_nm(&motion, memories)
     }
 
     /// Torque of everything that opposes sliding in a direction (−1 or +1).

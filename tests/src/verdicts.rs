@@ -48,7 +48,7 @@ pub struct Outcome {
 impl Outcome {
     /// Judges a diagnosis of a rig.
     pub fn of(rig: &Rig, diagnosis: &Value) -> Self {
-        let truth: Vec<&str> = rig.hidden.iter().map(|hidden| canonical(hidden.name)).collect();
+        let truth: Vec<&str> = rig.hidden.iter().map(|hidden| canonical(rig, hidden.name)).collect();
         let verdict: Vec<&str> = names(rig, diagnosis, "verdict");
         let undecided = names(rig, diagnosis, "undecided");
         let ranked = names(rig, diagnosis, "ranked");
@@ -85,16 +85,17 @@ impl Outcome {
 fn names<'a>(rig: &Rig, diagnosis: &'a Value, key: &str) -> Vec<&'a str> {
     let has_offset = rig.offset_rad.abs() >= OFFSET_IS_THERE_RAD && rig.hidden("angle-offset").is_none();
     let list = diagnosis[key].as_array().map_or(&[][..], Vec::as_slice);
-    let names = list.iter().filter_map(Value::as_str).map(canonical);
+    let names = list.iter().filter_map(Value::as_str).map(|name| canonical(rig, name));
     names.filter(|name| !(has_offset && *name == "angle-offset")).collect()
 }
 
 /// Drag that grows with the square of the speed, or nearly: either name will do; and so will that of a law for its wider
-/// form.
-fn canonical(name: &str) -> &str {
+/// form. The plant's stiff stand has a mass, so that it swings too, some ten times as fast as the pendulum.
+fn canonical<'a>(rig: &Rig, name: &'a str) -> &'a str {
     match Effect::<f64>::by_name(name) {
         Some(wide) if wide.rules.follows_special_case => wide.generalises.unwrap_or(name),
         _ if name == "power-law-drag" => "quadratic-drag",
+        _ if name == "resonant-support" && rig.hidden("pivot-compliance").is_some() => "pivot-compliance",
         _ => name,
     }
 }

@@ -13,7 +13,7 @@
 //! While the bearing sticks, the support rings on, and the bearing has to hold against m·l·cos θ·u″. Far above the swing
 //! it is [`super::pivot_compliance`] with ck = μ/(m·ws²).
 
-use super::{Action, Effect, Family, MAX_VALUES, MEMORY, Parameter, Rules, Support};
+use super::{Action, Effect, Family, MAX_VALUES, MEMORY, Parameter, Rules, Shake, Support};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -39,7 +39,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 symbol: "rs",
                 unit: "1",
                 low: 1.5,
-                high: 15.0,
+                high: 12.0,
                 start: 2.8,
                 meaning: prose!("frequency of the support, in those of small swings"),
             },
@@ -72,13 +72,8 @@ pub const fn effect<R: Real>() -> Effect<R> {
         generalises: Some("pivot-compliance"),
         is_fine: true,
         rules: Rules { is_left_to_diagnosis: true, ..Rules::NONE },
-        action: Action::Support(Support { start, torque, rate, share_held }),
+        action: Action::Support(Support { start, shake }),
     }
-}
-
-/// ws, rad/s.
-fn frequency<R: Real>(motion: &Motion<R>, values: &[R; MAX_VALUES]) -> R {
-    values[1] * (motion.pendulum.gravity_torque_nm() / motion.pendulum.pivot_inertia_kg_m2()).sqrt()
 }
 
 /// Memory: u in m and u′ in m/s. The support bends as the swing pulls it, and does not ring yet.
@@ -94,31 +89,23 @@ fn start<R: Real>(motion: &Motion<R>, values: &[R; MAX_VALUES]) -> [R; MEMORY] {
     [values[3] * x + reach * sine, values[3] * speed + reach * cosine * omega]
 }
 
-/// u″ in m/s².
-fn push<R: Real>(motion: &Motion<R>, memory: &[R; MEMORY], values: &[R; MAX_VALUES]) -> R {
+fn shake<R: Real>(motion: &Motion<R>, memory: &[R; MEMORY], values: &[R; MAX_VALUES]) -> Shake<R> {
+    let pendulum = &motion.pendulum;
+    let (sine, cosine, omega) = (motion.angle_rad.sin(), motion.angle_rad.cos(), motion.velocity_rad_s);
+    let (length, moment) = (pendulum.length_m, pendulum.mass_kg * pendulum.length_m);
+    let inverse_inertia = R::one() / pendulum.pivot_inertia_kg_m2();
+    let frequency = values[1] * (pendulum.gravity_torque_nm() * inverse_inertia).sqrt();
+    let reach = values[0] * length;
+
     let [u, speed] = *memory;
-    let (frequency, damping) = (frequency(motion, values), values[2]);
-    let reach = values[0] * motion.pendulum.length_m;
-    let x = u - reach * motion.angle_rad.sin();
-    let moves = speed - reach * motion.angle_rad.cos() * motion.velocity_rad_s;
-    -frequency * (frequency * x + (damping + damping) * moves)
-}
-
-fn torque<R: Real>(motion: &Motion<R>, memory: &[R; MEMORY], values: &[R; MAX_VALUES]) -> R {
-    let pendulum = &motion.pendulum;
-    let swings = values[0] * pendulum.length_m * motion.velocity_rad_s * motion.velocity_rad_s * motion.angle_rad.sin();
-    -pendulum.mass_kg * pendulum.length_m * motion.angle_rad.cos() * (push(motion, memory, values) + swings)
-}
-
-fn rate<R: Real>(motion: &Motion<R>, memory: &[R; MEMORY], values: &[R; MAX_VALUES]) -> [R; MEMORY] {
-    [memory[1], push(motion, memory, values)]
-}
-
-/// 1 − μ·m·l²·cos² θ/J.
-fn share_held<R: Real>(motion: &Motion<R>, values: &[R; MAX_VALUES]) -> R {
-    let pendulum = &motion.pendulum;
-    let across = pendulum.length_m * motion.angle_rad.cos();
-    R::one() - values[0] * pendulum.mass_kg * across * across / pendulum.pivot_inertia_kg_m2()
+    let x = u - reach * sine;
+    let moves = speed - reach * cosine * omega;
+    let push = -frequency * (frequency * x + (values[2] + values[2]) * moves);
+    Shake {
+        torque_nm: -moment * cosine * (push + reach * omega * omega * sine),
+        share_held: R::one() - reach * moment * cosine * cosine * inverse_inertia,
+        rate: [speed, push],
+    }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use crate::effect::{MEMORY, SENSOR_MEMORY};
 use crate::karnopp::Contact;
 use crate::parameters::{MAX_MEMORIES, MAX_SENSORS};
 use crate::real::Real;
+use crate::rk4::Phase;
 
 const STATE_NUMBERS: usize = 6 + MEMORY * MAX_MEMORIES;
 const SENSOR_NUMBERS: usize = SENSOR_MEMORY * MAX_SENSORS;
@@ -35,6 +36,13 @@ impl<R: Real> State<R> {
             Some(number) => *number,
             None => self.memories.as_flattened()[i - first.len()],
         })
+    }
+
+    #[inline(always)]
+    pub(super) fn go_to(&mut self, reached: Phase<R>, dt_s: R) {
+        self.angle_rad = reached.angle;
+        self.velocity_rad_s = reached.velocity;
+        self.time_s = self.time_s + dt_s;
     }
 
     /// What effects remember.
