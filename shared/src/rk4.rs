@@ -16,18 +16,30 @@ impl<R: Real> Phase<R> {
     }
 }
 
-/// One step of θ' = ω, ω' = `acceleration(θ, ω, t)`.
+/// What is integrated: ω' at an angle, a velocity and a time.
+pub(crate) trait Law<R> {
+    fn acceleration(&self, angle: R, velocity: R, time: R) -> R;
+}
+
+impl<R, F: Fn(R, R, R) -> R> Law<R> for F {
+    #[inline(always)]
+    fn acceleration(&self, angle: R, velocity: R, time: R) -> R {
+        self(angle, velocity, time)
+    }
+}
+
+/// One step of θ' = ω, ω' = `law.acceleration(θ, ω, t)`.
 #[inline(always)]
-pub(crate) fn step<R: Real>(acceleration: impl Fn(R, R, R) -> R, start: Phase<R>, time: R, dt: R) -> Phase<R> {
+pub(crate) fn step<R: Real>(law: impl Law<R>, start: Phase<R>, time: R, dt: R) -> Phase<R> {
     let (half, sixth) = (R::of(0.5) * dt, R::of(1.0 / 6.0) * dt);
     let Phase { angle, velocity: v1 } = start;
-    let a1 = acceleration(angle, v1, time);
+    let a1 = law.acceleration(angle, v1, time);
     let v2 = v1 + half * a1;
-    let a2 = acceleration(angle + half * v1, v2, time + half);
+    let a2 = law.acceleration(angle + half * v1, v2, time + half);
     let v3 = v1 + half * a2;
-    let a3 = acceleration(angle + half * v2, v3, time + half);
+    let a3 = law.acceleration(angle + half * v2, v3, time + half);
     let v4 = v1 + dt * a3;
-    let a4 = acceleration(angle + dt * v3, v4, time + dt);
+    let a4 = law.acceleration(angle + dt * v3, v4, time + dt);
     Phase {
         angle: angle + sixth * (v1 + (v2 + v3) + (v2 + v3) + v4),
         velocity: v1 + sixth * (a1 + (a2 + a3) + (a2 + a3) + a4),

@@ -23,6 +23,7 @@ pub mod natural;
 pub mod nelder_mead;
 pub mod optimum;
 pub mod random;
+pub mod regression;
 pub mod significance;
 pub mod surface;
 pub mod term;
@@ -38,5 +39,6 @@ pub use misprints::{Misprint, MisprintError, PrintedEquation, misprints, read_eq
 pub use narrowing::{NarrowingError, narrow};
 pub use natural::natural_coefficients;
 pub use optimum::{Optimum, OptimumError, Search, optimum};
+pub use regression::Regression;
 pub use surface::{FitError, Surface};
 pub use term::Term;

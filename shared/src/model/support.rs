@@ -4,7 +4,7 @@ use super::{Model, Regime, State, Term};
 use crate::effect::{MEMORY, Support};
 use crate::parameters::MAX_MEMORIES;
 use crate::real::Real;
-use crate::rk4::{self, Phase};
+use crate::rk4::{self, Law, Phase};
 
 impl<R: Real> Model<R> {
     /// [`Model::step`] with a support.
@@ -52,7 +52,8 @@ impl<R: Real> Model<R> {
         let motion = self.motion(angle, velocity, contact.slide, time);
         let shake = (support.law.shake)(&motion, &memories[self.memories.len()], &support.values);
         let moving = contact.slide.abs() + contact.push.abs();
-        let mut acceleration = regime.acceleration(angle, velocity) + moving * shake.torque_nm * self.inverse_inertia;
+        let mut acceleration =
+            regime.acceleration(angle, velocity, time) + moving * shake.torque_nm * self.inverse_inertia;
         if self.has_others {
             acceleration = acceleration + self.added_acceleration(regime, angle, velocity, time, memories);
         }

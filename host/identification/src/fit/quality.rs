@@ -4,9 +4,12 @@
 //! experiment minus simulation. Velocities of both pass through the same zero-phase filter. Crossings within the noise
 //! are not counted.
 
+use super::problem::LANES;
+use crate::lanes::Lanes;
 use crate::swing::{Swing, Window};
 use crate::zero_phase;
 use serde::Serialize;
+use shared::real::Real;
 
 /// Cut-off for the velocities: far above the swing, far below the noise.
 const VELOCITY_CUTOFF_HZ: f64 = 10.0;
@@ -66,6 +69,15 @@ pub fn count_lobes(angles_rad: impl Iterator<Item = f64>, threshold_rad: f64) ->
     counts
 }
 
+/// A simulated swing beside the measured one.
+#[derive(Clone, Debug)]
+pub struct Simulated {
+    /// Its angles, rad.
+    pub angles_rad: Vec<f64>,
+    /// What the measurement leaves beyond them, rad.
+    pub residuals_rad: Vec<f64>,
+}
+
 /// A measured swing, prepared for many comparisons within one window.
 #[derive(Clone, Debug)]
 pub struct Measured {
@@ -84,22 +96,45 @@ impl Measured {
         Self { rate_hz, threshold_rad, counts }
     }
 
-    /// The responses of a simulated swing: its angles (rad) and what the measurement leaves beyond them (rad).
-    pub fn compare(&self, simulated_rad: &[f64], residuals_rad: &[f64]) -> Responses {
-        let n_samples = residuals_rad.len().max(1) as f64;
-        // The filter is linear: the filtered residual is the difference of the filtered angles.
-        let smooth = zero_phase::filter(residuals_rad, VELOCITY_CUTOFF_HZ, self.rate_hz);
-        let velocities = zero_phase::derivative(&smooth, self.rate_hz);
-        let simulated = count_lobes(simulated_rad.iter().copied(), self.threshold_rad);
+    /// The responses of a simulated swing.
+    pub fn compare(&self, swing: &Simulated) -> Responses {
+        self.with_velocity(swing, self.velocity_errors::<1>(&[swing])[0])
+    }
+
+    /// The same of several, whose velocities share their instructions: a filter waits for each of its own values.
+    pub fn compare_each(&self, swings: &[Simulated]) -> Vec<Responses> {
+        let compare = |batch: &[Simulated]| -> Vec<Responses> {
+            let lanes: [&Simulated; LANES] = std::array::from_fn(|lane| &batch[lane.min(batch.len() - 1)]);
+            let errors = self.velocity_errors(&lanes);
+            batch.iter().zip(errors).map(|(swing, error)| self.with_velocity(swing, error)).collect()
+        };
+        swings.chunks(LANES).flat_map(compare).collect()
+    }
+
+    fn with_velocity(&self, swing: &Simulated, mse_velocity: f64) -> Responses {
+        let n_samples = swing.residuals_rad.len().max(1) as f64;
+        let simulated = count_lobes(swing.angles_rad.iter().copied(), self.threshold_rad);
         let positive_peaks = (self.counts.positive - simulated.positive) as f64;
         let negative_peaks = (self.counts.negative - simulated.negative) as f64;
         Responses {
-            mse_angle: residuals_rad.iter().map(|r| r * r).sum::<f64>() / n_samples,
-            mse_velocity: velocities.iter().map(|v| v * v).sum::<f64>() / n_samples,
+            mse_angle: swing.residuals_rad.iter().map(|r| r * r).sum::<f64>() / n_samples,
+            mse_velocity,
             positive_peaks,
             negative_peaks,
             zero_crossings: positive_peaks + negative_peaks,
         }
+    }
+
+    /// Mean squares of the errors in velocity, a lane a swing; all are equally long.
+    fn velocity_errors<const N: usize>(&self, swings: &[&Simulated; N]) -> [f64; N] {
+        let n_samples = swings[0].residuals_rad.len();
+        let residuals = (0..n_samples).map(|i| Lanes(std::array::from_fn(|lane| swings[lane].residuals_rad[i])));
+        let residuals: Vec<Lanes<N>> = residuals.collect();
+        // The filter is linear: the filtered residual is the difference of the filtered angles.
+        let smooth = zero_phase::filter(&residuals, VELOCITY_CUTOFF_HZ, self.rate_hz);
+        let velocities = zero_phase::derivative(&smooth, self.rate_hz);
+        let squares = velocities.fold(Lanes::zero(), |sum, velocity| sum + velocity * velocity);
+        (squares / Lanes::of(n_samples.max(1) as f64)).0
     }
 }
 
@@ -111,5 +146,25 @@ mod tests {
     fn lobes_are_counted_after_the_release_lobe_and_noise_is_not() {
         let swing = [1.0, 0.01, -0.01, 0.01, -0.9, -0.02, 0.8, -0.01, 0.02, -0.6];
         assert_eq!(count_lobes(swing.into_iter(), 0.05), Counts { positive: 1, negative: 2 });
+    }
+
+    #[test]
+    fn several_swings_compared_together_give_what_each_gives_alone() {
+        let angle = |decay: f64, i: usize| (-decay * i as f64).exp() * (0.07 * i as f64).cos();
+        let times_s: Vec<f64> = (0..900).map(|i| i as f64 * 0.01).collect();
+        let measured_rad: Vec<f64> = (0..900).map(|i| angle(1e-3, i)).collect();
+        let measured = Measured::new(&Swing::new("decay", &times_s, &measured_rad, 1e-3), Window::Whole, 0.0);
+        // One more than two batches of lanes.
+        let swings: Vec<Simulated> = (0..=2 * LANES)
+            .map(|run| {
+                let angles_rad: Vec<f64> = (0..900).map(|i| angle(1e-3 + 2e-4 * run as f64, i)).collect();
+                let residuals_rad = measured_rad.iter().zip(&angles_rad).map(|(m, s)| m - s).collect();
+                Simulated { angles_rad, residuals_rad }
+            })
+            .collect();
+        let alone: Vec<Responses> = swings.iter().map(|swing| measured.compare(swing)).collect();
+        assert_eq!(measured.compare_each(&swings), alone);
+        assert!(alone.windows(2).all(|pair| pair[0].mse_velocity < pair[1].mse_velocity), "{alone:?}");
+        assert_eq!(measured.compare_each(&[]), []);
     }
 }

@@ -3,8 +3,8 @@
 //! Start angle, velocity and offset of each swing are solved for in every run, to first order.
 
 use super::linear::dot;
-use super::problem::{PER_SWING, Point, Problem, Start};
-use super::quality::{Measured, Responses};
+use super::problem::{LANES, PER_SWING, Point, Problem, Start};
+use super::quality::{Measured, Responses, Simulated};
 use super::solve::solve_damped;
 use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
@@ -44,7 +44,7 @@ impl Nuisance {
 }
 
 /// The readings of each swing, one column a run.
-type Simulated = Vec<Vec<Vec<f64>>>;
+type Readings = Vec<Vec<Vec<f64>>>;
 
 /// Simulates many sets of values from the starts of one guess, solving for their own starts.
 pub fn runs(problem: &Problem, from: &Point, window: Window, nuisance: &Nuisance, values: &[Vec<f64>]) -> Vec<Run> {
@@ -59,7 +59,7 @@ pub fn first_runs(problem: &Problem, from: &Point, window: Window, values: &[Vec
     (nuisance, runs)
 }
 
-fn simulated(problem: &Problem, from: &Point, window: Window, values: &[Vec<f64>]) -> Simulated {
+fn simulated(problem: &Problem, from: &Point, window: Window, values: &[Vec<f64>]) -> Readings {
     let of_swing = |(swing_idx, swing): (usize, &Swing)| {
         let start = from.starts[swing_idx];
         let guesses: Vec<(&[f64], Start)> = values.iter().map(|values| (values.as_slice(), start)).collect();
@@ -75,7 +75,7 @@ fn solved(
     window: Window,
     nuisance: &Nuisance,
     values: &[Vec<f64>],
-    simulated: Simulated,
+    simulated: Readings,
 ) -> Vec<Run> {
     let of_swing = |(swing_idx, runs): (usize, Vec<Vec<f64>>)| -> Vec<(Start, Responses, usize)> {
         let swing = &problem.swings[swing_idx];
@@ -84,24 +84,28 @@ fn solved(
         let measured = Measured::new(swing, window, start.offset_rad);
         let columns = &nuisance.0[swing_idx];
         let normal = DMatrix::from_fn(PER_SWING, PER_SWING, |i, j| dot(&columns[i], &columns[j]));
-        let solve_start = |mut simulated: Vec<f64>| {
-            let mut residuals: Vec<f64> =
-                swing.angles_rad.iter().zip(&simulated).map(|(m, s)| m - s - start.offset_rad).collect();
-            let gradient = DVector::from_fn(PER_SWING, |i, _| dot(&columns[i], &residuals));
+        let solve_start = |simulated: Vec<f64>| {
+            let mut simulated = beside(swing, simulated, start);
+            let gradient = DVector::from_fn(PER_SWING, |i, _| dot(&columns[i], &simulated.residuals_rad));
             let step = solve_damped(&normal, &gradient, 0.0, &[true; PER_SWING]);
             for i in 0..n_samples {
                 let moved = step[0] * columns[0][i] + step[1] * columns[1][i];
-                simulated[i] += moved;
-                residuals[i] -= moved + step[2];
+                simulated.angles_rad[i] += moved;
+                simulated.residuals_rad[i] -= moved + step[2];
             }
             let solved = Start {
                 angle_rad: start.angle_rad + step[0],
                 velocity_rad_s: start.velocity_rad_s + step[1],
                 offset_rad: start.offset_rad + step[2],
             };
-            (solved, measured.compare(&simulated, &residuals), n_samples)
+            (solved, simulated)
         };
-        runs.into_par_iter().map(solve_start).collect()
+        let compared = |runs: Vec<Vec<f64>>| {
+            let (starts, simulated): (Vec<Start>, Vec<_>) = runs.into_iter().map(solve_start).unzip();
+            let responses = measured.compare_each(&simulated);
+            starts.into_iter().zip(responses).map(move |(start, responses)| (start, responses, n_samples))
+        };
+        runs.into_par_iter().chunks(LANES).flat_map_iter(compared).collect()
     };
     let per_swing: Vec<Vec<(Start, Responses, usize)>> = simulated.into_par_iter().enumerate().map(of_swing).collect();
     let run = |(run_idx, values): (usize, &Vec<f64>)| {
@@ -110,6 +114,12 @@ fn solved(
         Run { point: Point { values: values.clone(), starts }, responses: pooled(&parts) }
     };
     values.iter().enumerate().map(run).collect()
+}
+
+fn beside(swing: &Swing, simulated: Vec<f64>, start: Start) -> Simulated {
+    let left = |(measured, simulated): (&f64, &f64)| measured - simulated - start.offset_rad;
+    let residuals_rad = swing.angles_rad.iter().zip(&simulated).map(left).collect();
+    Simulated { angles_rad: simulated, residuals_rad }
 }
 
 /// Mean squares over all samples, counts summed.
@@ -135,9 +145,8 @@ pub fn responses_at(problem: &Problem, point: &Point, window: Window) -> Respons
             let (swing, start) = (&problem.swings[swing_idx], point.starts[swing_idx]);
             let n_samples = swing.samples_within(window);
             let simulated = problem.predict(swing_idx, n_samples, &[(&point.values, start)]).remove(0);
-            let residuals: Vec<f64> =
-                swing.angles_rad.iter().zip(&simulated).map(|(m, s)| m - s - start.offset_rad).collect();
-            (start, Measured::new(swing, window, start.offset_rad).compare(&simulated, &residuals), n_samples)
+            let measured = Measured::new(swing, window, start.offset_rad);
+            (start, measured.compare(&beside(swing, simulated, start)), n_samples)
         })
         .collect();
     pooled(&parts.iter().collect::<Vec<_>>())

@@ -14,7 +14,7 @@ use super::quality::Responses;
 use super::region::Region;
 use super::runs::{first_runs, runs};
 use super::windows::{CALMING, windows_s};
-use crate::rsm::{Design, Factor, Goodness, Surface, goodness};
+use crate::rsm::{Design, Factor, Goodness, Regression, Surface, goodness};
 use crate::swing::Window;
 use serde::Serialize;
 
@@ -111,8 +111,9 @@ pub fn in_window(problem: &Problem, from: Sequence, window: Window) -> Sequence 
         Window::Whole => MAX_WHOLE_ROUNDS,
     };
     let mut n_idle = 0;
+    let Some(regression) = face_centred(problem.unknowns.len()) else { return now };
     for _ in 0..max_rounds {
-        match one_stage(problem, &mut now, window) {
+        match one_stage(problem, &mut now, window, &regression) {
             None | Some(Gain::Last) => break,
             Some(Gain::Little) => n_idle += 1,
             Some(Gain::Much) => n_idle = 0,
@@ -135,18 +136,17 @@ enum Gain {
 }
 
 /// One design around the present guess and the move it leads to; none where there is no box left to lay a design in.
-fn one_stage(problem: &Problem, now: &mut Sequence, window: Window) -> Option<Gain> {
+fn one_stage(problem: &Problem, now: &mut Sequence, window: Window, regression: &Regression) -> Option<Gain> {
     let region = now.region.around(&now.point.values, &problem.unknowns);
     if region.is_spent(&problem.unknowns) {
         return None;
     }
-    let design = Design::face_centred(axes(problem.unknowns.len())?, 1).ok()?;
     let natural = |coded: &[Vec<f64>]| coded.iter().map(|c| region.natural(c, &problem.unknowns)).collect::<Vec<_>>();
-    let planned = [vec![now.point.values.clone()], natural(design.coded_runs())].concat();
+    let planned = [vec![now.point.values.clone()], natural(regression.design().coded_runs())].concat();
     let (nuisance, mut tried) = first_runs(problem, &now.point, window, &planned);
     let here = tried.remove(0);
     let surfaces: Vec<Surface> = (0..Responses::NAMES.len())
-        .map(|k| Surface::fit(&design, &tried.iter().map(|run| run.responses.values()[k]).collect::<Vec<_>>()))
+        .map(|k| Surface::over(regression, &tried.iter().map(|run| run.responses.values()[k]).collect::<Vec<_>>()))
         .collect::<Result<_, _>>()
         .ok()?;
     let proposed = natural(&proposals(&surfaces, &tried));
@@ -193,7 +193,9 @@ fn symbols(problem: &Problem) -> impl Iterator<Item = &'static str> {
     problem.unknowns.iter().map(|unknown| unknown.symbol)
 }
 
-/// The factors of a design in coded units.
-fn axes(n_factors: usize) -> Option<Vec<Factor>> {
-    (1..=n_factors).map(|axis| Factor::new(format!("axis {axis}"), -1.0, 1.0).ok()).collect()
+/// The design of every stage, in coded units.
+fn face_centred(n_factors: usize) -> Option<Regression> {
+    let axes: Result<Vec<Factor>, _> =
+        (1..=n_factors).map(|axis| Factor::new(format!("axis {axis}"), -1.0, 1.0)).collect();
+    Regression::new(&Design::face_centred(axes.ok()?, 1).ok()?).ok()
 }

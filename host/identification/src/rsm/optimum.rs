@@ -9,6 +9,7 @@ use super::desirability::Composite;
 use super::nelder_mead::{Candidate, climb};
 use super::random::Random;
 use super::surface::Surface;
+use super::term::Term;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -76,20 +77,17 @@ pub enum OptimumError {
 pub fn optimum(surfaces: &[Surface], composite: &Composite, search: &Search) -> Result<Optimum, OptimumError> {
     check(surfaces, composite, search)?;
     let factors = surfaces[0].factors();
-    // All surfaces have the same terms: their values are worked out once a point.
-    let predict = |point: &[f64]| {
-        let mut responses = vec![0.0; surfaces.len()];
-        for (term_idx, term) in surfaces[0].terms().iter().enumerate() {
-            let value = term.value(point);
-            responses
-                .iter_mut()
-                .zip(surfaces)
-                .for_each(|(sum, surface)| *sum += surface.coefficients()[term_idx] * value);
+    let together = Together::new(surfaces);
+    let merit = |point: &[f64]| {
+        let mut responses = [0.0; MOST_AT_ONCE];
+        match responses.get_mut(..surfaces.len()) {
+            Some(responses) => together.predict(point, responses),
+            None => return composite.merit(&together.predicted(point)),
         }
-        responses
+        composite.merit(&responses[..surfaces.len()])
     };
-    let coded = best_point(factors.len(), search, |point| composite.merit(&predict(point)));
-    let responses = predict(&coded);
+    let coded = best_point(factors.len(), search, merit);
+    let responses = together.predicted(&coded);
     let on_face = |value: f64| 1.0 - value.abs() < FACE_TOLERANCE;
     let at_bound = factors.iter().zip(&coded).filter(|&(_, &value)| on_face(value));
     Ok(Optimum {
@@ -100,6 +98,41 @@ pub fn optimum(surfaces: &[Surface], composite: &Composite, search: &Search) -> 
         coded,
         responses,
     })
+}
+
+/// So many responses need no memory of their own at every point of the search: the paper has five.
+const MOST_AT_ONCE: usize = 8;
+
+/// Surfaces of one design, whose terms are worked out once a point.
+struct Together<'a> {
+    terms: &'a [Term],
+    /// A coefficient a surface, term by term.
+    coefficients: Vec<f64>,
+}
+
+impl<'a> Together<'a> {
+    fn new(surfaces: &'a [Surface]) -> Self {
+        let terms = surfaces[0].terms();
+        let of_term = |term: usize| surfaces.iter().map(move |surface| surface.coefficients()[term]);
+        Self { terms, coefficients: (0..terms.len()).flat_map(of_term).collect() }
+    }
+
+    fn n_surfaces(&self) -> usize {
+        self.coefficients.len() / self.terms.len()
+    }
+
+    fn predicted(&self, point: &[f64]) -> Vec<f64> {
+        let mut responses = vec![0.0; self.n_surfaces()];
+        self.predict(point, &mut responses);
+        responses
+    }
+
+    fn predict(&self, point: &[f64], responses: &mut [f64]) {
+        for (term, coefficients) in self.terms.iter().zip(self.coefficients.chunks_exact(responses.len())) {
+            let value = term.value(point);
+            responses.iter_mut().zip(coefficients).for_each(|(sum, coefficient)| *sum += coefficient * value);
+        }
+    }
 }
 
 fn check(surfaces: &[Surface], composite: &Composite, search: &Search) -> Result<(), OptimumError> {
@@ -220,6 +253,22 @@ mod tests {
         let best = optimum(&[bowl], &composite, &Search::default()).unwrap();
         assert_eq!(best.composite, 0.0);
         assert!((best.coded[0] - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn more_responses_than_usual_change_nothing_but_the_time() {
+        let bowl = || surface_of(|x| (x[0] - 0.3).powi(2) + 2.0 * (x[1] + 0.6).powi(2));
+        let best = |n_surfaces: usize| {
+            let surfaces: Vec<Surface> = (0..n_surfaces).map(|_| bowl()).collect();
+            let goals = (0..n_surfaces).map(|_| Desirability::minimise(0.0, 10.0).unwrap()).collect();
+            optimum(&surfaces, &Composite::new(goals).unwrap(), &Search::default()).unwrap()
+        };
+        let (few, many) = (best(1), best(MOST_AT_ONCE + 1));
+        assert_eq!(
+            (many.responses.len(), &many.responses[1..]),
+            (MOST_AT_ONCE + 1, &[many.responses[0]; MOST_AT_ONCE][..])
+        );
+        assert!(few.coded.iter().zip(&many.coded).all(|(few, many)| (few - many).abs() < 1e-6), "{few:?} {many:?}");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 
 use super::coding::Factor;
 use super::design::Design;
-use super::least_squares::{LeastSquares, rank};
+use super::regression::Regression;
 use super::term::Term;
 use nalgebra::{DMatrix, DVector};
 
@@ -16,12 +16,10 @@ const ROUNDING_OF_A_FIT: f64 = 1e-14;
 /// A fitted quadratic with the runs it was learned from.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    design: Design,
-    terms: Vec<Term>,
+    regression: Regression,
     responses: DVector<f64>,
     coefficients: DVector<f64>,
     residuals: DVector<f64>,
-    least_squares: LeastSquares,
 }
 
 /// Why no surface could be fitted.
@@ -65,15 +63,16 @@ impl Surface {
     /// Fits the full quadratic; `responses` are in the order of the design's runs.
     pub fn fit(design: &Design, responses: &[f64]) -> Result<Self, FitError> {
         check(design, responses)?;
-        let terms = design.terms();
-        let matrix = design.model_matrix();
-        let Some(least_squares) = LeastSquares::new(matrix.clone()) else {
-            return Err(FitError::RankDeficient { rank: rank(&matrix), n_terms: terms.len() });
-        };
+        Self::over(&Regression::new(design)?, responses)
+    }
+
+    /// The same over a design that is ready.
+    pub fn over(regression: &Regression, responses: &[f64]) -> Result<Self, FitError> {
+        check(regression.design(), responses)?;
         let responses = DVector::from_column_slice(responses);
-        let coefficients = least_squares.solve(&responses);
-        let residuals = without_rounding(&responses - matrix * &coefficients, &responses);
-        Ok(Self { design: design.clone(), terms, responses, coefficients, residuals, least_squares })
+        let coefficients = regression.least_squares().solve(&responses);
+        let residuals = without_rounding(&responses - regression.matrix() * &coefficients, &responses);
+        Ok(Self { regression: regression.clone(), responses, coefficients, residuals })
     }
 
     /// The surface's height at a point in coded units.
@@ -82,7 +81,7 @@ impl Surface {
     /// If the point has not one value a factor.
     pub fn predict(&self, coded: &[f64]) -> f64 {
         self.assert_length(coded);
-        self.terms.iter().zip(&self.coefficients).map(|(term, coefficient)| coefficient * term.value(coded)).sum()
+        self.terms().iter().zip(&self.coefficients).map(|(term, coefficient)| coefficient * term.value(coded)).sum()
     }
 
     /// The surface's slopes at a point, response per coded unit, one a factor.
@@ -92,7 +91,7 @@ impl Surface {
     pub fn gradient(&self, coded: &[f64]) -> Vec<f64> {
         self.assert_length(coded);
         let along = |factor_idx| {
-            let parts = self.terms.iter().zip(&self.coefficients);
+            let parts = self.terms().iter().zip(&self.coefficients);
             parts.map(|(term, coefficient)| coefficient * term.slope(coded, factor_idx)).sum()
         };
         (0..self.factors().len()).map(along).collect()
@@ -104,29 +103,29 @@ impl Surface {
     /// If the point has not one value a factor.
     pub fn prediction_standard_error(&self, coded: &[f64]) -> Option<f64> {
         self.assert_length(coded);
-        let values = DVector::from_iterator(self.terms.len(), self.terms.iter().map(|term| term.value(coded)));
+        let values = DVector::from_iterator(self.terms().len(), self.terms().iter().map(|term| term.value(coded)));
         let weights = self.sensitivity().tr_mul(&values);
         Some(self.residual_standard_error()? * weights.norm())
     }
 
     /// The factors, in the order of a point's values.
     pub fn factors(&self) -> &[Factor] {
-        self.design.factors()
+        self.design().factors()
     }
 
     /// The design that was fitted.
     pub fn design(&self) -> &Design {
-        &self.design
+        self.regression.design()
     }
 
     /// The terms, in the order of the coefficients.
     pub fn terms(&self) -> &[Term] {
-        &self.terms
+        self.regression.terms()
     }
 
     /// The terms' names: `1`, `Mw`, `Mw^2`, `Mw*Mc` …
     pub fn term_names(&self) -> Vec<String> {
-        self.terms.iter().map(|term| term.name(self.factors())).collect()
+        self.terms().iter().map(|term| term.name(self.factors())).collect()
     }
 
     /// The coefficients in coded units, one a term, each in units of the response.
@@ -146,22 +145,22 @@ impl Surface {
 
     /// Leverage of each run, 0 to 1; the leverages add up to the number of terms.
     pub fn leverages(&self) -> Vec<f64> {
-        self.least_squares.leverages()
+        self.regression.least_squares().leverages()
     }
 
     /// How each coefficient depends on each response, terms × runs.
     pub fn sensitivity(&self) -> DMatrix<f64> {
-        self.least_squares.sensitivity()
+        self.regression.least_squares().sensitivity()
     }
 
     /// Condition number of the regression matrix in coded units.
     pub fn condition_number(&self) -> f64 {
-        self.least_squares.condition_number()
+        self.regression.least_squares().condition_number()
     }
 
     /// Runs beyond the number of terms; 0 for a saturated design, whose surface passes through every run.
     pub fn residual_dof(&self) -> usize {
-        self.responses.len() - self.terms.len()
+        self.responses.len() - self.terms().len()
     }
 
     /// Sum of squared residuals.
@@ -186,15 +185,12 @@ impl Surface {
 }
 
 fn check(design: &Design, responses: &[f64]) -> Result<(), FitError> {
-    let (n_runs, n_terms) = (design.n_runs(), design.terms().len());
+    let n_runs = design.n_runs();
     if responses.len() != n_runs {
         return Err(FitError::ResponseCount { found: responses.len(), expected: n_runs });
     }
     if let Some(run_idx) = responses.iter().position(|value| value.is_nan() || value.abs() > LARGEST_RESPONSE) {
         return Err(FitError::Response { run: run_idx + 1, value: responses[run_idx] });
-    }
-    if n_runs < n_terms {
-        return Err(FitError::TooFewRuns { n_runs, n_terms });
     }
     Ok(())
 }
