@@ -41,6 +41,7 @@ pub use value::{Candidate, Value};
 use crate::fit::by_least_squares::fitted_as_it_is;
 use crate::fit::identify::problem_of;
 use crate::fit::problem::Problem;
+use crate::fit::tolerance::KnownRig;
 use crate::formula::effect_of;
 use crate::look::Look;
 use crate::recording::Measured;
@@ -49,7 +50,7 @@ use crate::verdict::Left;
 use budget::Budget;
 use search::search;
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
-use shared::parameters::{Parameters, base};
+use shared::parameters::base;
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 use summary::Summary;
@@ -57,7 +58,7 @@ use verdict::{INDISTINGUISHABLE, Judge};
 use zero::Zero;
 
 /// Finds what is missing from the base model of a rig.
-pub fn diagnose(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>) -> Diagnosis {
+pub fn diagnose<'r>(swings: &[Swing], held_out: &[Swing], rig: impl Into<KnownRig<'r>>) -> Diagnosis {
     diagnose_with(swings, held_out, rig, Wishes::default())
 }
 
@@ -73,19 +74,24 @@ pub struct Wishes {
 }
 
 /// The same with more than the effects of the list; a typed one that the rig has already is tried in any case.
-pub fn diagnose_with(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>, wishes: Wishes) -> Diagnosis {
+pub fn diagnose_with<'r>(
+    swings: &[Swing],
+    held_out: &[Swing],
+    rig: impl Into<KnownRig<'r>>,
+    wishes: Wishes,
+) -> Diagnosis {
     diagnose_counted(swings, held_out, rig, wishes, &AtomicUsize::new(0))
 }
 
 /// The same for somebody who wants to see the count of simulated swings grow.
-pub fn diagnose_counted(
+pub fn diagnose_counted<'r>(
     swings: &[Swing],
     held_out: &[Swing],
-    rig: &Parameters<f64>,
+    rig: impl Into<KnownRig<'r>>,
     wishes: Wishes,
     count: &AtomicUsize,
 ) -> Diagnosis {
-    let began = Instant::now();
+    let (began, rig) = (Instant::now(), rig.into());
     let problem = base_problem(swings, rig, count);
     let base = fitted_as_it_is(&problem);
     let first_look = first_look(swings, &base.parameters);
@@ -93,7 +99,7 @@ pub fn diagnose_counted(
         tell(look);
     }
     let (mut candidates, not_tried) = candidates(swings);
-    candidates.extend(wishes.typed.or(effect_of(rig, CUSTOM_FORMULA_ID)));
+    candidates.extend(wishes.typed.or(effect_of(rig.parameters, CUSTOM_FORMULA_ID)));
     let decimated = problem.decimated();
     let rough = problem.on(&decimated);
     let budget = Budget::of(&rough);
@@ -164,9 +170,9 @@ fn candidates(swings: &[Swing]) -> (Vec<&'static Effect<f64>>, Vec<NotTried>) {
 }
 
 /// The rig without any added effect.
-fn base_problem<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a AtomicUsize) -> Problem<'a> {
-    let mut bare = rig.clone();
+fn base_problem<'a>(swings: &'a [Swing], rig: KnownRig, count: &'a AtomicUsize) -> Problem<'a> {
+    let mut bare = rig.parameters.clone();
     bare.effects.retain(|effect| effect.id <= base::STICTION);
     (bare.formula, bare.curve) = (None, None);
-    problem_of(swings, &bare, count)
+    problem_of(swings, KnownRig { parameters: &bare, ..rig }, count)
 }

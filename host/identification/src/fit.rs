@@ -34,6 +34,8 @@ pub mod solve;
 pub mod start;
 pub mod stiction;
 pub mod stop_level;
+pub mod tolerance;
+mod tolerated;
 pub mod uncertainty;
 pub mod windows;
 

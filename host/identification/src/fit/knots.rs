@@ -28,6 +28,7 @@ impl Unknown {
             low: 0.0,
             high: HIGHEST_SHARE * gravity_nm,
             scale: SCALE_SHARE * gravity_nm,
+            prior: None,
         };
         SYMBOLS.iter().take(n_knots).enumerate().map(knot).collect()
     }
