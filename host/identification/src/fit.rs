@@ -18,6 +18,7 @@ pub mod found;
 pub mod held_out;
 pub mod identify;
 mod knots;
+pub mod levels;
 pub mod linear;
 pub mod problem;
 pub mod proposal;

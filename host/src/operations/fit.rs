@@ -43,6 +43,8 @@ pub enum News {
     Discovering,
     /// No effect explains what is left.
     NothingNamed,
+    /// The friction level of the releases differs.
+    LevelsDiffer,
 }
 
 impl std::fmt::Display for News {
@@ -51,6 +53,9 @@ impl std::fmt::Display for News {
             Self::Starting => write!(out, "looking where the formula's parameters may lie …"),
             Self::Identifying(progress) => write!(out, "{progress} …"),
             Self::Discovering => write!(out, "physics is missing: trying every effect …"),
+            Self::LevelsDiffer => {
+                write!(out, "the friction level differs between the releases; host diagnose says by how much")
+            }
             Self::NothingNamed => write!(out, "no effect of the list explains what is left"),
         }
     }
@@ -207,8 +212,10 @@ fn discover(
     tell(News::Discovering);
     let found = diagnose_with(swings, held_out, fit.rig(), Wishes { typed, ..Wishes::default() });
     let named = found.parameters.effects.len() > found.base_parameters.effects.len();
-    if !named {
-        tell(News::NothingNamed);
+    match &found.levels {
+        Some(_) => tell(News::LevelsDiffer),
+        None if !named => tell(News::NothingNamed),
+        None => {}
     }
     named.then_some(found)
 }

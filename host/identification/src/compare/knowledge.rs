@@ -243,6 +243,7 @@ fn advice(unknown: &Unknown, problem: &Problem, verdict: Identifiability) -> Opt
         Quantity::Inertia => "A release from a small angle: the period tells the inertia.",
         Quantity::Effect { id, .. } => effect_of(&problem.template, id)?.experiment,
         Quantity::Knot(_) => FRICTION_CURVE.experiment,
+        Quantity::Level { .. } => return None,
     };
     needed.then(|| experiment.to_owned())
 }

@@ -29,6 +29,7 @@ impl Unknown {
             high: HIGHEST_SHARE * gravity_nm,
             scale: SCALE_SHARE * gravity_nm,
             prior: None,
+            own: 0.0,
         };
         SYMBOLS.iter().take(n_knots).enumerate().map(knot).collect()
     }

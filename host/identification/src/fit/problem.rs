@@ -1,5 +1,6 @@
 //! What is unknown, and what a guess at it predicts.
 
+use super::levels::Part;
 use super::ridge::Ridge;
 use super::tolerance::{Known, Prior, Tolerances};
 use crate::lanes::Lanes;
@@ -37,6 +38,13 @@ pub enum Quantity {
     },
     /// The torque at a knot of the friction curve, by its position.
     Knot(usize),
+    /// How much the friction level of the swings differs, by a contrast of them ([`super::levels`]).
+    Level {
+        /// Of which part of the friction.
+        part: Part,
+        /// Which contrast, from 1.
+        contrast: usize,
+    },
 }
 
 /// A number to be identified.
@@ -58,6 +66,8 @@ pub struct Unknown {
     pub scale: f64,
     /// What is known of it before any swing is seen.
     pub prior: Option<Prior>,
+    /// The present value of a level, which no parameters hold.
+    pub own: f64,
 }
 
 impl Unknown {
@@ -66,7 +76,7 @@ impl Unknown {
         let pivot = parameters.pendulum.pivot_inertia_kg_m2();
         let (symbol, name, unit) = ("I", "inertia", "kg·m²");
         let (low, high, scale) = (0.0, 10.0 * pivot, 0.1 * pivot);
-        Self { quantity: Quantity::Inertia, symbol, name, unit, low, high, scale, prior: None }
+        Self { quantity: Quantity::Inertia, symbol, name, unit, low, high, scale, prior: None, own: 0.0 }
     }
 
     /// The same where the geometry of the pendulum is known to tolerances.
@@ -81,7 +91,7 @@ impl Unknown {
         let (symbol, unit) = if quantity == Quantity::Mass { ("m", "kg") } else { ("l", "m") };
         let Known { value, std } = *known;
         let prior = Some(Prior { value, std, only_below: false });
-        Self { quantity, symbol, name: "pendulum", unit, low: 0.0, high: f64::INFINITY, scale: std, prior }
+        Self { quantity, symbol, name: "pendulum", unit, low: 0.0, high: f64::INFINITY, scale: std, prior, own: 0.0 }
     }
 
     /// A number of an effect, within its physical range. Friction scales with m·g·l, and what has seconds in its unit
@@ -101,6 +111,7 @@ impl Unknown {
             high: if effect.id == base::VISCOUS { high.max(critical_damping(parameters)) } else { high },
             scale: SCALE_OF_RANGE * (parameter.high - parameter.low) * grows,
             prior: None,
+            own: 0.0,
         }
     }
 
@@ -121,10 +132,11 @@ impl Unknown {
             Quantity::Knot(index) => {
                 parameters.curve.as_ref().and_then(|curve| curve.torques_nm().get(index)).copied().unwrap_or(0.0)
             }
+            Quantity::Level { .. } => self.own,
         }
     }
 
-    /// Sets it; the effect must be present.
+    /// Sets it; the effect must be present. A level is no number of the parameters.
     pub fn set<R: Copy>(&self, parameters: &mut Parameters<R>, value: R) {
         match self.quantity {
             Quantity::Mass => parameters.pendulum.mass_kg = value,
@@ -142,6 +154,7 @@ impl Unknown {
                     *slot = value;
                 }
             }
+            Quantity::Level { .. } => {}
         }
     }
 
@@ -265,7 +278,9 @@ impl<'a> Problem<'a> {
         self.n_simulations.fetch_add(batch.len(), Ordering::Relaxed);
         match batch {
             [(values, start)] => {
-                let model = Model::new(&self.parameters(values));
+                let mut parameters = self.parameters(values);
+                self.put_level(&mut parameters, swing_idx, |j| values[j]);
+                let model = Model::new(&parameters);
                 let state = model.release(start.angle_rad, start.velocity_rad_s);
                 let mut column = Vec::with_capacity(n_samples);
                 simulate(&model, state, self.schedule(swing_idx), n_samples, |_, reading| column.push(reading));
@@ -283,6 +298,8 @@ impl<'a> Problem<'a> {
             let lanes = std::array::from_fn(|lane| guess(lane).0[unknown_idx]);
             unknown.set(&mut parameters, Lanes::<LANES>(lanes));
         }
+        let lanes = |j: usize| Lanes::<LANES>(std::array::from_fn(|lane| guess(lane).0[j]));
+        self.put_level(&mut parameters, swing_idx, lanes);
         let model = Model::new(&parameters);
         let angle = Lanes(std::array::from_fn(|lane| guess(lane).1.angle_rad));
         let velocity = Lanes(std::array::from_fn(|lane| guess(lane).1.velocity_rad_s));
