@@ -8,7 +8,7 @@ use tests::hidden::{Hidden, Rig};
 
 /// Few samples, so that each diagnosis takes a second or two.
 fn rig(releases_rad: &[f64]) -> Rig {
-    let rig = Rig { rate_hz: 60.0, longest_s: 25.0, noise_rad: 5e-4, ..Rig::random(7) };
+    let rig = Rig { rate_hz: 60.0, longest_s: 25.0, noise_rad: 1e-3, ..Rig::random(7) };
     Rig { viscous: 4e-4, coulomb_nm: 4e-4, stiction_nm: 5e-4, releases_rad: releases_rad.to_vec(), ..rig }
 }
 
