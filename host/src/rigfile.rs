@@ -3,7 +3,8 @@
 //!
 //! In and out: a commented text file that a person may edit; comments and order survive every update. Effects stand
 //! there by name, parameters by symbol, in SI units and radians. A value is a number, or an inline table
-//! `{ value = 5.4e-4, std = 2e-6, method = "least squares", recordings = ["swing.csv"] }`.
+//! `{ value = 5.4e-4, std = 2e-6, method = "least squares", recordings = ["swing.csv"] }`. Mass, length and inertia with a
+//! `std` and no method are measured to that tolerance; what a fit makes of them keeps it as `prior`.
 
 mod adopt;
 mod curve;
@@ -12,6 +13,7 @@ mod guess;
 mod gyroscope;
 mod quantity;
 mod read;
+mod tolerance;
 mod write;
 
 pub use crate::fit::curve::KnownCurve;
@@ -20,6 +22,7 @@ pub use quantity::Quantity;
 
 use crate::error::Failure;
 use crate::files::{self, Existing};
+use crate::fit::tolerance::{KnownRig, Tolerances};
 use crate::recording::Measured;
 use shared::effect::CUSTOM_FORMULA_ID;
 use shared::motion::Pendulum;
@@ -87,6 +90,7 @@ pub struct RigFile {
     document: DocumentMut,
     parameters: Parameters<f64>,
     knowledge: Vec<(Quantity, Knowledge)>,
+    tolerances: Tolerances,
     sensor: Option<Sensor>,
     measured: Option<Measured>,
     normalised: bool,
@@ -159,6 +163,11 @@ impl RigFile {
         &self.parameters
     }
 
+    /// The model, and how surely its geometry is known.
+    pub fn known(&self) -> KnownRig<'_> {
+        KnownRig { parameters: &self.parameters, tolerances: self.tolerances }
+    }
+
     /// Are torques and moments of inertia per m·g·l, because the geometry is unknown?
     pub fn is_normalised(&self) -> bool {
         self.normalised
@@ -192,7 +201,7 @@ impl RigFile {
     /// # Errors
     /// A value outside its range, or more effects than a model may have; the file then stays as it was.
     pub fn set(&mut self, quantity: Quantity, value: f64, knowledge: Knowledge) -> Result<(), RigFileError> {
-        let value = write::rounded(value, knowledge.std);
+        let value = self.told(quantity, value, &knowledge);
         let mut parameters = self.parameters.clone();
         let added = quantity.add_effect(&mut parameters).map_err(RigFileError::Model)?;
         quantity.set(&mut parameters, value);
@@ -201,7 +210,8 @@ impl RigFile {
         if added {
             write::add_effect(&mut self.document, quantity, &self.parameters);
         }
-        write::set_value(&mut self.document, quantity, value, &knowledge);
+        let prior = self.tolerance_after(quantity, value, &knowledge);
+        write::set_value(&mut self.document, quantity, value, &knowledge, prior);
         self.knowledge.retain(|(known, _)| *known != quantity);
         self.knowledge.push((quantity, knowledge));
         Ok(())

@@ -5,10 +5,12 @@
 //! gain, the promising ones are fitted in earnest ([`crate::fit::refine`]), and [`mod@search`] goes on with pairs
 //! until nothing significant is left. `verdict` says what may be claimed, what can't be told apart ([`replacement`],
 //! `ties`), what is only a shifted zero of the sensor ([`zero`]), and what stays unexplained; nothing is claimed that
-//! does not hold on every part of the swings ([`holds`]). For what is left, [`formulas`] searches small laws if
+//! does not hold on every part of the swings ([`holds`]). Where more than the noise stays, the friction [`levels`] of the
+//! releases may differ. For what is left, [`formulas`] searches small laws if
 //! somebody wishes.
 
 mod budget;
+mod conclusion;
 pub mod curve;
 mod doubt;
 pub mod evidence;
@@ -16,6 +18,7 @@ mod extension;
 pub mod first_look;
 pub mod formulas;
 pub mod holds;
+pub mod levels;
 mod models;
 pub mod physical;
 pub mod replacement;
@@ -34,6 +37,7 @@ pub use curve::FrictionCurve;
 pub use evidence::Evidence;
 pub use first_look::first_look;
 pub use holds::{Holding, Standing};
+pub use levels::Levels;
 pub use summary::{Diagnosis, NotTried, SpecialCase, Step, Suggestion};
 pub use ties::FamilyClaim;
 pub use value::{Candidate, Value};
@@ -41,23 +45,21 @@ pub use value::{Candidate, Value};
 use crate::fit::by_least_squares::fitted_as_it_is;
 use crate::fit::identify::problem_of;
 use crate::fit::problem::Problem;
+use crate::fit::tolerance::KnownRig;
 use crate::formula::effect_of;
 use crate::look::Look;
 use crate::recording::Measured;
 use crate::swing::Swing;
-use crate::verdict::Left;
 use budget::Budget;
-use search::search;
+use conclusion::{Bench, Conclusion};
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
-use shared::parameters::{Parameters, base};
+use shared::parameters::base;
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 use summary::Summary;
-use verdict::{INDISTINGUISHABLE, Judge};
-use zero::Zero;
 
 /// Finds what is missing from the base model of a rig.
-pub fn diagnose(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>) -> Diagnosis {
+pub fn diagnose<'r>(swings: &[Swing], held_out: &[Swing], rig: impl Into<KnownRig<'r>>) -> Diagnosis {
     diagnose_with(swings, held_out, rig, Wishes::default())
 }
 
@@ -73,19 +75,24 @@ pub struct Wishes {
 }
 
 /// The same with more than the effects of the list; a typed one that the rig has already is tried in any case.
-pub fn diagnose_with(swings: &[Swing], held_out: &[Swing], rig: &Parameters<f64>, wishes: Wishes) -> Diagnosis {
+pub fn diagnose_with<'r>(
+    swings: &[Swing],
+    held_out: &[Swing],
+    rig: impl Into<KnownRig<'r>>,
+    wishes: Wishes,
+) -> Diagnosis {
     diagnose_counted(swings, held_out, rig, wishes, &AtomicUsize::new(0))
 }
 
 /// The same for somebody who wants to see the count of simulated swings grow.
-pub fn diagnose_counted(
+pub fn diagnose_counted<'r>(
     swings: &[Swing],
     held_out: &[Swing],
-    rig: &Parameters<f64>,
+    rig: impl Into<KnownRig<'r>>,
     wishes: Wishes,
     count: &AtomicUsize,
 ) -> Diagnosis {
-    let began = Instant::now();
+    let (began, rig) = (Instant::now(), rig.into());
     let problem = base_problem(swings, rig, count);
     let base = fitted_as_it_is(&problem);
     let first_look = first_look(swings, &base.parameters);
@@ -93,35 +100,15 @@ pub fn diagnose_counted(
         tell(look);
     }
     let (mut candidates, not_tried) = candidates(swings);
-    candidates.extend(wishes.typed.or(effect_of(rig, CUSTOM_FORMULA_ID)));
+    candidates.extend(wishes.typed.or(effect_of(rig.parameters, CUSTOM_FORMULA_ID)));
     let decimated = problem.decimated();
     let rough = problem.on(&decimated);
     let budget = Budget::of(&rough);
-    let found = search(&problem, &rough, &base, &candidates, &budget);
-    let judge = Judge { problem: &problem, rough: &rough, found: &found, candidates: &candidates, budget: &budget };
-    let (claimed, others) = judge.refined(judge.claimed());
-    let mut undecided = judge.undecided(&claimed, &others);
-    let n_claimed = claimed.effects.len();
-    let Zero { model, offset_is_missing, alike } = zero::decide(&problem, claimed, INDISTINGUISHABLE * judge.unit());
-    // What the asymmetry explains, another effect may have imitated.
-    let resembling = zero::resembling().map(|rival| rival.name);
-    let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, resembling) } else { model };
-    let before = claimed.names();
-    let (mut claimed, unproven, mut holds_on) = judge.holding(judge.beyond_their_errors(claimed));
-    if problem.chi_square(claimed.cost).left() != Left::Noise {
-        (claimed, holds_on) = judge.simpler(&claimed, &others).unwrap_or((claimed, holds_on));
-    }
-    if claimed.names() != before {
-        undecided = judge.undecided(&claimed, &others);
-    }
-    undecided.extend(alike);
-    if problem.chi_square(claimed.cost).left() != Left::Noise {
-        let alike = judge.not_separated(&claimed, &others);
-        undecided.extend(alike.into_iter().filter(|name| !undecided.contains(name)).collect::<Vec<_>>());
-    }
-    let special_cases = judge.special_cases(&claimed, &others, &mut undecided);
-    let (claimed, vetoed) = judge.not_contradicted(claimed, held_out, count);
-    holds_on.retain(|holding| claimed.has(holding.effect));
+    let bench = Bench { problem: &problem, rough: &rough, candidates: &candidates, budget: &budget, held_out, count };
+    let alone = bench.concluded(&base);
+    let Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing } =
+        bench.with_levels(&base, &alone).unwrap_or(alone);
+    let judge = bench.judge(&found);
     let curve = judge.friction_curve(&claimed);
     let carries = judge.carries(&claimed, held_out, count);
     let parts = Summary {
@@ -164,9 +151,9 @@ fn candidates(swings: &[Swing]) -> (Vec<&'static Effect<f64>>, Vec<NotTried>) {
 }
 
 /// The rig without any added effect.
-fn base_problem<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a AtomicUsize) -> Problem<'a> {
-    let mut bare = rig.clone();
+fn base_problem<'a>(swings: &'a [Swing], rig: KnownRig, count: &'a AtomicUsize) -> Problem<'a> {
+    let mut bare = rig.parameters.clone();
     bare.effects.retain(|effect| effect.id <= base::STICTION);
     (bare.formula, bare.curve) = (None, None);
-    problem_of(swings, &bare, count)
+    problem_of(swings, KnownRig { parameters: &bare, ..rig }, count)
 }

@@ -18,6 +18,7 @@ pub mod found;
 pub mod held_out;
 pub mod identify;
 mod knots;
+pub mod levels;
 pub mod linear;
 pub mod problem;
 pub mod proposal;
@@ -34,6 +35,8 @@ pub mod solve;
 pub mod start;
 pub mod stiction;
 pub mod stop_level;
+pub mod tolerance;
+mod tolerated;
 pub mod uncertainty;
 pub mod windows;
 

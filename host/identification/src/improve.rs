@@ -9,6 +9,7 @@ use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, HeldOut, problem_of};
 use crate::fit::problem::Problem;
 use crate::fit::refine::Band;
+use crate::fit::tolerance::{KnownRig, Tolerances};
 use crate::swing::Swing;
 use serde::Serialize;
 use shared::effect::{CURVE_ID, CURVE_NAME, Effect};
@@ -73,14 +74,15 @@ pub enum ChangeError {
 }
 
 /// Refits the model as it is, then makes each change and refits everything.
-pub fn change(
+pub fn change<'r>(
     swings: &[Swing],
     held_out: &[Swing],
-    rig: &Parameters<f64>,
+    rig: impl Into<KnownRig<'r>>,
     changes: &[Change],
 ) -> Result<Vec<Step>, ChangeError> {
-    let bench = Bench { swings, held_out, count: &AtomicUsize::new(0) };
-    let (mut model, first) = bench.fitted(rig);
+    let rig = rig.into();
+    let bench = Bench { swings, held_out, tolerances: rig.tolerances, count: &AtomicUsize::new(0) };
+    let (mut model, first) = bench.fitted(rig.parameters);
     let mut steps = vec![first];
     for change in changes {
         let (next, step) = bench.changed(&model, *change)?;
@@ -97,14 +99,20 @@ pub struct Bench<'a> {
     pub swings: &'a [Swing],
     /// Swings that take no part.
     pub held_out: &'a [Swing],
+    /// How surely the geometry is known.
+    pub tolerances: Tolerances,
     /// Simulated swings so far.
     pub count: &'a AtomicUsize,
 }
 
-impl Bench<'_> {
+impl<'a> Bench<'a> {
+    fn problem_of(&self, parameters: &Parameters<f64>) -> Problem<'a> {
+        problem_of(self.swings, KnownRig { parameters, tolerances: self.tolerances }, self.count)
+    }
+
     /// The model as it is, refitted; further changes go on from the model.
     pub fn fitted(&self, rig: &Parameters<f64>) -> (Fitted, Step) {
-        let problem = problem_of(self.swings, rig, self.count);
+        let problem = self.problem_of(rig);
         let model = fitted_as_it_is(&problem);
         let step = self.step("as it is".to_owned(), &problem, &model, None);
         (model, step)
@@ -120,7 +128,7 @@ impl Bench<'_> {
         {
             return self.with_or_without_curve(model, change);
         }
-        let problem = problem_of(self.swings, &model.parameters, self.count);
+        let problem = self.problem_of(&model.parameters);
         let (words, next) = match change {
             Change::Add(effect) => (format!("+ {}", effect.name), added(&problem, model, effect)?),
             Change::Remove(effect) => (format!("- {}", effect.name), removed(&problem, model, effect)?),
@@ -137,7 +145,7 @@ impl Bench<'_> {
             Change::Add(_) if is_present => Err(ChangeError::Present { name }),
             Change::Remove(_) if !is_present => Err(ChangeError::Absent { name }),
             Change::Add(_) => {
-                let problem = problem_of(self.swings, &model.parameters, self.count);
+                let problem = self.problem_of(&model.parameters);
                 let curve = added_curve(&problem, model).ok_or(ChangeError::TooShort)?;
                 let mut step = self.step(format!("+ {name}"), &problem, &curve.model, Some(model));
                 let knots = step.values.iter_mut().filter(|value| value.effect == name);
@@ -145,7 +153,7 @@ impl Bench<'_> {
                 Ok((curve.model, step))
             }
             Change::Remove(_) => {
-                let problem = problem_of(self.swings, &model.without(CURVE_ID).parameters, self.count);
+                let problem = self.problem_of(&model.without(CURVE_ID).parameters);
                 let next = fitted_as_it_is(&problem);
                 let step = self.step(format!("- {name}"), &problem, &next, Some(model));
                 Ok((next, step))
@@ -164,7 +172,7 @@ impl Bench<'_> {
             carries: held_out.zip(before).map(|(after, before)| after.after(&before)),
             noise: problem.noise_rad(),
             values: values(problem, model),
-            parameters: model.parameters.clone(),
+            parameters: problem.tolerances.settled(&model.parameters),
         }
     }
 }

@@ -114,7 +114,7 @@ pub(crate) fn fit(
     let (text, file, curves, notes) = compute(py, progress, move |tell| {
         let mut asked = Asked::new(file, &recordings, &hold_out, &reading)?;
         let told = |news: fitting::News| tell(news.to_string());
-        let outcome = fitting::fit(&asked.swings, &asked.held_out, asked.file.parameters(), &request, &told)?;
+        let outcome = fitting::fit(&asked.swings, &asked.held_out, asked.file.known(), &request, &told)?;
         let text = text("fit", &outcome.fields(&asked.names, request.method, None))?;
         asked.file.adopt_fit(&outcome.fit, &source(fitting::words(request.method), &asked.names, &asked.swings))?;
         let (starts, parameters) = (outcome.fit.starts, outcome.fit.parameters);
@@ -168,7 +168,7 @@ pub(crate) fn diagnose(
     compute(py, progress, move |tell| {
         let asked = Asked::new(file, &recordings, &hold_out, &reading)?;
         tell("fitting the base model, then every effect …".to_owned());
-        let diagnosis = diagnose_with(&asked.swings, &asked.held_out, asked.file.parameters(), wishes);
+        let diagnosis = diagnose_with(&asked.swings, &asked.held_out, asked.file.known(), wishes);
         Ok((text("diagnose", &Fields { recordings: &asked.names, diagnosis: &diagnosis })?, asked.notes))
     })
 }
@@ -200,7 +200,7 @@ pub(crate) fn improve(
     let (text, file, notes) = compute(py, progress, move |tell| {
         let mut asked = Asked::new(file, &recordings, &hold_out, &reading)?;
         tell("refitting with other effects …".to_owned());
-        let improved = improve_with(&asked.swings, &asked.held_out, asked.file.parameters(), typed, &changes)?;
+        let improved = improve_with(&asked.swings, &asked.held_out, asked.file.known(), typed, &changes)?;
         improved.write_into(&mut asked.file, &source(METHOD, &asked.names, &asked.swings))?;
         Ok((text("improve", &improved)?, asked.file, asked.notes))
     })?;

@@ -23,8 +23,15 @@ pub(crate) struct PyRig {
 #[pymethods]
 impl PyRig {
     #[new]
-    fn new(mass_kg: f64, length_m: f64, inertia_kg_m2: f64, gravity_m_s2: f64) -> PyResult<Self> {
-        typed(RigFile::new(Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2 }))
+    fn new(
+        mass_kg: f64,
+        length_m: f64,
+        inertia_kg_m2: f64,
+        gravity_m_s2: f64,
+        stds: [Option<f64>; 3],
+    ) -> PyResult<Self> {
+        let file = RigFile::new(Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2 });
+        typed(file.and_then(|file| file.measured_to(stds)))
     }
 
     #[staticmethod]

@@ -50,7 +50,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let held_out = options.given.held_out(&model, &options.hold_out, &swings)?;
     output::say("fitting the base model, then every effect …");
     let wishes = Wishes { typed: options.effect, formulas: options.formulas, at_first_look: Some(first_look) };
-    let diagnosis = diagnose_with(&swings, &held_out, model.parameters(), wishes);
+    let diagnosis = diagnose_with(&swings, &held_out, model.known(), wishes);
     if options.given.json {
         output::json("diagnose", &Fields { recordings: &all_named(&options.given.recordings), diagnosis: &diagnosis });
     } else {

@@ -17,6 +17,7 @@ const HINT: &str = "With --formulas small formulas are searched for what remains
 /// The whole diagnosis for a person.
 pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
     let mut parts: Vec<String> = driven(diagnosis).into_iter().chain([verdict(diagnosis)]).collect();
+    parts.extend(diagnosis.levels.as_ref().map(|levels| wrapped(&format!("{}.", levels.words), 0)));
     parts.extend(diagnosis.suspect().map(|claim| suspected(diagnosis, claim)));
     parts.extend(diagnosis.verdict.iter().filter_map(|name| claimed(diagnosis, name)));
     if let Some(family) = &diagnosis.family {
@@ -177,6 +178,13 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     let left = |rmse: f64| format!("{:.2} {unit}, {} times the noise", 1e3 * rmse, noises(rmse / diagnosis.noise));
     let (before, after) = (left(diagnosis.rmse_before), left(diagnosis.rmse_after));
     match (diagnosis.verdict.as_slice(), diagnosis.unexplained) {
+        ([], false) if diagnosis.levels.is_some() => {
+            let words = format!(
+                "No effect is missing: with a friction level for each release the base model leaves {after}; with one for \
+                 all it leaves {before}."
+            );
+            wrapped(&words, 0)
+        }
         ([], false) => format!("Nothing is missing at this noise level: the base model leaves {after}."),
         (offset, true) if diagnosis.has_no_law() => {
             let zero = match offset {

@@ -184,7 +184,7 @@ fn identify(options: &Options, swings: &[Swing], held_out: &[Swing], rig: &RigFi
         options.range.iter().map(|range| (range.quantity.symbol().to_owned(), range.low, range.high)).collect();
     let request = fit::Request { method, ranges, typed: options.effect, discover: options.discover };
     let screen = Screen::new(method, swings);
-    fit::fit(swings, held_out, rig.parameters(), &request, &|news| screen.show(news))
+    fit::fit(swings, held_out, rig.known(), &request, &|news| screen.show(news))
 }
 
 /// Pushes the model, then lets the observer judge old and new parameters by a second swing.

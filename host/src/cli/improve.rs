@@ -60,7 +60,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     check_outputs(options)?;
     let swings = options.given.swings(&model)?;
     let held_out = options.given.held_out(&model, &options.hold_out, &swings)?;
-    let improved = improve(&swings, &held_out, model.parameters(), options.effect, &changes)?;
+    let improved = improve(&swings, &held_out, model.known(), options.effect, &changes)?;
     if options.given.json {
         output::json("improve", &improved);
     } else {

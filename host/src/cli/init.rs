@@ -26,6 +26,15 @@ pub(super) struct Options {
     #[arg(long, value_name = "KG·M²", value_parser = not_negative, allow_negative_numbers = true)]
     #[arg(required_unless_present = "unknown_geometry", conflicts_with = "unknown_geometry")]
     inertia: Option<f64>,
+    /// How surely the mass is known: its standard deviation, kg
+    #[arg(long, value_name = "KG", value_parser = positive, allow_negative_numbers = true, requires = "mass")]
+    mass_std: Option<f64>,
+    /// The same of the length, m
+    #[arg(long, value_name = "M", value_parser = positive, allow_negative_numbers = true, requires = "length")]
+    length_std: Option<f64>,
+    /// The same of the moment of inertia, kg·m²; without it any inertia may be found
+    #[arg(long, value_name = "KG·M²", value_parser = positive, allow_negative_numbers = true, requires = "inertia")]
+    inertia_std: Option<f64>,
     /// Gravitational acceleration, m/s²
     #[arg(long, value_name = "M/S²", value_parser = positive, allow_negative_numbers = true, default_value = "9.81")]
     gravity: f64,
@@ -46,6 +55,7 @@ pub(super) struct Options {
 const EXAMPLE: &str = "\
 Example:
   host init --mass 0.1466084 --length 0.1562177 --inertia 0.00284252 -o rig.toml
+  host init --mass 0.1466 --mass-std 1e-4 --length 0.156 --length-std 1e-3 --inertia 0.00284 -o rig.toml
   host init --unknown-geometry -o rig.toml
 
 Friction starts as a guess from the pendulum's size. Next: `host record`, then `host fit`.";
@@ -86,6 +96,11 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 }
 
 fn model(options: &Options) -> Result<RigFile, RigFileError> {
+    let stds = [options.mass_std, options.length_std, options.inertia_std];
+    without_tolerances(options)?.measured_to(stds)
+}
+
+fn without_tolerances(options: &Options) -> Result<RigFile, RigFileError> {
     match (options.mass, options.length, options.inertia) {
         (Some(mass_kg), Some(length_m), Some(inertia_kg_m2)) => {
             RigFile::new(Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2: options.gravity })

@@ -9,6 +9,7 @@ use crate::fit::identify::{self, Fit, Identified, Progress};
 use crate::fit::problem::Start;
 use crate::fit::quality::Responses;
 use crate::fit::sequential::Stage;
+use crate::fit::tolerance::KnownRig;
 use crate::improve::{Change, change};
 use crate::swing::Swing;
 use crate::trajectory::simulate;
@@ -42,6 +43,8 @@ pub enum News {
     Discovering,
     /// No effect explains what is left.
     NothingNamed,
+    /// The friction level of the releases differs.
+    LevelsDiffer,
 }
 
 impl std::fmt::Display for News {
@@ -50,6 +53,9 @@ impl std::fmt::Display for News {
             Self::Starting => write!(out, "looking where the formula's parameters may lie …"),
             Self::Identifying(progress) => write!(out, "{progress} …"),
             Self::Discovering => write!(out, "physics is missing: trying every effect …"),
+            Self::LevelsDiffer => {
+                write!(out, "the friction level differs between the releases; host diagnose says by how much")
+            }
             Self::NothingNamed => write!(out, "no effect of the list explains what is left"),
         }
     }
@@ -118,17 +124,18 @@ pub fn words(method: identify::Method) -> &'static str {
 pub fn fit(
     swings: &[Swing],
     held_out: &[Swing],
-    rig: &Parameters<f64>,
+    rig: KnownRig,
     request: &Request,
     tell: &(dyn Fn(News) + Sync),
 ) -> Result<Outcome, Failure> {
-    let rig = with_typed(swings, rig, request.typed, tell)?;
+    let parameters = with_typed(swings, rig, request.typed, tell)?;
+    let rig = KnownRig { parameters: &parameters, ..rig };
     let settings = identify::Options { method: request.method, ranges: request.ranges.clone() };
     let told = |progress| tell(News::Identifying(progress));
-    let plain = identify::fit(swings, held_out, &rig, &settings, &told).map_err(Failure::failed)?;
+    let plain = identify::fit(swings, held_out, rig, &settings, &told).map_err(Failure::failed)?;
     let discovery = request.discover.then(|| discover(swings, held_out, &plain, request.typed, tell)).flatten();
     let fit = match &discovery {
-        Some(found) => refit(swings, held_out, found)?,
+        Some(found) => refit(swings, held_out, KnownRig { parameters: &found.parameters, ..rig })?,
         None => plain,
     };
     let stages = stages::stages(&fit, request.method, swings);
@@ -181,14 +188,14 @@ pub fn modelled(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> V
 /// The model with the effect that was typed, fitted well enough to begin with: a formula may need several starts.
 fn with_typed(
     swings: &[Swing],
-    rig: &Parameters<f64>,
+    rig: KnownRig,
     typed: Option<&'static Effect<f64>>,
     tell: &(dyn Fn(News) + Sync),
 ) -> Result<Parameters<f64>, Failure> {
-    let Some(effect) = typed else { return Ok(rig.clone()) };
+    let Some(effect) = typed else { return Ok(rig.parameters.clone()) };
     tell(News::Starting);
     let steps = change(swings, &[], rig, &[Change::Add(effect)]).map_err(Failure::failed)?;
-    Ok(steps.last().map_or_else(|| rig.clone(), |step| step.parameters.clone()))
+    Ok(steps.last().map_or_else(|| rig.parameters.clone(), |step| step.parameters.clone()))
 }
 
 /// What is missing, if the base model leaves more than the noise and something can be named.
@@ -203,16 +210,18 @@ fn discover(
         return None;
     }
     tell(News::Discovering);
-    let found = diagnose_with(swings, held_out, &fit.parameters, Wishes { typed, ..Wishes::default() });
+    let found = diagnose_with(swings, held_out, fit.rig(), Wishes { typed, ..Wishes::default() });
     let named = found.parameters.effects.len() > found.base_parameters.effects.len();
-    if !named {
-        tell(News::NothingNamed);
+    match &found.levels {
+        Some(_) => tell(News::LevelsDiffer),
+        None if !named => tell(News::NothingNamed),
+        None => {}
     }
     named.then_some(found)
 }
 
 /// All numbers of the enlarged model with their uncertainties.
-fn refit(swings: &[Swing], held_out: &[Swing], found: &Diagnosis) -> Result<Fit, Failure> {
+fn refit(swings: &[Swing], held_out: &[Swing], found: KnownRig) -> Result<Fit, Failure> {
     let settings = identify::Options { method: identify::Method::LeastSquares, ranges: Vec::new() };
-    identify::fit(swings, held_out, &found.parameters, &settings, &|_| {}).map_err(Failure::failed)
+    identify::fit(swings, held_out, found, &settings, &|_| {}).map_err(Failure::failed)
 }

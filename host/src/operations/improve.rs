@@ -2,6 +2,7 @@
 
 use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
 use crate::error::Failure;
+use crate::fit::tolerance::KnownRig;
 use crate::formula::{FRICTION_CURVE, effect_of};
 use crate::improve::{Change, Step, change};
 use crate::rigfile::{RigFile, RigFileError, Source};
@@ -34,7 +35,7 @@ pub enum Improved {
 pub fn improve(
     swings: &[Swing],
     held_out: &[Swing],
-    rig: &Parameters<f64>,
+    rig: KnownRig,
     typed: Option<&'static Effect<f64>>,
     changes: &[Change],
 ) -> Result<Improved, Failure> {

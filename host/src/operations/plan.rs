@@ -29,7 +29,7 @@ pub struct Planned {
 impl Planned {
     /// From recordings of these names, and their swings.
     pub fn new(recordings: &[String], swings: &[Swing], rig: &RigFile) -> Self {
-        let diagnosis = diagnose(swings, &[], rig.parameters());
+        let diagnosis = diagnose(swings, &[], rig.known());
         let leading = &diagnosis.leading;
         let experiments = if leading.len() < 2 { Vec::new() } else { plan(swings, leading, !rig.is_normalised()) };
         Self {

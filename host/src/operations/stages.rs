@@ -38,7 +38,7 @@ pub(super) fn stages(fit: &Fit, method: Method, swings: &[Swing]) -> Vec<After> 
 /// The last design's optimum over the whole swings; how each swing began is fitted to it, as everywhere.
 fn after_surfaces(fit: &Fit, last: &Stage, swings: &[Swing]) -> Responses {
     let count = AtomicUsize::new(0);
-    let full = problem_of(swings, &fit.parameters, &count);
+    let full = problem_of(swings, fit.rig(), &count);
     let fixed = Problem { template: full.parameters(&values_after(last, &full)), unknowns: Vec::new(), ..full };
     let from = Point { values: Vec::new(), starts: fit.starts.clone() };
     let end = descend(&fixed, &from, Window::Whole, Tolerance::ROUGH, Steps::new(&fixed));

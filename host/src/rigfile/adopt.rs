@@ -50,6 +50,10 @@ impl RigFile {
                 name => quantity.owner() == name && quantity.symbol() == found.symbol,
             };
             let Some(quantity) = quantities.iter().find(is_meant) else { continue };
+            // Mass and length stay as they were typed where no period asks for others.
+            if quantity.is_measured() && quantity.get(self.parameters()) == Some(found.value) {
+                continue;
+            }
             self.set(*quantity, found.value, Knowledge { std: found.std, source: Some(source.clone()) })?;
         }
         Ok(())

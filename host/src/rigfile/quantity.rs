@@ -123,6 +123,16 @@ impl Quantity {
         self.described().1
     }
 
+    /// Is it measured by other means than swings?
+    pub(super) fn is_measured(self) -> bool {
+        matches!(self, Self::Mass | Self::Length)
+    }
+
+    /// May it have been measured to a tolerance before any swing?
+    pub(super) fn has_tolerance(self) -> bool {
+        self.is_measured() || self == Self::Inertia
+    }
+
     pub(super) fn is_of(self, wanted: u16) -> bool {
         self.place().is_some_and(|(id, _)| id == wanted)
     }

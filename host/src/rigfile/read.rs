@@ -1,5 +1,6 @@
 //! Text → model file, with line and key in every message.
 
+use super::tolerance::PRIOR_KEY;
 use super::{FORMAT_VERSION, Knowledge, Quantity, RigFile, RigFileError, Source, curve};
 use crate::formula::{self, FormulaError, effect_of};
 use crate::recording::Measured;
@@ -11,7 +12,7 @@ use shared::sensor::{Calibration, Number, Potentiometer, Sensor};
 use std::ops::Range;
 use toml_edit::{Document, Item, TableLike};
 
-type Result<T> = std::result::Result<T, RigFileError>;
+pub(super) type Result<T> = std::result::Result<T, RigFileError>;
 
 const TOP_KEYS: [&str; 5] = ["format", "pendulum", "sensor", "effect", "notes"];
 const PENDULUM_KEYS: [&str; 5] = ["mass", "length", "inertia", "gravity", "normalised"];
@@ -19,6 +20,8 @@ const PENDULUM_KEYS: [&str; 5] = ["mass", "length", "inertia", "gravity", "norma
 const SENSOR_KEYS: [&str; 2] = ["measured", "kind"];
 const FORMULA_KEY: &str = "formula";
 const VALUE_KEYS: [&str; 5] = ["value", "std", "method", "recordings", "measured"];
+/// Of mass, length and inertia.
+const MEASURED_KEYS: [&str; 6] = ["value", "std", "method", "recordings", "measured", PRIOR_KEY];
 
 pub(super) fn parse(file: &str, text: &str) -> Result<RigFile> {
     let reader = Reader { file, text };
@@ -36,16 +39,17 @@ pub(super) fn parse(file: &str, text: &str) -> Result<RigFile> {
     }
     reader.check_model(top, &parameters)?;
     let normalised = reader.flag(pendulum_table, "pendulum", "normalised")?;
+    let tolerances = reader.tolerances(pendulum_table, &parameters.pendulum, normalised)?;
     let sensor = top.get("sensor");
     let measured = |item| reader.measured(reader.as_table(item, "sensor")?, "sensor");
     let measured = sensor.map(measured).transpose()?.flatten();
     let is_only_measured =
         |item: &&Item| measured.is_some() && item.as_table_like().is_some_and(|keys| keys.len() == 1);
     let sensor = sensor.filter(|item| !is_only_measured(item)).map(|item| reader.sensor(item)).transpose()?;
-    Ok(RigFile { document: document.into_mut(), parameters, knowledge, sensor, measured, normalised })
+    Ok(RigFile { document: document.into_mut(), parameters, knowledge, tolerances, sensor, measured, normalised })
 }
 
-struct Reader<'a> {
+pub(super) struct Reader<'a> {
     file: &'a str,
     text: &'a str,
 }
@@ -65,7 +69,7 @@ impl Reader<'_> {
     }
 
     /// A key that means nothing is a typing error more often than not.
-    fn check_keys(&self, table: &str, keys: &dyn TableLike, known: &[&str]) -> Result<()> {
+    pub(super) fn check_keys(&self, table: &str, keys: &dyn TableLike, known: &[&str]) -> Result<()> {
         match keys.iter().find(|(key, _)| !known.contains(key)) {
             None => Ok(()),
             Some((key, item)) => {
@@ -164,7 +168,8 @@ impl Reader<'_> {
         let expected = || format!("{} in {}", quantity.meaning(), quantity.unit());
         let item = table.get(quantity.key()).ok_or_else(|| self.missing(&name, expected()))?;
         let Some(detailed) = item.as_table_like() else { return self.number(item, &name) };
-        self.check_keys(&name, detailed, &VALUE_KEYS)?;
+        let known: &[&str] = if quantity.has_tolerance() { &MEASURED_KEYS } else { &VALUE_KEYS };
+        self.check_keys(&name, detailed, known)?;
         let value = detailed.get("value").ok_or_else(|| self.missing(&joined(&name, "value"), expected()))?;
         let std = detailed.get("std").map(|item| self.number(item, &joined(&name, "std"))).transpose()?;
         knowledge.push((quantity, Knowledge { std, source: self.source(detailed, &name)? }));
@@ -253,7 +258,7 @@ impl Reader<'_> {
         Err(self.bad(span, &joined(&name, quantity.key()), format!("{value} cannot be used: {error}")))
     }
 
-    fn number(&self, item: &Item, name: &str) -> Result<f64> {
+    pub(super) fn number(&self, item: &Item, name: &str) -> Result<f64> {
         let value = item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64));
         match value.filter(|value| value.is_finite()) {
             Some(value) => Ok(value),
@@ -272,15 +277,15 @@ impl Reader<'_> {
         self.as_table(item, &name)
     }
 
-    fn as_table<'t>(&self, item: &'t Item, name: &str) -> Result<&'t dyn TableLike> {
+    pub(super) fn as_table<'t>(&self, item: &'t Item, name: &str) -> Result<&'t dyn TableLike> {
         item.as_table_like().ok_or_else(|| self.bad(item.span(), name, format!("expected a table [{name}]")))
     }
 
-    fn bad(&self, span: Option<Range<usize>>, key: &str, problem: String) -> RigFileError {
+    pub(super) fn bad(&self, span: Option<Range<usize>>, key: &str, problem: String) -> RigFileError {
         RigFileError::Key { file: self.file.to_owned(), line: self.line(span), key: key.to_owned(), problem }
     }
 
-    fn missing(&self, key: &str, expected: String) -> RigFileError {
+    pub(super) fn missing(&self, key: &str, expected: String) -> RigFileError {
         RigFileError::Missing { file: self.file.to_owned(), key: key.to_owned(), expected }
     }
 
@@ -295,6 +300,6 @@ impl Reader<'_> {
     }
 }
 
-fn joined(table: &str, key: &str) -> String {
+pub(super) fn joined(table: &str, key: &str) -> String {
     if table.is_empty() { key.to_owned() } else { format!("{table}.{key}") }
 }

@@ -1,6 +1,8 @@
 //! Model file → text: the first version with its comments, and updates that leave a person's own comments alone.
 
+use super::tolerance::PRIOR_KEY;
 use super::{FORMAT_VERSION, Knowledge, Quantity};
+use crate::fit::tolerance::Known;
 use crate::formula::effect_of;
 use crate::recording::Measured;
 use shared::effect::{Action, CURVE_ID, CURVE_NAME, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
@@ -52,13 +54,19 @@ pub(super) fn template(parameters: &Parameters<f64>, normalised: bool) -> String
 }
 
 /// Sets one value in its table, which must be there.
-pub(super) fn set_value(document: &mut DocumentMut, quantity: Quantity, value: f64, knowledge: &Knowledge) {
+pub(super) fn set_value(
+    document: &mut DocumentMut,
+    quantity: Quantity,
+    value: f64,
+    knowledge: &Knowledge,
+    prior: Option<Known>,
+) {
     let table = match quantity {
         Quantity::Effect { .. } | Quantity::Custom { .. } => &mut document["effect"][quantity.owner()],
         _ => &mut document["pendulum"],
     };
     let Some(table) = table.as_table_like_mut() else { return };
-    let new = described(value, knowledge);
+    let new = described(value, knowledge, prior);
     match table.get_mut(quantity.key()) {
         // Only the value is replaced, so that the comment behind it stays.
         Some(Item::Value(old)) => {
@@ -143,7 +151,7 @@ pub(super) fn set_sensor(document: &mut DocumentMut, sensor: &Sensor) {
     }
 }
 
-fn described(value: f64, knowledge: &Knowledge) -> Value {
+fn described(value: f64, knowledge: &Knowledge, prior: Option<Known>) -> Value {
     if *knowledge == Knowledge::default() {
         return number(value);
     }
@@ -159,6 +167,10 @@ fn described(value: f64, knowledge: &Knowledge) -> Value {
         }
         if source.measured != Measured::default() {
             table.insert("measured", Value::from(source.measured.name()));
+        }
+        if let Some(Known { value, std }) = prior {
+            let known = [("value", value), ("std", std)].into_iter().map(|(key, value)| (key, number(value)));
+            table.insert(PRIOR_KEY, Value::InlineTable(known.collect()));
         }
     }
     Value::InlineTable(table)

@@ -60,7 +60,9 @@ pub(super) fn values(app: &App, values: &Values) -> Result<(), Failure> {
     let source = Source::new("set by hand", &[]);
     for (name, value) in values {
         let quantity = named(model.parameters(), name)?;
-        let knowledge = Knowledge { std: None, source: Some(source.clone()) };
+        // A measured mass or length that is typed anew is another measurement.
+        let source = (!model.has_tolerance(quantity)).then(|| source.clone());
+        let knowledge = Knowledge { std: None, source };
         model.set(quantity, *value, knowledge)?;
     }
     work::set_model(app, model, "set by hand", Numbers::Typed);

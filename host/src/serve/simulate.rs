@@ -47,14 +47,8 @@ pub(super) fn answer(app: &App, question: &Question) -> Result<Answer, Failure> 
         let (angle_rad, velocity_rad_s) = swing.start_guess();
         Start { angle_rad, velocity_rad_s, offset_rad: 0.0 }
     });
-    let problem = Problem {
-        swings: std::slice::from_ref(swing),
-        template: parameters,
-        unknowns: Vec::new(),
-        offsets_are_free: true,
-        ridge: None,
-        n_simulations: &AtomicUsize::new(0),
-    };
+    let count = AtomicUsize::new(0);
+    let problem = Problem::new(std::slice::from_ref(swing), &parameters, Vec::new(), &count);
     let run = run(&problem, start);
     Ok(Answer {
         rmse_rad: crate::compare::rms(&run.residuals_rad),

@@ -65,7 +65,8 @@ impl Data {
     }
 
     fn bench<'a>(&'a self, count: &'a AtomicUsize) -> Bench<'a> {
-        Bench { swings: &self.swings, held_out: &self.held_out, count }
+        let tolerances = self.model.known().tolerances;
+        Bench { swings: &self.swings, held_out: &self.held_out, tolerances, count }
     }
 
     fn measurements(&self, held_out: bool) -> Vec<Measurement> {
@@ -330,7 +331,7 @@ pub(super) fn find_missing(app: &Arc<App>, progress: &Progress) -> Result<(), Fa
     data.check()?;
     progress.say("fitting the base model, then every effect", None);
     let wishes = Wishes { formulas: true, ..Wishes::default() };
-    let found = diagnose_counted(&data.swings, &data.held_out, data.parameters(), wishes, &progress.count);
+    let found = diagnose_counted(&data.swings, &data.held_out, data.model.known(), wishes, &progress.count);
     app.change(|state| {
         if data.is_current(state) {
             state.diagnosis = Some(Arc::new(found));
@@ -346,7 +347,7 @@ pub(super) fn identify(app: &Arc<App>, progress: &Progress) -> Result<(), Failur
     let n_steps = (n_windows + 3) as f64;
     let n_done = AtomicUsize::new(0);
     let options = identify::Options { method: Method::Both, ranges: Vec::new() };
-    let fit = identify::fit(&data.swings, &data.held_out, data.parameters(), &options, &|step| {
+    let fit = identify::fit(&data.swings, &data.held_out, data.model.known(), &options, &|step| {
         let share = n_done.fetch_add(1, Ordering::Relaxed) as f64 / n_steps;
         progress.say(&step.to_string(), Some(share.min(1.0)));
     });

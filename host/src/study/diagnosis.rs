@@ -32,7 +32,7 @@ pub(super) fn diagnosed(folder: &Path, rig: &Rig, of: &[&Row], reading: &Reading
     let read = |row: &&Row| reading.swing(folder, rig, &row.key).ok().map(|(_, swing, _)| swing);
     let swings: Vec<_> = of.iter().map(read).collect::<Option<_>>()?;
     one_kind(swings.iter()).ok()?;
-    let diagnosis = diagnose(&swings, &[], rig.model.parameters());
+    let diagnosis = diagnose(&swings, &[], rig.model.known());
     let missing = diagnosis.verdict.iter().map(|name| (*name).to_owned()).collect();
     Some(Diagnosed { from: origin(of), missing, words: in_words(&diagnosis) })
 }

@@ -36,14 +36,7 @@ pub struct Followed {
 
 /// A problem in which nothing but starts is unknown.
 pub fn starts_only<'a>(swings: &'a [Swing], parameters: &Parameters<f64>, count: &'a AtomicUsize) -> Problem<'a> {
-    Problem {
-        swings,
-        template: parameters.clone(),
-        unknowns: Vec::new(),
-        offsets_are_free: true,
-        ridge: None,
-        n_simulations: count,
-    }
+    Problem::new(swings, parameters, Vec::new(), count)
 }
 
 /// Fits the start of one swing, with the window growing, and lets the model run to its end.

@@ -226,7 +226,7 @@ fn verdict(unknown: &Unknown, problem: &Problem, chosen: &Estimate, at_bound: bo
     // The inertia about the centre is a small part of the one about the pivot, which the period tells.
     let size = match unknown.quantity {
         Quantity::Inertia => problem.template.pendulum.pivot_inertia_kg_m2(),
-        Quantity::Effect { .. } | Quantity::Knot(_) => chosen.value,
+        _ => chosen.value,
     };
     match chosen.std.map(|std| std / size.abs()) {
         Some(relative) if relative < 0.1 => Identifiability::Identified,
@@ -239,9 +239,11 @@ fn verdict(unknown: &Unknown, problem: &Problem, chosen: &Estimate, at_bound: bo
 fn advice(unknown: &Unknown, problem: &Problem, verdict: Identifiability) -> Option<String> {
     let needed = matches!(verdict, Identifiability::Weak | Identifiability::Not);
     let experiment = match unknown.quantity {
+        Quantity::Mass | Quantity::Length => "No swing tells it: weigh and balance the pendulum.",
         Quantity::Inertia => "A release from a small angle: the period tells the inertia.",
         Quantity::Effect { id, .. } => effect_of(&problem.template, id)?.experiment,
         Quantity::Knot(_) => FRICTION_CURVE.experiment,
+        Quantity::Level { .. } => return None,
     };
     needed.then(|| experiment.to_owned())
 }

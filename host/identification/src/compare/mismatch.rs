@@ -161,14 +161,7 @@ fn other_inertia(swing: &Swing, parameters: &Parameters<f64>) -> Option<f64> {
         return None;
     }
     let count = AtomicUsize::new(0);
-    let problem = Problem {
-        swings: std::slice::from_ref(&first),
-        template: parameters.clone(),
-        unknowns: vec![Unknown::inertia(parameters)],
-        offsets_are_free: true,
-        ridge: None,
-        n_simulations: &count,
-    };
+    let problem = Problem::new(std::slice::from_ref(&first), parameters, vec![Unknown::inertia(parameters)], &count);
     let guess = start::guess(&problem);
     let end = descend(&problem, &guess, Window::Whole, Tolerance::FINE, Steps::new(&problem));
     let changed = problem.parameters(&end.point.values);

@@ -175,7 +175,7 @@ fn promising(on: &Problem, alone: &Curved, effects: &[&'static Effect<f64>]) -> 
 
 fn described(on: &Problem, found: Curved) -> Option<FrictionCurve> {
     let known = known(on, &found)?;
-    let parameters = found.model.parameters.clone();
+    let parameters = on.tolerances.settled(&found.model.parameters);
     let curve = parameters.curve.as_ref()?;
     let speeds: Vec<f64> = curve.speeds_rad_s().iter().map(|speed| f64::from(*speed)).collect();
     Some(FrictionCurve {

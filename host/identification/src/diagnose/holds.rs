@@ -105,7 +105,24 @@ pub fn holdings(on: &Problem, model: &Fitted, n_starts: usize) -> Vec<Holding> {
 }
 
 fn holding(on: &Problem, model: &Fitted, effect: &'static Effect<f64>, clusters: &[Cluster], level: f64) -> Holding {
-    let test = Test::of(model, effect, clusters);
+    tested(on, model, effect.name, clusters, &Test::of(model, effect, clusters), level)
+}
+
+/// The test of what stands in some columns of a model.
+pub(super) fn tested_columns(
+    on: &Problem,
+    model: &Fitted,
+    name: &'static str,
+    clusters: &[Cluster],
+    is_tested: impl Fn(usize) -> bool,
+) -> Holding {
+    let size = clusters.first().map_or(0, |cluster| cluster.sides[0].gradient.len());
+    let (own, mut columns): (Vec<usize>, Vec<usize>) = (0..size).partition(|j| is_tested(*j));
+    columns.extend(own.clone());
+    tested(on, model, name, clusters, &Test::new(model, columns, own), ALPHA)
+}
+
+fn tested(on: &Problem, model: &Fitted, name: &'static str, clusters: &[Cluster], test: &Test, level: f64) -> Holding {
     let sums: Vec<Sums> = clusters.iter().map(Cluster::sums).collect();
     let normals: Vec<Normal<f64, COLUMNS>> = sums.iter().map(|sums| test.normal(sums)).collect();
     let (n_tested, n_windows) = (test.strengths.len(), clusters.len());
@@ -120,23 +137,23 @@ fn holding(on: &Problem, model: &Fitted, effect: &'static Effect<f64>, clusters:
         Some((p, without_two)) if p < level && without_two < ALPHA => Standing::Holds,
         _ => Standing::Partly,
     };
-    let Some((k, whole)) = test.clearest(&sums) else { return Holding::unknown(on, model, effect, n_windows) };
+    let Some((k, whole)) = test.clearest(&sums) else { return Holding::unknown(on, model, name, n_windows) };
     let standing = match standing {
         Standing::Holds if whole.error.is_some_and(|error| whole.value.abs() < error) => Standing::Partly,
         standing => standing,
     };
-    let parts = parts(on, &test, k, whole.value, clusters);
+    let parts = parts(on, test, k, whole.value, clusters);
     let rmse = on.rmse_rad(model.cost);
     let (value, std) = (Some(whole.value), whole.std);
-    Holding { effect: effect.name, standing, windows: n_windows, rmse, p, p_without_two, value, std, parts }
+    Holding { effect: name, standing, windows: n_windows, rmse, p, p_without_two, value, std, parts }
 }
 
 impl Holding {
     /// Of a single window nothing can be said.
-    fn unknown(on: &Problem, model: &Fitted, effect: &Effect<f64>, windows: usize) -> Self {
+    fn unknown(on: &Problem, model: &Fitted, effect: &'static str, windows: usize) -> Self {
         let (standing, rmse) = (Standing::TooShort, on.rmse_rad(model.cost));
         let (p, p_without_two, value, std) = (None, None, None, None);
-        Self { effect: effect.name, standing, windows, rmse, p, p_without_two, value, std, parts: Vec::new() }
+        Self { effect, standing, windows, rmse, p, p_without_two, value, std, parts: Vec::new() }
     }
 }
 
@@ -152,10 +169,17 @@ impl Test {
         let strong = strengths(effect);
         let mut columns: Vec<usize> = (0..size).filter(|j| of_effect(j).is_none()).collect();
         let own = (0..size).filter(|j| of_effect(j).is_some_and(|index| strong.contains(&index)));
+        let own: Vec<usize> = own.collect();
         columns.extend(own.clone());
+        Self::new(model, columns, own)
+    }
+
+    /// Of all columns, the tested ones last.
+    fn new(model: &Fitted, mut columns: Vec<usize>, own: Vec<usize>) -> Self {
         // A model with more numbers than the test has room for is tested with the last of them free.
         columns.drain(..columns.len().saturating_sub(COLUMNS));
-        Self { columns, strengths: own.map(|j| model.unknowns[j].get(&model.parameters)).collect() }
+        let strengths = own.into_iter().map(|j| model.unknowns[j].get(&model.parameters)).collect();
+        Self { columns, strengths }
     }
 
     /// The normal equations of a cluster where the effect is absent, the strengths last.

@@ -5,6 +5,7 @@ use super::curve::FrictionCurve;
 use super::evidence::{Evidence, evidence};
 use super::formulas::{Found as FoundFormula, formulas};
 use super::holds::Holding;
+use super::levels::{Levels, levels};
 use super::models::excess;
 use super::ties::{FamilyClaim, family};
 use super::value::{Candidate, Value, values};
@@ -98,6 +99,8 @@ pub struct Diagnosis {
     pub unproven: Vec<Holding>,
     /// On which parts of the swings each claimed effect is seen.
     pub holds_on: Vec<Holding>,
+    /// That the friction level differs between releases, where it does.
+    pub levels: Option<Levels>,
     /// What the held-out swings say to the verdict.
     pub carries: Option<Carries>,
     /// Laws with a free exponent that turned out to be a special one.
@@ -240,6 +243,7 @@ impl Summary<'_, '_, '_> {
             vetoed: self.vetoed,
             unproven: self.unproven,
             holds_on: self.holds_on,
+            levels: levels(problem, &self.claimed),
             carries: self.carries,
             special_cases: self.special_cases,
             rmse_before,
@@ -254,9 +258,9 @@ impl Summary<'_, '_, '_> {
             evidence: evidence(problem, &self.claimed.parameters),
             values: values(problem, &self.claimed),
             candidates: models.into_iter().map(|model| self.judge.candidate(model)).collect(),
-            parameters: self.claimed.parameters,
+            parameters: problem.tolerances.settled(&self.claimed.parameters),
             leading,
-            base_parameters: base.parameters.clone(),
+            base_parameters: problem.tolerances.settled(&base.parameters),
             staircase,
             seconds: self.began.elapsed().as_secs_f64(),
             simulations: self.count.load(Ordering::Relaxed),

@@ -1,6 +1,7 @@
 //! A fitted model and its numbers as a diagnosis shows them.
 
 use crate::fit::fitted::Fitted;
+use crate::fit::levels::NAME;
 use crate::fit::problem::Problem;
 use crate::fit::uncertainty::{Number, Status, without_bounds};
 use serde::Serialize;
@@ -46,7 +47,10 @@ pub struct Candidate {
 
 /// All fitted numbers of a model with their uncertainties, but Ms and DV.
 pub fn values(of: &Problem, model: &Fitted) -> Vec<Value> {
-    let numbers = without_bounds(of, model).numbers.into_iter().filter(|number| !number.unknown.is_stiction());
+    let numbers = without_bounds(of, model)
+        .numbers
+        .into_iter()
+        .filter(|number| !number.unknown.is_stiction() && number.unknown.name != NAME);
     let value = |number: Number| Value {
         effect: number.unknown.name,
         symbol: number.unknown.symbol,

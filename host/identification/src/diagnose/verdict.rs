@@ -17,7 +17,7 @@ use shared::effect::Effect;
 const MOST_LEFT: f64 = 0.6;
 
 /// … and less where the noise is not reached even so: then nobody knows what else is in the swings.
-const MOST_LEFT_UNEXPLAINED: f64 = 0.4;
+pub(super) const MOST_LEFT_UNEXPLAINED: f64 = 0.4;
 
 /// Where the noise is not reached, a simpler model is taken that leaves no more than so many times the excess.
 const SIMPLER_MAY_LEAVE: f64 = 3.0;

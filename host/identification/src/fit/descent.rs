@@ -85,7 +85,7 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, tolerance: Toler
     let mut steps = steps;
     let mut point = from.clone();
     let mut damping = FIRST_DAMPING;
-    let unit = problem.noise_rad().powi(2).max(1e-14);
+    let unit = problem.least_variance();
     let noise = unit * problem.n_samples(window) as f64;
     let mut linear = equations(problem, &point, window, &mut steps);
     let mut cost = linear.cost;

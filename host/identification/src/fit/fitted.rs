@@ -70,9 +70,11 @@ impl Fitted {
         let parameters = problem.parameters(&point.values);
         let added = parameters.effects.iter().filter_map(|present| effect_of(&parameters, present.id));
         let level_nm = Stiction::of(&parameters).level_nm;
+        let at_guess = |(unknown, value): (&Unknown, &f64)| Unknown { own: *value, ..unknown.clone() };
+        let all = problem.unknowns.iter().zip(&point.values);
         Self {
             effects: added.filter(|effect| !effect.is_base() && !problem.is_free_scale(effect)).collect(),
-            unknowns: problem.unknowns.iter().filter(|unknown| !unknown.is_stiction()).cloned().collect(),
+            unknowns: all.filter(|(unknown, _)| !unknown.is_stiction()).map(at_guess).collect(),
             parameters,
             starts: point.starts.clone(),
             cost: f64::INFINITY,
@@ -120,8 +122,9 @@ impl Fitted {
     /// Where a descent of [`Fitted::problem`] ended.
     pub(super) fn after(&self, descent: Descent) -> Self {
         let mut moved = self.clone();
-        for (unknown, value) in self.unknowns.iter().zip(&descent.point.values) {
+        for (unknown, value) in moved.unknowns.iter_mut().zip(&descent.point.values) {
             unknown.set(&mut moved.parameters, *value);
+            unknown.own = *value;
         }
         let Descent { point, cost, steps, termination } = descent;
         Self { starts: point.starts, cost, steps: Some(steps), termination: Some(termination), ..moved }

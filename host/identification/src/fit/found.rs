@@ -3,6 +3,7 @@
 use super::problem::Start;
 use super::quality::Responses;
 use super::sequential::Stage;
+use super::tolerance::{KnownRig, Tolerances};
 use super::uncertainty::Status;
 use crate::verdict::Left;
 use serde::Serialize;
@@ -46,6 +47,8 @@ pub enum Verdict {
 pub struct Fit {
     /// The pendulum with all its effects.
     pub parameters: Parameters<f64>,
+    /// How surely its geometry was known before.
+    pub tolerances: Tolerances,
     /// The identified numbers.
     pub identified: Vec<Identified>,
     /// Correlations, a row and a column for each of `identified`, in that order; absent for numbers that the
@@ -73,4 +76,11 @@ pub struct Fit {
     pub n_simulations: usize,
     /// Time taken.
     pub seconds: f64,
+}
+
+impl Fit {
+    /// The rig as it is known now.
+    pub fn rig(&self) -> KnownRig<'_> {
+        KnownRig { parameters: &self.parameters, tolerances: self.tolerances }
+    }
 }

@@ -11,6 +11,7 @@ use super::report::Report;
 use super::runs::responses_at;
 use super::scouts::scouted;
 use super::sequential::{Ranges, Stage};
+use super::tolerance::KnownRig;
 use super::{ranges, start};
 use crate::formula::effect_of;
 use crate::geometry::{self, GeometryError};
@@ -116,10 +117,10 @@ pub enum FitError {
 }
 
 /// Identifies friction and inertia of a pendulum from its swings; `rig` gives geometry, first values and effects.
-pub fn fit(
+pub fn fit<'r>(
     swings: &[Swing],
     held_out: &[Swing],
-    rig: &Parameters<f64>,
+    rig: impl Into<KnownRig<'r>>,
     options: &Options,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Fit, FitError> {
@@ -128,7 +129,8 @@ pub fn fit(
         return Err(FitError::NoSwing);
     }
     one_kind(swings.iter().chain(held_out))?;
-    geometry::check(rig, swings)?;
+    let rig = rig.into();
+    geometry::check(rig.parameters, swings)?;
     let count = AtomicUsize::new(0);
     let problem = problem_of(swings, rig, &count);
     let first = start::guess(&problem);
@@ -191,8 +193,9 @@ const GOOD_NOISES: f64 = 1.5;
 
 /// The problem of a rig: its inertia and all numbers of its effects, in the paper's order; the base effects are always
 /// there.
-pub fn problem_of<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a AtomicUsize) -> Problem<'a> {
-    let mut template = rig.clone();
+pub fn problem_of<'a, 'r>(swings: &'a [Swing], rig: impl Into<KnownRig<'r>>, count: &'a AtomicUsize) -> Problem<'a> {
+    let KnownRig { parameters, tolerances } = rig.into();
+    let mut template = tolerances.centred(parameters);
     for id in [base::VISCOUS, base::COULOMB, base::STICTION] {
         let n_values = Effect::<f64>::by_id(id).map_or(0, |effect| effect.parameters.len());
         if template.values(id).is_none() {
@@ -209,8 +212,8 @@ pub fn problem_of<'a>(swings: &'a [Swing], rig: &Parameters<f64>, count: &'a Ato
     let ids = ids.filter(|id| template.curve.is_none() || *id == base::STICTION || !base::has(*id));
     let mut unknowns: Vec<Unknown> = ids.flat_map(of_effect).collect();
     let inertia_at = unknowns.iter().rposition(Unknown::is_stiction).map_or(0, |last| last + 1);
-    unknowns.insert(inertia_at, Unknown::inertia(&template));
-    Problem::new(swings, &template, unknowns, count)
+    unknowns.insert(inertia_at, Unknown::inertia_within(&tolerances, &template));
+    Problem { tolerances, ..Problem::new(swings, &template, unknowns, count) }
 }
 
 /// A gyroscope's scale is known to some percent only, so that it is a number of every fit of rates; its bias is the free

@@ -28,6 +28,8 @@ impl Unknown {
             low: 0.0,
             high: HIGHEST_SHARE * gravity_nm,
             scale: SCALE_SHARE * gravity_nm,
+            prior: None,
+            own: 0.0,
         };
         SYMBOLS.iter().take(n_knots).enumerate().map(knot).collect()
     }

@@ -180,7 +180,7 @@ pub fn linearise<'a>(problem: &Problem<'a>, point: &Point, window: Window, steps
     let moved = place.moved.clone();
     let mut linear = Linear::at(place);
     steps.adapt(problem, &moved, &linear.equations);
-    add_ridge(problem, point, window, &mut linear.equations);
+    add_penalties(problem, point, window, &mut linear.equations);
     linear
 }
 
@@ -189,8 +189,29 @@ pub fn equations(problem: &Problem, point: &Point, window: Window, steps: &mut S
     let place = Place::new(problem, point, window, steps);
     let mut equations = place.equations();
     steps.adapt(problem, &place.moved, &equations);
-    add_ridge(problem, point, window, &mut equations);
+    add_penalties(problem, point, window, &mut equations);
     equations
+}
+
+/// What keeps numbers near what is known of them, and a friction curve straight, at a guess.
+fn add_penalties(problem: &Problem, point: &Point, window: Window, equations: &mut Equations) {
+    add_priors(problem, point, equations);
+    add_ridge(problem, point, window, equations);
+}
+
+/// A prior is one more reading, of the unknown itself.
+fn add_priors(problem: &Problem, point: &Point, equations: &mut Equations) {
+    let mut shared = DMatrix::zeros(problem.unknowns.len(), problem.unknowns.len());
+    let known = problem.unknowns.iter().zip(&point.values).enumerate();
+    for (j, (prior, value)) in known.filter_map(|(j, (unknown, value))| Some((j, (unknown.prior?, *value)))) {
+        let (off, weight) = (prior.off(value), problem.least_variance());
+        equations.cost += weight * off.powi(2);
+        equations.gradient[j] -= weight * off / prior.std;
+        if off != 0.0 || !prior.only_below {
+            shared[(j, j)] = weight / prior.std.powi(2);
+        }
+    }
+    equations.normal.add_shared(&shared);
 }
 
 /// What keeps a friction curve straight, at a guess.
@@ -236,7 +257,7 @@ fn with_added(problem: &Problem, point: &Point, window: Window, known: &Linear, 
     };
     let mut equations = assemble(problem.unknowns.len(), known.each(of_swing));
     steps.adapt(problem, &moved, &equations);
-    add_ridge(problem, point, window, &mut equations);
+    add_penalties(problem, point, window, &mut equations);
     equations
 }
 

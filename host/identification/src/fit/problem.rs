@@ -1,6 +1,8 @@
 //! What is unknown, and what a guess at it predicts.
 
+use super::levels::Part;
 use super::ridge::Ridge;
+use super::tolerance::{Known, Prior, Tolerances};
 use crate::lanes::Lanes;
 use crate::pace;
 use crate::recording::Measured;
@@ -21,6 +23,10 @@ pub const LANES: usize = 4;
 /// Where in the parameters an unknown sits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
+    /// m, which no swing tells; known to a tolerance.
+    Mass,
+    /// l, which no swing tells; known to a tolerance.
+    Length,
     /// I, the moment of inertia about the centre of mass.
     Inertia,
     /// A number of an effect.
@@ -32,6 +38,13 @@ pub enum Quantity {
     },
     /// The torque at a knot of the friction curve, by its position.
     Knot(usize),
+    /// How much the friction level of the swings differs, by a contrast of them ([`super::levels`]).
+    Level {
+        /// Of which part of the friction.
+        part: Part,
+        /// Which contrast, from 1.
+        contrast: usize,
+    },
 }
 
 /// A number to be identified.
@@ -51,6 +64,10 @@ pub struct Unknown {
     pub high: f64,
     /// A change that matters; steps and damping are measured against it.
     pub scale: f64,
+    /// What is known of it before any swing is seen.
+    pub prior: Option<Prior>,
+    /// The present value of a level, which no parameters hold.
+    pub own: f64,
 }
 
 impl Unknown {
@@ -58,7 +75,23 @@ impl Unknown {
     pub fn inertia(parameters: &Parameters<f64>) -> Self {
         let pivot = parameters.pendulum.pivot_inertia_kg_m2();
         let (symbol, name, unit) = ("I", "inertia", "kg·m²");
-        Self { quantity: Quantity::Inertia, symbol, name, unit, low: 0.0, high: 10.0 * pivot, scale: 0.1 * pivot }
+        let (low, high, scale) = (0.0, 10.0 * pivot, 0.1 * pivot);
+        Self { quantity: Quantity::Inertia, symbol, name, unit, low, high, scale, prior: None, own: 0.0 }
+    }
+
+    /// The same where the geometry of the pendulum is known to tolerances.
+    pub fn inertia_within(tolerances: &Tolerances, parameters: &Parameters<f64>) -> Self {
+        let free = Self::inertia(parameters);
+        let Some(known) = tolerances.of_inertia(&parameters.pendulum) else { return free };
+        Self { low: known.low, high: known.high.min(free.high), prior: Some(known.prior), ..free }
+    }
+
+    /// Mass or length, which is measured by other means.
+    pub fn of_geometry(quantity: Quantity, known: &Known) -> Self {
+        let (symbol, unit) = if quantity == Quantity::Mass { ("m", "kg") } else { ("l", "m") };
+        let Known { value, std } = *known;
+        let prior = Some(Prior { value, std, only_below: false });
+        Self { quantity, symbol, name: "pendulum", unit, low: 0.0, high: f64::INFINITY, scale: std, prior, own: 0.0 }
     }
 
     /// A number of an effect, within its physical range. Friction scales with m·g·l, and what has seconds in its unit
@@ -77,6 +110,8 @@ impl Unknown {
             low: parameter.low * grows,
             high: if effect.id == base::VISCOUS { high.max(critical_damping(parameters)) } else { high },
             scale: SCALE_OF_RANGE * (parameter.high - parameter.low) * grows,
+            prior: None,
+            own: 0.0,
         }
     }
 
@@ -88,6 +123,8 @@ impl Unknown {
     /// Its value in a set of parameters; zero for an absent effect.
     pub fn get(&self, parameters: &Parameters<f64>) -> f64 {
         match self.quantity {
+            Quantity::Mass => parameters.pendulum.mass_kg,
+            Quantity::Length => parameters.pendulum.length_m,
             Quantity::Inertia => parameters.pendulum.inertia_kg_m2,
             Quantity::Effect { id, index } => {
                 parameters.values(id).and_then(|values| values.get(index)).copied().unwrap_or(0.0)
@@ -95,12 +132,15 @@ impl Unknown {
             Quantity::Knot(index) => {
                 parameters.curve.as_ref().and_then(|curve| curve.torques_nm().get(index)).copied().unwrap_or(0.0)
             }
+            Quantity::Level { .. } => self.own,
         }
     }
 
-    /// Sets it; the effect must be present.
+    /// Sets it; the effect must be present. A level is no number of the parameters.
     pub fn set<R: Copy>(&self, parameters: &mut Parameters<R>, value: R) {
         match self.quantity {
+            Quantity::Mass => parameters.pendulum.mass_kg = value,
+            Quantity::Length => parameters.pendulum.length_m = value,
             Quantity::Inertia => parameters.pendulum.inertia_kg_m2 = value,
             Quantity::Effect { id, index } => {
                 let effect = parameters.effects.iter_mut().find(|effect| effect.id == id);
@@ -114,6 +154,7 @@ impl Unknown {
                     *slot = value;
                 }
             }
+            Quantity::Level { .. } => {}
         }
     }
 
@@ -128,6 +169,9 @@ const USUAL_GRAVITY_TORQUE_NM: f64 = 0.22;
 
 /// The usual change of a parameter as a share of its range.
 const SCALE_OF_RANGE: f64 = 0.02;
+
+/// Readings without any noise are as good as this, rad².
+const LEAST_VARIANCE: f64 = 1e-14;
 
 /// Viscous friction with which a pendulum swings no more, N·m·s/rad: 2·√(m·g·l·J). Source: any textbook of vibrations.
 fn critical_damping(parameters: &Parameters<f64>) -> f64 {
@@ -169,6 +213,8 @@ pub struct Problem<'a> {
     pub unknowns: Vec<Unknown>,
     /// Is the sensor's zero of each swing fitted too?
     pub offsets_are_free: bool,
+    /// How surely the geometry is known.
+    pub tolerances: Tolerances,
     /// What a crooked friction curve costs, while one is sought.
     pub ridge: Option<Ridge>,
     /// Simulations run so far.
@@ -183,7 +229,8 @@ impl<'a> Problem<'a> {
         unknowns: Vec<Unknown>,
         n_simulations: &'a AtomicUsize,
     ) -> Self {
-        Self { swings, template: template.clone(), unknowns, offsets_are_free: true, ridge: None, n_simulations }
+        let (template, tolerances) = (template.clone(), Tolerances::default());
+        Self { swings, template, unknowns, offsets_are_free: true, tolerances, ridge: None, n_simulations }
     }
 
     /// Is an effect the scale of a sensor of rates? Then it is free in every fit, and no finding.
@@ -231,7 +278,9 @@ impl<'a> Problem<'a> {
         self.n_simulations.fetch_add(batch.len(), Ordering::Relaxed);
         match batch {
             [(values, start)] => {
-                let model = Model::new(&self.parameters(values));
+                let mut parameters = self.parameters(values);
+                self.put_level(&mut parameters, swing_idx, |j| values[j]);
+                let model = Model::new(&parameters);
                 let state = model.release(start.angle_rad, start.velocity_rad_s);
                 let mut column = Vec::with_capacity(n_samples);
                 simulate(&model, state, self.schedule(swing_idx), n_samples, |_, reading| column.push(reading));
@@ -249,6 +298,8 @@ impl<'a> Problem<'a> {
             let lanes = std::array::from_fn(|lane| guess(lane).0[unknown_idx]);
             unknown.set(&mut parameters, Lanes::<LANES>(lanes));
         }
+        let lanes = |j: usize| Lanes::<LANES>(std::array::from_fn(|lane| guess(lane).0[j]));
+        self.put_level(&mut parameters, swing_idx, lanes);
         let model = Model::new(&parameters);
         let angle = Lanes(std::array::from_fn(|lane| guess(lane).1.angle_rad));
         let velocity = Lanes(std::array::from_fn(|lane| guess(lane).1.velocity_rad_s));
@@ -293,10 +344,17 @@ impl<'a> Problem<'a> {
         Some(first..first + self.unknowns.iter().filter(|unknown| is_knot(unknown)).count())
     }
 
-    /// What a crooked friction curve costs beside the errors, rad².
+    /// What a crooked friction curve, and numbers far from what is known of them, cost beside the errors, rad².
     fn penalty(&self, window: Window, values: &[f64]) -> f64 {
-        let Some((ridge, knots)) = self.ridge.as_ref().zip(self.knots()) else { return 0.0 };
-        ridge.penalty(self.n_samples(window), &values[knots])
+        let off = |(unknown, value): (&Unknown, &f64)| unknown.prior.map_or(0.0, |prior| prior.off(*value).powi(2));
+        let of_priors = self.least_variance() * self.unknowns.iter().zip(values).map(off).sum::<f64>();
+        let Some((ridge, knots)) = self.ridge.as_ref().zip(self.knots()) else { return of_priors };
+        of_priors + ridge.penalty(self.n_samples(window), &values[knots])
+    }
+
+    /// What one standard deviation off a prior costs, rad²: as much as one of a reading.
+    pub fn least_variance(&self) -> f64 {
+        self.noise_rad().powi(2).max(LEAST_VARIANCE)
     }
 
     /// The same with other swings.

@@ -79,7 +79,7 @@ pub fn from_recording(problem: &Problem, inertia_kg_m2: f64) -> Ranges {
         Quantity::Effect { id: base::STICTION, .. } => {
             (0.0, (reached_rad * (gravity / pivot).sqrt()).min(WIDEST_BAND / problem.pace()))
         }
-        Quantity::Effect { .. } | Quantity::Knot(_) => (unknown.low, unknown.high),
+        _ => (unknown.low, unknown.high),
     };
     Ranges(problem.unknowns.iter().map(range).collect())
 }

@@ -19,6 +19,9 @@ use std::time::Instant;
 /// Errors beyond this share of the motion mean that the model does not follow it.
 const HOPELESS_SHARE: f64 = 0.6;
 
+/// A geometry this many standard deviations from the measured one is told; of honest tolerances 1 in 80 is.
+const DOUBTFUL_STDS: f64 = 2.5;
+
 /// Puts the result together.
 pub(super) struct Report<'a, 'b> {
     pub(super) problem: &'b Problem<'a>,
@@ -42,8 +45,9 @@ impl Report<'_, '_> {
             return Err(FitError::Hopeless { error: rmse_rad, measured: kind(problem.swings) });
         }
         let uncertainty = uncertainty(problem, model);
-        let order: Vec<usize> =
-            problem.unknowns.iter().filter_map(|unknown| uncertainty.index_of(unknown.quantity)).collect();
+        let quantities = problem.unknowns.iter().map(|unknown| unknown.quantity);
+        let quantities = quantities.chain([Quantity::Mass, Quantity::Length]);
+        let order: Vec<usize> = quantities.filter_map(|quantity| uncertainty.index_of(quantity)).collect();
         let identified: Vec<Identified> = order.iter().map(|j| identified(&uncertainty.numbers[*j], model)).collect();
         let row = |i: &usize| order.iter().map(|j| uncertainty.correlations[*i][*j]).collect();
         let left = problem.chi_square(model.cost).left();
@@ -63,7 +67,8 @@ impl Report<'_, '_> {
             stages,
             n_simulations: count.load(Ordering::Relaxed),
             seconds: began.elapsed().as_secs_f64(),
-            parameters: self.model.parameters,
+            parameters: problem.tolerances.settled(&self.model.parameters),
+            tolerances: problem.tolerances,
             starts: self.model.starts,
         })
     }
@@ -103,6 +108,7 @@ impl Report<'_, '_> {
         for number in identified {
             warnings.extend(self.warning_of(number));
         }
+        warnings.extend(self.far_from_measured());
         let last = stages.last().and_then(|stage| stage.r_squared_predicted);
         if let Some(r_squared) = last.filter(|r_squared| *r_squared < 0.5) {
             let percent = 100.0 * r_squared;
@@ -111,6 +117,18 @@ impl Report<'_, '_> {
             ));
         }
         warnings
+    }
+
+    /// A period that asks for another geometry than the measured one.
+    fn far_from_measured(&self) -> Option<String> {
+        let inertia = self.problem.unknowns.iter().find(|unknown| unknown.quantity == Quantity::Inertia)?;
+        let off = inertia.prior?.off(inertia.get(&self.model.parameters)).abs();
+        (off > DOUBTFUL_STDS).then(|| {
+            format!(
+                "the period asks for a geometry {off:.1} standard deviations from the measured mass, length and inertia; \
+                 measure them again, or give their std in rig.toml larger"
+            )
+        })
     }
 
     fn warning_of(&self, number: &Identified) -> Option<String> {
@@ -127,7 +145,7 @@ impl Report<'_, '_> {
             self.problem.unknowns.iter().find(|unknown| unknown.symbol == *symbol && unknown.name == number.name);
         let id = unknown.and_then(|unknown| match unknown.quantity {
             Quantity::Effect { id, .. } => Some(id),
-            Quantity::Inertia | Quantity::Knot(_) => None,
+            _ => None,
         });
         match (number.verdict, id) {
             (Verdict::Not, Some(base::STICTION)) if *value == 0.0 => Some(format!(
@@ -151,7 +169,7 @@ fn identified(number: &Number, model: &Fitted) -> Identified {
     let Number { unknown, value, std, status, upper } = number;
     let size = match unknown.quantity {
         Quantity::Inertia => model.parameters.pendulum.pivot_inertia_kg_m2(),
-        Quantity::Effect { .. } | Quantity::Knot(_) => *value,
+        _ => *value,
     };
     let verdict = match status {
         Status::Identified => verdict(size, *std),

@@ -7,6 +7,7 @@
 use super::arrow::ArrowFactor;
 use super::descent::Tolerance;
 use super::fitted::{Fitted, Stiction};
+use super::levels;
 use super::linear::{Linear, Steps, SwingLinear, dot, linearise};
 use super::problem::{PER_SWING, Point, Problem, Start, Unknown};
 use super::refine::best_on;
@@ -91,12 +92,15 @@ pub(super) fn searched(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Fit
 
 /// Costs of pairs after the smooth parameters have answered to first order.
 pub(super) fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, tried: &[Stiction]) -> Vec<f64> {
+    let levels = problem.unknowns.iter().zip(&point.values).filter(|(unknown, _)| unknown.name == levels::NAME);
+    let (levels, at): (Vec<Unknown>, Vec<f64>) = levels.map(|(level, value)| (level.clone(), *value)).unzip();
     let pair_problem = Problem {
-        unknowns: stiction_unknowns(&problem.template),
+        unknowns: [stiction_unknowns(&problem.template), levels].concat(),
         template: problem.parameters(&point.values),
         ..problem.clone()
     };
-    let pairs: Vec<[f64; 2]> = tried.iter().map(|pair| [pair.level_nm, pair.velocity_band]).collect();
+    let pair = |pair: &Stiction| [&[pair.level_nm, pair.velocity_band], at.as_slice()].concat();
+    let pairs: Vec<Vec<f64>> = tried.iter().map(pair).collect();
     let n_unknowns = problem.unknowns.len();
     let of_swing = |swing_idx: usize, known: &SwingLinear| -> Vec<(f64, Vec<f64>)> {
         let swing = &problem.swings[swing_idx];

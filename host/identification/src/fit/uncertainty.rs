@@ -11,6 +11,7 @@ use super::linear::{Linear, Steps, SwingLinear, linearise};
 use super::problem::{PER_SWING, Problem, Quantity, Unknown};
 use super::stiction::{answered_costs, stiction_unknowns};
 use super::stop_level;
+use super::tolerated::tolerated;
 use crate::swing::{Swing, Window};
 use serde::Serialize;
 
@@ -73,16 +74,17 @@ const PROFILE_FROM: f64 = 0.02;
 /// The uncertainty of a model that was fitted to the swings of a problem.
 pub fn uncertainty(on: &Problem, model: &Fitted) -> Uncertainty {
     let (mut found, smooth) = of_smooth_numbers(on, model);
-    if !smooth.has_stiction {
-        let [.., level, band] = found.numbers.as_mut_slice() else { return found };
+    if let [.., level, band] = found.numbers.as_mut_slice()
+        && !smooth.has_stiction
+    {
         bound_stiction(on, model, &smooth, level, band);
     }
-    found
+    tolerated(on, model, found)
 }
 
 /// The same without what bounds Ms and DV where the covariance says nothing of them, which takes many simulations.
 pub fn without_bounds(on: &Problem, model: &Fitted) -> Uncertainty {
-    of_smooth_numbers(on, model).0
+    tolerated(on, model, of_smooth_numbers(on, model).0)
 }
 
 /// What the covariance was made from.
@@ -160,7 +162,7 @@ impl Uncertainty {
 fn size(unknown: &Unknown, model: &Fitted) -> f64 {
     match unknown.quantity {
         Quantity::Inertia => model.parameters.pendulum.pivot_inertia_kg_m2(),
-        Quantity::Effect { .. } | Quantity::Knot(_) => unknown.get(&model.parameters).abs(),
+        _ => unknown.get(&model.parameters).abs(),
     }
 }
 

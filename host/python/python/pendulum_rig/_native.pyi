@@ -33,7 +33,14 @@ class Recording:
 class Rig:
     toml: str
     is_normalised: bool
-    def __init__(self, mass_kg: float, length_m: float, inertia_kg_m2: float, gravity_m_s2: float) -> None: ...
+    def __init__(
+        self,
+        mass_kg: float,
+        length_m: float,
+        inertia_kg_m2: float,
+        gravity_m_s2: float,
+        stds: tuple[float | None, float | None, float | None],
+    ) -> None: ...
     @staticmethod
     def of_unknown_geometry(gravity_m_s2: float) -> Rig: ...
     @staticmethod

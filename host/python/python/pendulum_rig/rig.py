@@ -22,12 +22,25 @@ class Rig:
         length: from the pivot to the centre of mass, m.
         inertia: about the centre of mass, kg·m².
         gravity: m/s².
+        mass_std: how surely the mass is known, kg; without one it is exact.
+        length_std: the same of the length, m.
+        inertia_std: the same of the inertia, kg·m²; without one any inertia may be found.
 
     Friction is a guess from the pendulum's size until a fit.
     """
 
-    def __init__(self, mass: float, length: float, inertia: float, gravity: float = 9.81) -> None:
-        self._native = _native.Rig(mass, length, inertia, gravity)
+    def __init__(
+        self,
+        mass: float,
+        length: float,
+        inertia: float,
+        gravity: float = 9.81,
+        *,
+        mass_std: float | None = None,
+        length_std: float | None = None,
+        inertia_std: float | None = None,
+    ) -> None:
+        self._native = _native.Rig(mass, length, inertia, gravity, (mass_std, length_std, inertia_std))
 
     @classmethod
     def _of(cls, native: _native.Rig) -> Rig:

@@ -30,7 +30,7 @@ impl Screen {
     pub(super) fn show(&self, news: News) {
         match news {
             News::Identifying(progress) if output::is_watched() && !output::is_quiet() => self.advance(&progress),
-            News::NothingNamed => output::warn(&news.to_string()),
+            News::NothingNamed | News::LevelsDiffer => output::warn(&news.to_string()),
             News::Discovering => {
                 self.clear();
                 output::say(&news.to_string());

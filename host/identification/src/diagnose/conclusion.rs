@@ -1,0 +1,100 @@
+//! From a base model to what may be claimed beside it, the steps of a diagnosis in their order.
+
+use super::budget::Budget;
+use super::holds::Holding;
+use super::levels;
+use super::models::is_explained;
+use super::search::{Found, search};
+use super::summary::SpecialCase;
+use super::verdict::{INDISTINGUISHABLE, Judge};
+use super::zero::{self, Zero};
+use crate::fit::fitted::Fitted;
+use crate::fit::problem::Problem;
+use crate::swing::Swing;
+use crate::verdict::Left;
+use shared::effect::Effect;
+use std::sync::atomic::AtomicUsize;
+
+/// What a diagnosis works on.
+pub(super) struct Bench<'a, 'b> {
+    pub(super) problem: &'b Problem<'a>,
+    /// The same with decimated swings.
+    pub(super) rough: &'b Problem<'b>,
+    pub(super) candidates: &'b [&'static Effect<f64>],
+    pub(super) budget: &'b Budget<'b>,
+    pub(super) held_out: &'b [Swing],
+    pub(super) count: &'b AtomicUsize,
+}
+
+/// What may be claimed beside a base model.
+pub(super) struct Conclusion {
+    pub(super) found: Found,
+    pub(super) claimed: Fitted,
+    pub(super) undecided: Vec<&'static str>,
+    pub(super) vetoed: Vec<&'static str>,
+    pub(super) unproven: Vec<Holding>,
+    pub(super) holds_on: Vec<Holding>,
+    pub(super) special_cases: Vec<SpecialCase>,
+    pub(super) offset_is_missing: bool,
+}
+
+impl<'a, 'b> Bench<'a, 'b> {
+    /// Who decides from what a search found.
+    pub(super) fn judge<'c>(&'c self, found: &'c Found) -> Judge<'a, 'c>
+    where
+        'b: 'c,
+    {
+        let Self { problem, rough, candidates, budget, .. } = *self;
+        Judge { problem, rough, found, candidates, budget }
+    }
+
+    /// Every effect is tried beside a base model, and judged.
+    pub(super) fn concluded(&self, base: &Fitted) -> Conclusion {
+        let Self { problem, rough, candidates, budget, .. } = *self;
+        let found = search(problem, rough, base, candidates, budget);
+        let judge = self.judge(&found);
+        let (claimed, others) = judge.refined(judge.claimed());
+        let mut undecided = judge.undecided(&claimed, &others);
+        let n_claimed = claimed.effects.len();
+        let Zero { model, offset_is_missing, alike } = zero::decide(problem, claimed, INDISTINGUISHABLE * judge.unit());
+        // What the asymmetry explains, another effect may have imitated.
+        let resembling = zero::resembling().map(|rival| rival.name);
+        let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, resembling) } else { model };
+        let before = claimed.names();
+        let (mut claimed, unproven, mut holds_on) = judge.holding(judge.beyond_their_errors(claimed));
+        if problem.chi_square(claimed.cost).left() != Left::Noise {
+            (claimed, holds_on) = judge.simpler(&claimed, &others).unwrap_or((claimed, holds_on));
+        }
+        if claimed.names() != before {
+            undecided = judge.undecided(&claimed, &others);
+        }
+        undecided.extend(alike);
+        if problem.chi_square(claimed.cost).left() != Left::Noise {
+            let alike = judge.not_separated(&claimed, &others);
+            undecided.extend(alike.into_iter().filter(|name| !undecided.contains(name)).collect::<Vec<_>>());
+        }
+        let special_cases = judge.special_cases(&claimed, &others, &mut undecided);
+        let (claimed, vetoed) = judge.not_contradicted(claimed, self.held_out, self.count);
+        holds_on.retain(|holding| claimed.has(holding.effect));
+        Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing }
+    }
+
+    /// The same with friction levels that differ between the releases, where they explain most of what is left without
+    /// them. One effect that explains the swings comes first.
+    pub(super) fn with_levels(&self, base: &Fitted, alone: &Conclusion) -> Option<Conclusion> {
+        let (problem, claimed) = (self.problem, &alone.claimed);
+        let is_told = is_explained(problem, claimed) && claimed.effects.len() < 2;
+        if is_told || !levels::may_differ(problem) || !self.budget.allows_more() {
+            return None;
+        }
+        let levelled = levels::fitted(problem, base);
+        let are_worth_it = |model: &Fitted| levels::are_worth_it(problem, claimed, model);
+        // Levels may show only once the effect beside them is in the model, and the effect only once levels are.
+        let beside = [claimed, alone.found.best(alone.found.levels.len().min(1))];
+        let beside = beside.into_iter().filter(|model| !model.effects.is_empty() && !is_explained(problem, claimed));
+        let mut beside = beside.map(|model| levels::fitted(problem, model));
+        let promise = are_worth_it(&levelled) || beside.any(|model| are_worth_it(&model));
+        let other = promise.then(|| self.concluded(&levelled))?;
+        levels::are_worth_it(problem, claimed, &other.claimed).then_some(other)
+    }
+}
