@@ -17,6 +17,8 @@ pub mod first_look;
 pub mod formulas;
 pub mod holds;
 mod models;
+pub mod of_state;
+mod of_state_words;
 pub mod physical;
 pub mod replacement;
 pub mod resemblance;
@@ -34,6 +36,7 @@ pub use curve::FrictionCurve;
 pub use evidence::Evidence;
 pub use first_look::first_look;
 pub use holds::{Holding, Standing};
+pub use of_state::OfState;
 pub use summary::{Diagnosis, NotTried, SpecialCase, Step, Suggestion};
 pub use ties::FamilyClaim;
 pub use value::{Candidate, Value};
@@ -123,12 +126,14 @@ pub fn diagnose_counted(
     let (claimed, vetoed) = judge.not_contradicted(claimed, held_out, count);
     holds_on.retain(|holding| claimed.has(holding.effect));
     let curve = judge.friction_curve(&claimed);
+    let of_state = judge.of_state(&claimed, curve.as_ref());
     let carries = judge.carries(&claimed, held_out, count);
     let parts = Summary {
         judge,
         first_look,
         claimed,
         curve,
+        of_state,
         undecided,
         not_tried,
         vetoed,
