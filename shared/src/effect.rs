@@ -60,6 +60,7 @@ effects! {
     presliding,
     general_presliding,
     backlash,
+    rolling_shutter,
     sensor_nonlinearity,
     sensor_gain,
     angle_offset,
@@ -263,6 +264,9 @@ pub struct Rules {
     /// It is tried only in place of the effect that it generalises, from the numbers of that one; its first parameters
     /// are the same. Nothing suggests it alone, so that no first look has to know it.
     pub follows_special_case: bool,
+    /// Only pictures have it. On a rig with another sensor it would stand for a law of friction, so that a diagnosis
+    /// offers it to whoever has pictures, where nothing else explains the swings, and never claims it.
+    pub is_of_pictures: bool,
     /// No first look tries it, because a board has no room for it or can't tell it; a diagnosis does.
     pub is_left_to_diagnosis: bool,
 }
@@ -277,6 +281,7 @@ impl Rules {
         is_calibrated: false,
         special_case_at: None,
         follows_special_case: false,
+        is_of_pictures: false,
         is_left_to_diagnosis: false,
     };
 }
@@ -320,9 +325,12 @@ impl<R: Real> Effect<R> {
         Self::ALL.iter().filter(move |effect| rule(&effect.rules))
     }
 
-    /// Those that may be missing from the base model, in their usual form: none that only follows its special case.
+    /// Those that may be missing from the base model, in their usual form: none that only follows its special case, and
+    /// none that only pictures have.
     pub fn usual() -> impl Iterator<Item = &'static Effect<R>> {
-        Self::ALL.iter().filter(|effect| !effect.is_base() && !effect.rules.follows_special_case)
+        let is_usual =
+            |Rules { follows_special_case, is_of_pictures, .. }: &Rules| !(*follows_special_case || *is_of_pictures);
+        Self::ALL.iter().filter(move |effect| !effect.is_base() && is_usual(&effect.rules))
     }
 
     /// Does a first look try it?

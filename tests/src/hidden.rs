@@ -33,6 +33,9 @@ const STIFFEST_BRISTLE_RAD: f64 = 1.5e-3;
 /// Recorded after the pendulum came to rest, s.
 const REST_S: f64 = 1.0;
 
+/// Between two losses of a clock lie so many seconds.
+const BETWEEN_JUMPS_S: [f64; 2] = [1.0, 6.0];
+
 /// No recording of a usual rig is longer, s.
 const LONGEST_S: f64 = 70.0;
 
@@ -129,6 +132,10 @@ pub struct Rig {
     pub noise_rad: f64,
     /// Readings are taken so much too early or too late by chance, s.
     pub jitter_s: f64,
+    /// The recorder's clock loses so much at random moments, some seconds apart, s.
+    pub clock_jump_s: f64,
+    /// Friction of every second release is larger by this share.
+    pub friction_change: f64,
     /// Samples a second.
     pub rate_hz: f64,
     /// No recording is longer, s.
@@ -171,6 +178,7 @@ impl Hidden {
             "sensor-gain" => (sign * 0.03, [0.0; 2], 0.15),
             "angle-offset" => (sign * 5e-3, [0.0; 2], 0.05),
             "sensor-lag" => (5e-3, [0.0; 2], 0.1),
+            "rolling-shutter" => (sign * 3e-3, [0.0; 2], 0.01),
             "zero-drift" => (sign * 2e-3, [0.0; 2], 0.02),
             _ => match shapes::form(name, random) {
                 Some(form) => form,
@@ -231,6 +239,8 @@ impl Rig {
             hidden: Vec::new(),
             noise_rad: LSB_RAD * random.log_between(0.5, 2.0),
             jitter_s: 0.0,
+            clock_jump_s: 0.0,
+            friction_change: 0.0,
             rate_hz: random.pick(&[200.0, 250.0, 400.0, 500.0, 1000.0]),
             longest_s: LONGEST_S,
             releases_rad: (0..n_releases).map(|k| side * other(k, &mut random)).collect(),
@@ -325,18 +335,28 @@ impl Rig {
         let mut random = Random::new(self.seed ^ (0x1111 * (release_idx as u64 + 1)));
         let release_s = random.between(0.2, 1.0);
         let angle_rad = self.releases_rad[release_idx];
-        let (mut plant, mut sensor) = (Plant::release(self, angle_rad), Sensor::held(self, angle_rad));
+        let rig = self.at_release(release_idx);
+        let (mut plant, mut sensor) = (Plant::release(&rig, angle_rad), Sensor::held(&rig, angle_rad));
+        let mut clock = Clock::new(self.clock_jump_s, self.seed ^ release_idx as u64);
         let mut angles_rad = Vec::new();
         let (mut time_s, mut rest_s) = (-release_s, 0.0);
         while rest_s < REST_S && time_s < self.longest_s {
             let noise_rad = self.noise_rad.hypot(self.jitter_s * plant.motion().0[1]);
             angles_rad.push(sensor.read(time_s, step_rad, noise_rad, &mut random));
-            let next_s = angles_rad.len() as f64 / self.rate_hz / self.clock - release_s;
+            let next_s = clock.true_s(angles_rad.len() as f64 / self.rate_hz / self.clock) - release_s;
             follow(&mut plant, &mut sensor, time_s.max(0.0), next_s);
             rest_s = if time_s > 0.0 && plant.rests() { rest_s + next_s - time_s } else { 0.0 };
             time_s = next_s;
         }
         Recording::uniform(self.rate_hz, angles_rad).expect("a simulated recording is sound")
+    }
+
+    /// The rig as it was at one release.
+    fn at_release(&self, release_idx: usize) -> Self {
+        let factor = if release_idx.is_multiple_of(2) { 1.0 } else { 1.0 + self.friction_change };
+        let [viscous, coulomb_nm, stiction_nm] =
+            [self.viscous, self.coulomb_nm, self.stiction_nm].map(|friction| factor * friction);
+        Self { viscous, coulomb_nm, stiction_nm, ..self.clone() }
     }
 
     /// The same rig with its hidden effects scaled until the base model leaves so many times the noise, or until that
@@ -364,6 +384,30 @@ impl Rig {
             Ok(fit) => fit.rmse_rad / self.total_noise_rad(),
             Err(_) => f64::INFINITY,
         }
+    }
+}
+
+/// A recorder's clock that now and then loses some time.
+struct Clock {
+    jump_s: f64,
+    lost_s: f64,
+    next_s: f64,
+    random: Random,
+}
+
+impl Clock {
+    fn new(jump_s: f64, seed: u64) -> Self {
+        Self { jump_s, lost_s: 0.0, next_s: 0.0, random: Random::new(seed ^ 0x3333) }
+    }
+
+    /// The true time when the clock says this; times must rise.
+    fn true_s(&mut self, time_s: f64) -> f64 {
+        while time_s > self.next_s {
+            let [shortest_s, longest_s] = BETWEEN_JUMPS_S;
+            self.next_s += self.random.between(shortest_s, longest_s);
+            self.lost_s += self.jump_s;
+        }
+        time_s + self.lost_s
     }
 }
 

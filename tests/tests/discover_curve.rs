@@ -1,6 +1,8 @@
 //! Friction that no law of the list describes: the diagnosis offers it as a free curve of the speed, with a band that
-//! holds the truth, says where it does not hold, and never speaks of one where a named law explains the swings.
+//! holds the truth, says where it does not hold, and never speaks of one where a named law explains the swings. Of what
+//! is left then it says whether that follows angle and speed.
 
+use host::diagnose::of_state::Kind;
 use host::diagnose::{FrictionCurve, diagnose};
 use host::improve::{Change, change};
 use host::verdict::Left;
@@ -80,6 +82,30 @@ fn friction_that_depends_on_the_angle_too_is_never_called_explained() {
     let rig = rig(vec![hidden("outside", 6e-3, [0.55, 0.12])]);
     let diagnosis = diagnose(&rig.swings(), &[], &rig.known());
     assert!(diagnosis.unexplained, "{:?}", diagnosis.verdict);
+    let split = diagnosis.of_state.as_ref().expect("more than the noise is left");
+    assert!(matches!(split.kind, Kind::Law | Kind::LawOrScale) && split.torque_removes > 0.9, "{split:?}");
     let explains = diagnosis.curve.filter(|curve| curve.holds() && curve.left != Left::Missing);
     assert!(explains.is_none(), "{explains:?}");
+}
+
+/// Its readings come ever later, so that swings seem to jump: no torque of angle and speed does that.
+#[test]
+fn a_clock_that_loses_time_is_no_law_of_the_motion() {
+    let rig = Rig { clock_jump_s: 5e-3, ..rig(Vec::new()) };
+    let diagnosis = diagnose(&rig.swings(), &[], &rig.known());
+    assert!(diagnosis.unexplained, "{:?}", diagnosis.verdict);
+    let split = diagnosis.of_state.expect("more than the noise is left");
+    assert!(split.kind == Kind::Elsewhere && split.words.contains("more likely clock"), "{split:?}");
+}
+
+/// Whoever has no camera is told of no shutter; whoever has one is told of a law or a scale, and which it would be.
+#[test]
+fn a_picture_that_is_read_line_by_line_is_offered_and_not_claimed() {
+    let rig = rig(vec![hidden("rolling-shutter", 5e-3, [0.0; 2])]);
+    let diagnosis = diagnose(&rig.swings(), &[], &rig.known());
+    assert!(diagnosis.unexplained && diagnosis.verdict.is_empty(), "{:?}", diagnosis.verdict);
+    let split = diagnosis.of_state.expect("more than the noise is left");
+    assert_eq!(split.kind, Kind::LawOrScale, "{split:?}");
+    let offered = split.of_pictures.as_ref().expect("an effect of pictures");
+    assert!(offered.effect == "rolling-shutter" && offered.rmse < 1.1 * diagnosis.noise, "{split:?}");
 }

@@ -6,6 +6,7 @@ mod compare_support;
 
 use compare_support::{load, normalised};
 use host::compare::measurement::Measurement;
+use host::diagnose::of_state::Kind;
 use host::diagnose::{Diagnosis, Holding, Standing, diagnose};
 use host::fit::by_least_squares::fitted_as_it_is;
 use host::fit::identify::{held_out_rmse, problem_of};
@@ -195,6 +196,19 @@ fn curve(diagnosis: &Diagnosis) -> String {
     format!("{:.2}{beside}{holds}{like}", 1e3 * curve.rmse)
 }
 
+/// What is left, and what it follows.
+fn left(diagnosis: &Diagnosis) -> String {
+    let left = if diagnosis.unexplained { "more than noise" } else { "noise" };
+    let Some(split) = &diagnosis.of_state else { return left.to_owned() };
+    let kind = match split.kind {
+        Kind::Law => "a law",
+        Kind::LawOrScale => "a law or a scale",
+        Kind::Elsewhere => "no law",
+        Kind::Undecided => "can't be told",
+    };
+    format!("{left}; {kind} ({:.0} %, {:.0} %)", 100.0 * split.torque_removes, 100.0 * split.reading_removes)
+}
+
 fn row(recording: &Real) -> String {
     let name = recording.name.trim_start_matches("more/");
     let measurement = match measured(recording.name, recording.from_s) {
@@ -227,7 +241,7 @@ fn row(recording: &Real) -> String {
         mrad(diagnosis.rmse_after),
         curve(&diagnosis),
         other.map_or("–".to_owned(), |(before, after)| format!("{} → {}", mrad(before), mrad(after))),
-        if diagnosis.unexplained { "more than noise" } else { "noise" },
+        left(&diagnosis),
         words(diagnosis.unproven.iter().map(dropped).collect(), ""),
     )
 }

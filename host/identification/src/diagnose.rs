@@ -20,6 +20,8 @@ pub mod formulas;
 pub mod holds;
 pub mod levels;
 mod models;
+pub mod of_state;
+mod of_state_words;
 pub mod physical;
 pub mod replacement;
 pub mod resemblance;
@@ -38,6 +40,7 @@ pub use evidence::Evidence;
 pub use first_look::first_look;
 pub use holds::{Holding, Standing};
 pub use levels::Levels;
+pub use of_state::OfState;
 pub use summary::{Diagnosis, NotTried, SpecialCase, Step, Suggestion};
 pub use ties::FamilyClaim;
 pub use value::{Candidate, Value};
@@ -110,12 +113,14 @@ pub fn diagnose_counted<'r>(
         bench.with_levels(&base, &alone).unwrap_or(alone);
     let judge = bench.judge(&found);
     let curve = judge.friction_curve(&claimed);
+    let of_state = judge.of_state(&claimed, curve.as_ref());
     let carries = judge.carries(&claimed, held_out, count);
     let parts = Summary {
         judge,
         first_look,
         claimed,
         curve,
+        of_state,
         undecided,
         not_tried,
         vetoed,

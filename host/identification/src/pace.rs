@@ -30,7 +30,7 @@ pub fn of_pendulum(pendulum: &Pendulum<f64>) -> f64 {
 /// because they are compared with that of gravity.
 pub fn scale(unit: &str, pace: f64) -> f64 {
     let seconds = match unit {
-        "s" | "N·m·s/rad" => 1.0,
+        "s" | "s/rad" | "N·m·s/rad" => 1.0,
         "N·m·s²/rad²" => 2.0,
         // Between the two, as its exponent is.
         "N·m·(s/rad)^p" => 1.5,

@@ -49,6 +49,7 @@ pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
         return parts.join("\n\n");
     }
     parts.extend(diagnosis.curve.as_ref().map(|curve| curve_words::in_words(diagnosis, curve)));
+    parts.extend(diagnosis.of_state.as_ref().map(|split| wrapped(&split.words, 0)));
     parts.extend(left_out(diagnosis));
     parts.extend(formulas(diagnosis));
     parts.push(staircase(diagnosis));

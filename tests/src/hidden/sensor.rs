@@ -2,6 +2,7 @@
 
 use super::listed::Listed;
 use super::{Random, Rig, Shapes};
+use std::collections::VecDeque;
 
 /// The measuring chain of one recording.
 pub(super) struct Sensor {
@@ -14,6 +15,7 @@ pub(super) struct Sensor {
     wiper_rad: f64,
     before_rad: f64,
     lagging_rad: f64,
+    shutter: Shutter,
     shapes: Shapes,
     listed: Listed,
     reading_rad: f64,
@@ -36,6 +38,7 @@ impl Sensor {
             wiper_rad: angle_rad + 0.5 * play_rad * place,
             before_rad: 0.0,
             lagging_rad: 0.0,
+            shutter: Shutter::new(size("rolling-shutter"), angle_rad),
             shapes: Shapes::of(rig),
             listed: Listed::held(rig, angle_rad),
             reading_rad: 0.0,
@@ -55,7 +58,8 @@ impl Sensor {
 
     /// Follows the shaft for a short while.
     pub(super) fn follow(&mut self, (at, time_s): ([f64; 2], f64), seconds: f64) {
-        let now = self.undelayed(at[0]);
+        let seen_rad = self.shutter.seen_rad(at[0], time_s);
+        let now = self.undelayed(seen_rad);
         let middle = 0.5 * (now + self.before_rad);
         self.lagging_rad = match self.lag_s {
             0.0 => now,
@@ -72,6 +76,37 @@ impl Sensor {
         ((reading_rad + noise_rad * random.normal()) / step_rad).round() * step_rad
     }
 }
+
+/// A camera that reads its picture line by line: where the bob is decides how long ago it was seen.
+struct Shutter {
+    /// Seconds a radian.
+    delay: f64,
+    /// Angles of the last tenths of a second, rad, and their times.
+    past: VecDeque<(f64, f64)>,
+}
+
+impl Shutter {
+    fn new(delay: f64, angle_rad: f64) -> Self {
+        Self { delay, past: VecDeque::from([(f64::NEG_INFINITY, angle_rad)]) }
+    }
+
+    /// The angle at the instant at which its line was read. The first line is read when a picture begins.
+    fn seen_rad(&mut self, angle_rad: f64, time_s: f64) -> f64 {
+        if self.delay == 0.0 {
+            return angle_rad;
+        }
+        self.past.push_back((time_s, angle_rad));
+        let longest_s = 2.0 * self.delay.abs() * WIDEST_RAD;
+        while self.past.len() > 2 && self.past[1].0 < time_s - longest_s {
+            self.past.pop_front();
+        }
+        let is_seen = |(then_s, angle): &&(f64, f64)| time_s - then_s >= self.delay * angle + 0.5 * longest_s;
+        self.past.iter().rev().find(is_seen).map_or(angle_rad, |(_, angle)| *angle)
+    }
+}
+
+/// The picture ends at this angle on either side, rad.
+const WIDEST_RAD: f64 = 2.0;
 
 /// An uneven characteristic of size 1 has this much gain with it.
 const GAIN_OF_UNEVENNESS: f64 = 0.05;

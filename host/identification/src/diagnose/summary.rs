@@ -7,6 +7,7 @@ use super::formulas::{Found as FoundFormula, formulas};
 use super::holds::Holding;
 use super::levels::{Levels, levels};
 use super::models::excess;
+use super::of_state::OfState;
 use super::ties::{FamilyClaim, family};
 use super::value::{Candidate, Value, values};
 use super::verdict::Judge;
@@ -131,6 +132,8 @@ pub struct Diagnosis {
     pub candidates: Vec<Candidate>,
     /// Where no named law reaches the noise: friction as a free curve of the speed, if that explains more.
     pub curve: Option<FrictionCurve>,
+    /// Where more than the noise remains: does that follow angle and speed, as a law of the motion does?
+    pub of_state: Option<OfState>,
     /// Where more than the noise remains: small formulas that explain some of it, the best first.
     pub formulas: Vec<Suggestion>,
     /// What each claimed effect does to a swing.
@@ -186,6 +189,7 @@ pub(super) struct Summary<'a, 'b, 'c> {
     pub(super) first_look: Option<Look>,
     pub(super) claimed: Fitted,
     pub(super) curve: Option<FrictionCurve>,
+    pub(super) of_state: Option<OfState>,
     pub(super) undecided: Vec<&'static str>,
     pub(super) not_tried: Vec<NotTried>,
     pub(super) vetoed: Vec<&'static str>,
@@ -254,6 +258,7 @@ impl Summary<'_, '_, '_> {
             left,
             unexplained,
             curve: self.curve,
+            of_state: self.of_state,
             formulas,
             evidence: evidence(problem, &self.claimed.parameters),
             values: values(problem, &self.claimed),

@@ -18,16 +18,20 @@ pub(super) fn scouted(problem: &Problem, find: impl FnOnce(&Problem) -> Fitted) 
     if problem.swings.len() <= SCOUTS {
         return find(problem);
     }
-    let few = scouts(problem.swings);
+    let few: Vec<Swing> = scouts(problem.swings).into_iter().map(|idx| problem.swings[idx].clone()).collect();
     carried(problem, &find(&problem.on(&few)))
 }
 
-/// Swings whose amplitudes cover those of all, the smallest and the largest among them.
-fn scouts(swings: &[Swing]) -> Vec<Swing> {
+/// Swings whose amplitudes cover those of all, the smallest and the largest among them; all where these are few.
+pub(super) fn scouts(swings: &[Swing]) -> Vec<usize> {
+    if swings.len() <= SCOUTS {
+        return (0..swings.len()).collect();
+    }
     let largest = |swing: &Swing| swing.sizes_rad().fold(0.0_f64, |largest, size| largest.max(size.abs()));
-    let mut by_size: Vec<(f64, &Swing)> = swings.iter().map(|swing| (largest(swing), swing)).collect();
-    by_size.sort_by(|(a, one), (b, other)| a.total_cmp(b).then_with(|| one.name.cmp(&other.name)));
-    (0..SCOUTS).map(|k| by_size[k * (swings.len() - 1) / (SCOUTS - 1)].1.clone()).collect()
+    let sizes: Vec<f64> = swings.iter().map(largest).collect();
+    let mut by_size: Vec<usize> = (0..swings.len()).collect();
+    by_size.sort_by(|a, b| sizes[*a].total_cmp(&sizes[*b]).then_with(|| swings[*a].name.cmp(&swings[*b].name)));
+    (0..SCOUTS).map(|k| by_size[k * (swings.len() - 1) / (SCOUTS - 1)]).collect()
 }
 
 /// A model of some swings, fitted to all.

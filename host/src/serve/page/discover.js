@@ -35,7 +35,8 @@ function showWords() {
   const words = byId('diagnosis-words');
   if (!found) { words.textContent = ''; return; }
   const names = found.verdict.join(' and ');
-  const rest = found.unexplained ? ' What remains is not explained by any candidate.' : '';
+  const split = found.of_state ? ` ${found.of_state.words}` : '';
+  const rest = (found.unexplained ? ' What remains is not explained by any candidate.' : '') + split;
   const why = (claim) => (claim.standing === 'too-short' ? 'there are too few periods to check it on' : 'not on every part of the swings');
   const dropped = found.unproven.map((claim) => ` Not claimed: ${claim.effect}. It lowers the error to ${mrad(claim.rmse)}, but ${why(claim)}.`).join('');
   const tie = found.family ? ` It is ${found.family.words}; its shape is undecided between ${found.family.members.join(' and ')}.` : found.undecided.length ? ` These swings cannot tell it from ${found.undecided.join(', ')}.` : '';
@@ -45,7 +46,7 @@ function showWords() {
   const held = found.holds_on.map((claim) => ` ${claim.effect} is seen on ${seenOn(claim)}.`).join('');
   const driven = found.driven.length ? `The swings of ${found.driven.join(', ')} don't become smaller: a motor or a hand drives them, and what follows says nothing of this pendulum. ` : '';
   words.textContent = driven + (hasNoLaw && found.unexplained
-    ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left, but no effect of the list explains it.${dropped}`
+    ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left, but no effect of the list explains it.${dropped}${split}`
     : found.verdict.length === 0 ? 'Nothing is missing at this noise level.' : `Missing: ${names}. With it the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
 }
 

@@ -1,0 +1,70 @@
+//! What a split by angle and speed says, for a person.
+
+use super::of_state::{IS_NONE, Kind, OfPictures, OfState};
+
+impl OfState {
+    /// With what explains it if the readings come from pictures.
+    pub(super) fn with_pictures(mut self, found: Option<OfPictures>) -> Self {
+        if let Some(OfPictures { effect, rmse }) = &found {
+            self.words += &format!(
+                " If the readings come from pictures, {effect} explains it: {:.2} mrad are left with it, about the \
+                 noise. Take it with host improve … --add {effect} -o rig.toml",
+                1e3 * rmse
+            );
+        }
+        self.of_pictures = found;
+        self
+    }
+
+    pub(super) fn in_words(&self) -> String {
+        let left = if self.beside_curve { "what the friction curve leaves" } else { "what is left" };
+        let [torque, reading] = [self.torque_removes, self.reading_removes].map(in_percent);
+        let removes = format!(
+            "a free torque of angle and speed would remove {torque} of {left}, on parts of the swings that it was not \
+             fitted to"
+        );
+        let said = match self.kind {
+            Kind::Law => format!("A law of the motion is missing: {removes}."),
+            Kind::LawOrScale => format!(
+                "A law of the motion is missing, or the scale of the sensor or the camera is not even: {removes}, and \
+                 an error of the readings {reading}."
+            ),
+            Kind::Elsewhere => format!("No law of the motion would explain the rest: {removes}. {}", self.elsewhere()),
+            Kind::Undecided => format!("Whether a law of the motion is missing can't be told: {removes}."),
+        };
+        said + self.doubt_of_time()
+    }
+
+    fn elsewhere(&self) -> String {
+        let between = if self.releases > 1 { ", or what changes from release to release" } else { "" };
+        let mut words = format!("It is more likely clock, camera, sensor, play, a support that moves{between}.");
+        if self.reading_removes >= IS_NONE {
+            words += &format!(
+                " An error of the readings that depends on angle and direction would remove {}: look at the sensor and \
+                 its play first.",
+                in_percent(self.reading_removes)
+            );
+        }
+        words
+    }
+
+    fn doubt_of_time(&self) -> &'static str {
+        match self.kind {
+            Kind::Elsewhere => "",
+            _ if self.time_differs => "",
+            _ if self.releases == 1 => {
+                " One release can't tell state from time: what changes while it swings would look the same. Record a \
+                 second one from two thirds of the angle."
+            }
+            _ => {
+                " These releases can't tell state from time: what changes while they swing would look the same. Record \
+                 one from two thirds of the angle of another."
+            }
+        }
+    }
+}
+
+/// Shares beyond all or nothing are chance.
+fn in_percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share.clamp(0.0, 1.0))
+}
