@@ -77,8 +77,7 @@ pub struct InertiaPrior {
 }
 
 /// Nobody's tolerance is wrong by more than so many standard deviations; beyond, something else is missing. Not tuned:
-/// of honest ones, 1 in 16,000 is. A spring of 5 % of m·g·l beside a length known to 0.6 % is found; with twice as many
-/// it would pass for a wrong length.
+/// of honest ones, 1 in 16,000 is. A spring of 8 % of m·g·l beside a length known to 0.6 % is named.
 const FARTHEST_STDS: f64 = 4.0;
 
 impl Tolerances {
