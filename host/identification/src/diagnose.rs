@@ -5,8 +5,8 @@
 //! gain, the promising ones are fitted in earnest ([`crate::fit::refine`]), and [`mod@search`] goes on with pairs
 //! until nothing significant is left. `verdict` says what may be claimed, what can't be told apart ([`replacement`],
 //! `ties`), what is only a shifted zero of the sensor ([`zero`]), and what stays unexplained; nothing is claimed that
-//! does not hold on every part of the swings ([`holds`]). Where more than the noise stays, the friction [`levels`] of the
-//! releases may differ. For what is left, [`formulas`] searches small laws if
+//! does not hold on every part of the swings ([`holds`]). Where more than the noise stays, the friction [`levels`] of
+//! the releases may differ. For what is left, [`formulas`] searches small laws if
 //! somebody wishes.
 
 mod budget;

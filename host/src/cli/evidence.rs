@@ -181,8 +181,8 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     match (diagnosis.verdict.as_slice(), diagnosis.unexplained) {
         ([], false) if diagnosis.levels.is_some() => {
             let words = format!(
-                "No effect is missing: with a friction level for each release the base model leaves {after}; with one for \
-                 all it leaves {before}."
+                "No effect is missing: with a friction level for each release the base model leaves {after}; with one \
+                 for all it leaves {before}."
             );
             wrapped(&words, 0)
         }

@@ -1,8 +1,8 @@
 //! Mass, length and inertia that were measured to a tolerance: how they stand in the file.
 //!
 //! A `std` without a method is what somebody measured, `length = { value = 0.1562, std = 0.001 }`. Where the swings ask
-//! for another length, a fit writes that one with the method, and what was measured stays beside it as `prior`, so that the
-//! next fit does not count the same swings twice.
+//! for another length, a fit writes that one with the method, and what was measured stays beside it as `prior`, so that
+//! the next fit does not count the same swings twice.
 
 use super::read::{Reader, Result, joined};
 use super::{Knowledge, Quantity, RigFile, RigFileError, USUAL_NAME, write};
@@ -14,8 +14,8 @@ use toml_edit::{Item, TableLike};
 pub(super) const PRIOR_KEY: &str = "prior";
 const PRIOR_KEYS: [&str; 2] = ["value", "std"];
 
-/// A fit's value of a number with a tolerance has digits down to this share of where its ± would end them: the period tells
-/// all of them together far better than each alone.
+/// A fit's value of a number with a tolerance has digits down to this share of where its ± would end them: the period
+/// tells all of them together far better than each alone.
 const SHARE_OF_STD: f64 = 1e-3;
 
 impl Reader<'_> {
@@ -76,8 +76,8 @@ impl Reader<'_> {
         let without = if quantity == Quantity::Inertia { "any inertia may be found" } else { "it is exact" };
         let unit = quantity.unit();
         let problem = format!(
-            "{std} {unit} is no standard deviation of {value} {unit}; expected a number above 0, no larger than {what}; \
-             without a std {without}"
+            "{std} {unit} is no standard deviation of {value} {unit}; expected a number above 0, no larger than \
+             {what}; without a std {without}"
         );
         Err(self.bad(table.get("std").and_then(Item::span), &joined(name, "std"), problem))
     }

@@ -1,9 +1,9 @@
 //! Did the friction level change between the releases, its shape being the same?
 //!
 //! That explains what one model of all swings leaves as an effect does, and competes with them: an effect that explains
-//! the swings comes first. It is claimed where it removes most of what is left, where the windows of the swings agree on it
-//! by the same test as any other claim, and where a level is beyond its own ±. Then the search begins anew with the levels
-//! in the base model.
+//! the swings comes first. It is claimed where it removes most of what is left, where the windows of the swings agree
+//! on it by the same test as any other claim, and where a level is beyond its own ±. Then the search begins anew with
+//! the levels in the base model.
 
 use super::holds::{Holding, Standing, tested_columns};
 use super::models::{excess, is_explained};
@@ -21,8 +21,8 @@ use serde::Serialize;
 /// From so many releases on, whole releases are the witnesses of a fit, and its ± hold how much they differ already.
 const RELEASES: usize = 6;
 
-/// A level so many of its ± from the mean of all is another one. Not tuned: of the ten levels of five releases with equal
-/// friction, one is so far off by chance in 1 of 40 diagnoses, and they have to hold besides.
+/// A level so many of its ± from the mean of all is another one. Not tuned: of the ten levels of five releases with
+/// equal friction, one is so far off by chance in 1 of 40 diagnoses, and they have to hold besides.
 const DIFFERENT_STDS: f64 = 3.0;
 
 /// The friction level of one release against the mean of all.

@@ -1,8 +1,9 @@
 //! A friction level that differs from swing to swing while its shape stays: of a bearing that was warm, cold or pushed
 //! aside. Two factors a swing, one on dry friction and stiction, one on what grows with the speed.
 //!
-//! Their means are 1, so that the model's own numbers are those of the mean level: n factors are 1 plus n − 1 contrasts,
-//! at right angles and of length one (F. R. Helmert's), which all swings share as unknowns. A prior keeps them near zero.
+//! Their means are 1, so that the model's own numbers are those of the mean level: n factors are 1 plus n − 1
+//! contrasts, at right angles and of length one (F. R. Helmert's), which all swings share as unknowns. A prior keeps
+//! them near zero.
 
 use super::fitted::Fitted;
 use super::problem::{Problem, Quantity, Unknown};
@@ -32,8 +33,8 @@ impl Part {
 /// What levels are called among the unknowns.
 pub const NAME: &str = "level";
 
-/// Levels of the best known rig lie within 12 % of each other; with few releases nothing but this keeps them from standing
-/// for whatever else is missing.
+/// Levels of the best known rig lie within 12 % of each other; with few releases nothing but this keeps them from
+/// standing for whatever else is missing.
 const USUAL_STD: f64 = 0.1;
 
 /// From so many releases on their scatter shows by itself, and the prior is only to keep a part that no swing shows.

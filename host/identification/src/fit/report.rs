@@ -125,8 +125,8 @@ impl Report<'_, '_> {
         let off = inertia.prior?.off(inertia.get(&self.model.parameters)).abs();
         (off > DOUBTFUL_STDS).then(|| {
             format!(
-                "the period asks for a geometry {off:.1} standard deviations from the measured mass, length and inertia; \
-                 measure them again, or give their std in rig.toml larger"
+                "the period asks for a geometry {off:.1} standard deviations from the measured mass, length and \
+                 inertia; measure them again, or give their std in rig.toml larger"
             )
         })
     }

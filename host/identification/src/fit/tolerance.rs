@@ -1,10 +1,10 @@
 //! How surely the geometry of a rig is known, and what that means for a fit.
 //!
 //! A free swing sees of mass, length and inertia one number, the length (m·l² + I)/(m·l) that its period tells, and of
-//! every torque its share of m·g·l. So a fit holds mass and length and seeks I alone, as without tolerances; those of all
-//! three are one prior on it. Where only the length has one, I may be anything from 0 on for free, and below 0 to the
-//! price of a shorter length. In the end that I is parted: the most likely mass, length and inertia that make the same
-//! period, all torques in proportion to the new m·g·l, so that the swing stays what it was.
+//! every torque its share of m·g·l. So a fit holds mass and length and seeks I alone, as without tolerances; those of
+//! all three are one prior on it. Where only the length has one, I may be anything from 0 on for free, and below 0 to
+//! the price of a shorter length. In the end that I is parted: the most likely mass, length and inertia that make the
+//! same period, all torques in proportion to the new m·g·l, so that the swing stays what it was.
 
 use crate::formula::effect_of;
 use shared::curve::Curve;
@@ -76,9 +76,8 @@ pub struct InertiaPrior {
     pub high: f64,
 }
 
-/// Nobody's tolerance is wrong by more than so many standard deviations; beyond, something else is missing. Not tuned: of
-/// honest ones, 1 in 16,000 is. A spring of 5 % of m·g·l beside a length known to 0.6 % is found; with twice as many it
-/// would pass for a wrong length.
+/// Nobody's tolerance is wrong by more than so many standard deviations; beyond, something else is missing. Not tuned:
+/// of honest ones, 1 in 16,000 is. A spring of 8 % of m·g·l beside a length known to 0.6 % is named.
 const FARTHEST_STDS: f64 = 4.0;
 
 impl Tolerances {
@@ -115,7 +114,8 @@ impl Tolerances {
         }
     }
 
-    /// The most likely geometry with which a rig swings as it does; `centred` has mass and length as they were measured.
+    /// The most likely geometry with which a rig swings as it does; `centred` has mass and length as they were
+    /// measured.
     pub fn settled(&self, centred: &Parameters<f64>) -> Parameters<f64> {
         let pendulum = &centred.pendulum;
         let Pendulum { mass_kg, length_m, inertia_kg_m2, .. } = *pendulum;

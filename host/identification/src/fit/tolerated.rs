@@ -1,5 +1,5 @@
-//! Numbers of a fitted model in its most likely geometry: what scales with m·g·l does so, and its ± holds the tolerances
-//! of mass and length too. Mass and length stand behind the others, where they have a tolerance.
+//! Numbers of a fitted model in its most likely geometry: what scales with m·g·l does so, and its ± holds the
+//! tolerances of mass and length too. Mass and length stand behind the others, where they have a tolerance.
 
 use super::fitted::Fitted;
 use super::problem::{Problem, Quantity, Unknown};
