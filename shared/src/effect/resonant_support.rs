@@ -6,12 +6,15 @@
 //!
 //! M·x″ + m·l·(sin θ)″ = −k·x − c·x′ and J·θ″ + m·l·cos θ·x″ = τ.
 //!
-//! In u = x + μ·l·sin θ, μ = m/M, no acceleration is left: u″ = −ws²·x − 2·zs·ws·x′ with ws² = k/M, c = 2·zs·ws·M, and
+//! In u = m·l·x/J + cs·sin θ with cs = (m·l)²/(M·J), k = M·ws² and c = 2·zs·ws·M no acceleration is left, and neither mass
+//! nor length:
 //!
-//! θ″ = [τ − m·l·cos θ·(u″ + μ·l·ω²·sin θ)] / (J − μ·m·l²·cos² θ).
+//! u″ = −ws²·(u − cs·sin θ) − 2·zs·ws·(u′ − cs·ω·cos θ),
 //!
-//! While the bearing sticks, the support rings on, and the bearing has to hold against m·l·cos θ·u″. Far above the swing
-//! it is [`super::pivot_compliance`] with ck = μ/(m·ws²).
+//! θ″ = [τ/J − cos θ·(u″ + cs·ω²·sin θ)] / (1 − cs·cos² θ).
+//!
+//! While the bearing sticks, the support rings on, and the bearing has to hold against J·cos θ·u″. Far above the swing it
+//! is [`super::pivot_compliance`] with ck = cs·J/(m·l·ws)².
 
 use super::{Action, Effect, Family, MAX_VALUES, MEMORY, Parameter, Rules, Shake, Support};
 use crate::motion::Motion;
@@ -23,17 +26,17 @@ pub const fn effect<R: Real>() -> Effect<R> {
         id: 25,
         name: "resonant-support",
         summary: "The stand swings too: it has a mass and a frequency of its own, rings after each push and takes energy.",
-        formula: "torque = -m*l*cos(theta)*x'', x'' + 2*zs*ws*x' + ws^2*x = -ms*l*(sin(theta))'', ws = rs*w0",
+        formula: "torque = -J*cos(theta)*y'', y'' + 2*zs*ws*y' + ws^2*y = -cs*(sin(theta))'', ws = rs*w0",
         source: "P. Hagedorn, D. Hochlenert, Technische Schwingungslehre (Harri Deutsch, 2012)",
         experiment: "A finger on the stand; a knock on it, and a phone's accelerometer there: it shows the frequency.",
         parameters: &[
             Parameter {
-                symbol: "ms",
+                symbol: "cs",
                 unit: "1",
                 low: 0.0,
                 high: 0.95,
                 start: 0.0,
-                meaning: prose!("the pendulum's share of all mass that moves sideways"),
+                meaning: prose!("how strongly it is shaken: (m·l)²/(J·M), M all mass that moves sideways"),
             },
             Parameter {
                 symbol: "rs",
@@ -76,34 +79,32 @@ pub const fn effect<R: Real>() -> Effect<R> {
     }
 }
 
-/// Memory: u in m and u′ in m/s. The support bends as the swing pulls it, and does not ring yet.
+/// Memory: u and u′ in 1/s. The support bends as the swing pulls it, or by a part of that, and does not ring yet.
 fn start<R: Real>(motion: &Motion<R>, values: &[R; MAX_VALUES]) -> [R; MEMORY] {
     let (sine, cosine, omega) = (motion.angle_rad.sin(), motion.angle_rad.cos(), motion.velocity_rad_s);
     let natural = motion.pendulum.gravity_torque_nm() / motion.pendulum.pivot_inertia_kg_m2();
-    let reach = values[0] * motion.pendulum.length_m;
-    let gives = reach / (values[1] * values[1] * natural);
-    // x = −gives·(sin θ)″ with θ″ = −ω₀²·sin θ.
-    let x = gives * sine * (natural * cosine + omega * omega);
+    let [coupling, times, _, share] = *values;
+    // y = −(cs/ws²)·(sin θ)″ with θ″ = −ω₀²·sin θ.
+    let gives = share * coupling / (times * times * natural);
+    let bent = gives * sine * (natural * cosine + omega * omega);
     let twice = R::of(4.0) * cosine * cosine - R::of(3.0);
-    let speed = gives * omega * (natural * twice + omega * omega * cosine);
-    [values[3] * x + reach * sine, values[3] * speed + reach * cosine * omega]
+    let moves = gives * omega * (natural * twice + omega * omega * cosine);
+    [bent + coupling * sine, moves + coupling * cosine * omega]
 }
 
 fn shake<R: Real>(motion: &Motion<R>, memory: &[R; MEMORY], values: &[R; MAX_VALUES]) -> Shake<R> {
-    let pendulum = &motion.pendulum;
     let (sine, cosine, omega) = (motion.angle_rad.sin(), motion.angle_rad.cos(), motion.velocity_rad_s);
-    let (length, moment) = (pendulum.length_m, pendulum.mass_kg * pendulum.length_m);
-    let inverse_inertia = R::one() / pendulum.pivot_inertia_kg_m2();
-    let frequency = values[1] * (pendulum.gravity_torque_nm() * inverse_inertia).sqrt();
-    let reach = values[0] * length;
+    let inertia = motion.pendulum.pivot_inertia_kg_m2();
+    let [coupling, times, damping, _] = *values;
+    let frequency = times * (motion.pendulum.gravity_torque_nm() / inertia).sqrt();
 
     let [u, speed] = *memory;
-    let x = u - reach * sine;
-    let moves = speed - reach * cosine * omega;
-    let push = -frequency * (frequency * x + (values[2] + values[2]) * moves);
+    let bent = u - coupling * sine;
+    let moves = speed - coupling * cosine * omega;
+    let push = -frequency * (frequency * bent + (damping + damping) * moves);
     Shake {
-        torque_nm: -moment * cosine * (push + reach * omega * omega * sine),
-        share_held: R::one() - reach * moment * cosine * cosine * inverse_inertia,
+        torque_nm: -inertia * cosine * (push + coupling * omega * omega * sine),
+        share_held: R::one() - coupling * cosine * cosine,
         rate: [speed, push],
     }
 }
@@ -183,12 +184,13 @@ mod tests {
     fn ours(friction_nm: f64, start: f64, n: usize, steps: usize) -> (Vec<f64>, [f64; 4]) {
         let mut parameters = Parameters::frictionless(PENDULUM);
         parameters.set_friction(0.0, friction_nm, friction_nm, 0.0);
-        parameters.set(25, &[SHARE, TIMES, DAMPING, 0.3]).unwrap();
+        let of_moment = PENDULUM.length_m * PENDULUM.length_m * PENDULUM.mass_kg / PENDULUM.pivot_inertia_kg_m2();
+        parameters.set(25, &[SHARE * of_moment, TIMES, DAMPING, 0.3]).unwrap();
         let model = Model::new(&parameters);
         let mut state = model.release(start, 0.0);
-        let [u, speed] = state.memories()[0];
-        let reach = SHARE * PENDULUM.length_m;
-        let begins = [u - reach * libm::sin(start), speed, start, 0.0];
+        let way = |u: f64| u * PENDULUM.pivot_inertia_kg_m2() / (PENDULUM.mass_kg * PENDULUM.length_m);
+        let [u, speed] = state.memories()[0].map(way);
+        let begins = [u - SHARE * PENDULUM.length_m * libm::sin(start), speed, start, 0.0];
         let mut next = || {
             (0..steps).for_each(|_| model.step(&mut state, 5e-3 / steps as f64));
             state.angle_rad
