@@ -1,7 +1,7 @@
 //! The search through models: one effect at a time, the most promising few kept at each level.
 
 use super::budget::Budget;
-use super::extension::extensions;
+use super::extension::{extensions, swings};
 use super::models::{
     NEAR, drop_doubles, excess, is_explained, is_well_explained, near_the_best, sort, worth_all_samples,
 };
@@ -100,9 +100,12 @@ pub fn search(
     found
 }
 
-/// The models to go on with: the best few, and the best of those with the fewest numbers.
+/// The models to go on with: the best few, and the best of those with the fewest numbers. One that swings beside the
+/// pendulum takes several times as long as the others, and is gone on with only if it is the best.
 fn kept(level: &[Fitted]) -> Vec<Fitted> {
-    let near = || level.iter().filter(|model| model.cost < BEAM_REACH * level[0].cost);
+    let is_near = |model: &Fitted| model.cost < BEAM_REACH * level[0].cost;
+    let near = || level.iter().enumerate().filter(|(i, model)| is_near(model) && (*i == 0 || !swings(model)));
+    let near = || near().map(|(_, model)| model);
     let mut beam: Vec<Fitted> = near().take(BEAM).cloned().collect();
     let simplest = near().min_by_key(|model| model.n_added());
     beam.extend(simplest.filter(|simple| beam.iter().all(|other| other.n_added() > simple.n_added())).cloned());
