@@ -45,9 +45,10 @@ function showWords() {
   const seenOn = (claim) => claim.parts.filter((part) => part.seen).map((part) => part.name).join(', ') || 'no part alone';
   const held = found.holds_on.map((claim) => ` ${claim.effect} is seen on ${seenOn(claim)}.`).join('');
   const driven = found.driven.length ? `The swings of ${found.driven.join(', ')} don't become smaller: a motor or a hand drives them, and what follows says nothing of this pendulum. ` : '';
-  words.textContent = driven + (hasNoLaw && found.unexplained
+  const levels = found.levels ? `${found.levels.words}. ` : '';
+  words.textContent = driven + levels + (hasNoLaw && found.unexplained
     ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left, but no effect of the list explains it.${dropped}${split}`
-    : found.verdict.length === 0 ? 'Nothing is missing at this noise level.' : `Missing: ${names}. With it the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
+    : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `Missing: ${names}. With it the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
 }
 
 /** Small formulas for what no effect explains. */
