@@ -335,8 +335,8 @@ impl<R: Real> Effect<R> {
 
     /// Does a first look try it?
     pub const fn is_for_first_look(&self) -> bool {
-        let Rules { is_free_offset, follows_special_case, is_left_to_diagnosis, .. } = self.rules;
-        !(self.is_base() || is_free_offset || follows_special_case || is_left_to_diagnosis)
+        let Rules { is_free_offset, follows_special_case, is_of_pictures, is_left_to_diagnosis, .. } = self.rules;
+        !(self.is_base() || is_free_offset || follows_special_case || is_of_pictures || is_left_to_diagnosis)
     }
 
     /// The law that is tried in its place where it leaves more than the noise; none on the board, where nothing is tried.

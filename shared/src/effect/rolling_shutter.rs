@@ -31,7 +31,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         family: Family::Reading,
         generalises: None,
         is_fine: false,
-        rules: Rules { is_of_pictures: true, is_left_to_diagnosis: true, ..Rules::NONE },
+        rules: Rules { is_of_pictures: true, ..Rules::NONE },
         action: Action::Sensor(Sensor { start, read }),
     }
 }

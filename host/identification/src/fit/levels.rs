@@ -6,29 +6,13 @@
 //! them near zero.
 
 use super::fitted::Fitted;
-use super::problem::{Problem, Quantity, Unknown};
+use super::problem::{Part, Problem, Quantity, Unknown};
 use super::tolerance::Prior;
 use crate::formula::effect_of;
-use serde::Serialize;
 use shared::curve::Curve;
 use shared::effect::{Action, Effect};
 use shared::parameters::Parameters;
 use shared::real::Real;
-
-/// Which part of the friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Part {
-    /// Coulomb friction, stiction, and what else is a torque at every speed.
-    Dry,
-    /// Viscous friction and drags.
-    Speed,
-}
-
-impl Part {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Dry, Self::Speed];
-}
 
 /// What levels are called among the unknowns.
 pub const NAME: &str = "level";

@@ -1,6 +1,5 @@
 //! What is unknown, and what a guess at it predicts.
 
-use super::levels::Part;
 use super::ridge::Ridge;
 use super::tolerance::{Known, Prior, Tolerances};
 use crate::lanes::Lanes;
@@ -10,6 +9,7 @@ use crate::swing::{Swing, Window, pace};
 use crate::trajectory::{Schedule, simulate};
 use crate::verdict::ChiSquare;
 use rayon::prelude::*;
+use serde::Serialize;
 use shared::curve::Curve;
 use shared::effect::{Effect, Parameter};
 use shared::model::Model;
@@ -45,6 +45,21 @@ pub enum Quantity {
         /// Which contrast, from 1.
         contrast: usize,
     },
+}
+
+/// Which part of the friction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Part {
+    /// Coulomb friction, stiction, and what else is a torque at every speed.
+    Dry,
+    /// Viscous friction and drags.
+    Speed,
+}
+
+impl Part {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Dry, Self::Speed];
 }
 
 /// A number to be identified.
