@@ -348,8 +348,9 @@ impl<Y: System> Shared<Y> {
 
     async fn carry_out<F: NorFlash>(&self, request: Request, store: &mut Store<F, Sampling<Y>>) -> Finished {
         match request {
-            Request::Save(_) if !self.system.borrow().can_save() => Finished::Failed(Refusal::Supply),
-            Request::Save(stored) => {
+            Request::Save if !self.system.borrow().can_save() => Finished::Failed(Refusal::Supply),
+            Request::Save => {
+                let stored = self.rig.borrow().stored();
                 let began = Y::cycles();
                 self.saving.set(true);
                 let outcome = store.save(&stored).await;

@@ -63,7 +63,7 @@ impl SimulatedRig {
         let mut new = Self { rig, bench, looks, deframer, output, flash: None, elapsed_s: 0.0 };
         if let Some(sensor) = scenario.sensor {
             let settings = new.rig.settings().with_sensor(sensor);
-            new.carry_out(Request::Save(Stored { parameters: new.rig.parameters().clone(), settings }));
+            new.keep(&Stored { settings, ..new.rig.stored() });
             new.restart();
         }
         new
@@ -139,14 +139,7 @@ impl SimulatedRig {
 
     fn carry_out(&mut self, request: Request) -> Finished {
         match request {
-            Request::Save(stored) => {
-                let mut buffer = [0; MAX_STORED];
-                match stored.encode(&mut buffer) {
-                    Some(bytes) => self.flash = Some(bytes.to_vec()),
-                    None => return Finished::Failed(Refusal::Flash),
-                }
-                Finished::Done
-            }
+            Request::Save => self.keep(&self.rig.stored()),
             Request::Load => match self.stored() {
                 Ok(stored) => Finished::Loaded(stored),
                 Err(_) => Finished::Failed(Refusal::NothingStored),
@@ -158,6 +151,15 @@ impl SimulatedRig {
             },
             Request::SetRate(_) | Request::Reset | Request::Bootloader => Finished::Done,
         }
+    }
+
+    fn keep(&mut self, stored: &Stored) -> Finished {
+        let mut buffer = [0; MAX_STORED];
+        match stored.encode(&mut buffer) {
+            Some(bytes) => self.flash = Some(bytes.to_vec()),
+            None => return Finished::Failed(Refusal::Flash),
+        }
+        Finished::Done
     }
 
     fn stored(&self) -> Result<Stored, StoreState> {

@@ -12,9 +12,8 @@ use crate::motion::Motion;
 use crate::real::Real;
 use heapless::Vec;
 
-/// The most knots of a curve; none without the feature `curves`, as on a rig, which has no room for what nobody can
-/// send.
-pub const MAX_KNOTS: usize = if cfg!(feature = "curves") { 32 } else { 0 };
+/// The most knots of a curve.
+pub const MAX_KNOTS: usize = 32;
 
 /// The effect, which is in no list: its numbers are the curve's.
 pub const fn effect<R: Real>() -> Effect<R> {
@@ -34,6 +33,9 @@ pub const fn effect<R: Real>() -> Effect<R> {
         action: Action::Curve,
     }
 }
+
+/// A speed in rad/s and the friction there in N·m, as they are sent and stored.
+pub type Knot = [f32; 2];
 
 /// The knots of a friction curve: as many torques as speeds, two at least, the speeds rising from zero.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +79,23 @@ impl<R: Copy> Curve<R> {
     }
 }
 
+impl Curve<f32> {
+    /// As [`Curve::new`].
+    pub fn through(knots: &[Knot]) -> Option<Self> {
+        let column = |index: usize| -> Option<Vec<f32, MAX_KNOTS>> {
+            let mut numbers = Vec::new();
+            knots.iter().try_for_each(|knot| numbers.push(knot[index])).ok()?;
+            Some(numbers)
+        };
+        Self::new(&column(0)?, &column(1)?)
+    }
+
+    /// What [`Curve::through`] takes.
+    pub fn knots(&self) -> Vec<Knot, MAX_KNOTS> {
+        self.speeds_rad_s.iter().zip(&self.torques_nm).map(|(speed, torque)| [*speed, *torque]).collect()
+    }
+}
+
 /// Start of a piece in rad/s, then F as a polynomial of the speed beyond it, the constant first.
 type Piece<R> = [R; 5];
 
@@ -84,9 +103,33 @@ type Piece<R> = [R; 5];
 #[derive(Clone, Debug)]
 pub struct Spline<R>(Vec<Piece<R>, MAX_KNOTS>);
 
+impl<R> Spline<R> {
+    /// The spline of no curve.
+    pub const fn none() -> Self {
+        Self(Vec::new())
+    }
+
+    /// Is it of a curve?
+    pub fn is_some(&self) -> bool {
+        !self.0.is_empty()
+    }
+
+    /// Becomes that of no curve.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+}
+
 impl<R: Real> Spline<R> {
-    /// Works out the pieces.
+    /// Of a curve.
     pub fn new(curve: &Curve<R>) -> Self {
+        let mut spline = Self::none();
+        spline.follow(curve);
+        spline
+    }
+
+    /// Becomes that of a curve.
+    pub fn follow(&mut self, curve: &Curve<R>) {
         let (speeds, torques) = (&curve.speeds_rad_s, &curve.torques_nm);
         let last = speeds.len() - 1;
         let speed = |i: usize| R::of(f64::from(speeds[i]));
@@ -105,7 +148,8 @@ impl<R: Real> Spline<R> {
             [speed(i), torques[i], slope(i), bend, twist]
         };
         let beyond = [speed(last), torques[last], slope(last).max(R::zero()), R::zero(), R::zero()];
-        Self((0..last).map(piece).chain([beyond]).collect())
+        self.0.clear();
+        self.0.extend((0..last).map(piece).chain([beyond]));
     }
 
     /// F at a speed in rad/s, N·m. A speed a little below zero, as within a step that turns, continues the first piece.
@@ -121,7 +165,7 @@ impl<R: Real> Spline<R> {
     }
 }
 
-#[cfg(all(test, feature = "curves"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::dual::Dual;

@@ -49,7 +49,7 @@ pub struct Model<R: 'static> {
     support: Option<Term<Support<R>, R>>,
     sensors: Vec<Term<Sensor<R>, R>, MAX_SENSORS>,
     custom: Option<Term<Program<R>, R>>,
-    curve: Option<Spline<R>>,
+    curve: Spline<R>,
     /// Nothing beyond the base effects: the inner loop skips the lists.
     plain: bool,
     /// Of what is there at rest, gravity is all.
@@ -98,51 +98,82 @@ fn padded<R: Real>(values: &[R]) -> [R; MAX_VALUES] {
     core::array::from_fn(|i| values.get(i).copied().unwrap_or(R::zero()))
 }
 
-impl<R: Real> Model<R> {
-    /// Builds the model from parameters that passed [`Parameters::check`]; unknown effects are left out.
-    pub fn new(parameters: &Parameters<R>) -> Self {
-        let value = |id, index: usize| parameters.values(id).and_then(|v| v.get(index)).copied().unwrap_or(R::zero());
-        let pendulum = parameters.pendulum;
-        let mut model = Self {
-            pendulum,
-            gravity_nm: pendulum.gravity_torque_nm(),
-            inverse_inertia: R::one() / pendulum.pivot_inertia_kg_m2(),
-            viscous: value(base::VISCOUS, 0),
-            coulomb_nm: value(base::COULOMB, 0),
-            stiction_nm: value(base::STICTION, 0),
-            velocity_band: value(base::STICTION, 1),
+impl<R: Copy> Model<R> {
+    /// The model of nothing, given zero, to be filled by [`Model::renew`].
+    pub const fn empty(zero: R) -> Self {
+        Self {
+            pendulum: Pendulum::all(zero),
+            gravity_nm: zero,
+            inverse_inertia: zero,
+            viscous: zero,
+            coulomb_nm: zero,
+            stiction_nm: zero,
+            velocity_band: zero,
             drives: Vec::new(),
             frictions: Vec::new(),
             memories: Vec::new(),
             support: None,
             sensors: Vec::new(),
             custom: None,
-            curve: None,
-            plain: true,
-            hangs_freely: true,
+            curve: Spline::none(),
+            plain: false,
+            hangs_freely: false,
             remembers: false,
             has_others: false,
-        };
+        }
+    }
+}
+
+impl<R: Real> Model<R> {
+    /// Builds the model from parameters that passed [`Parameters::check`]; unknown effects are left out.
+    pub fn new(parameters: &Parameters<R>) -> Self {
+        let mut model = Self::empty(R::zero());
+        model.renew(parameters);
+        model
+    }
+
+    /// Becomes the model of other parameters, where it is: it is too large to be moved about on a board's stack.
+    pub fn renew(&mut self, parameters: &Parameters<R>) {
+        let value = |id, index: usize| parameters.values(id).and_then(|v| v.get(index)).copied().unwrap_or(R::zero());
+        self.pendulum = parameters.pendulum;
+        self.gravity_nm = self.pendulum.gravity_torque_nm();
+        self.inverse_inertia = R::one() / self.pendulum.pivot_inertia_kg_m2();
+        self.viscous = value(base::VISCOUS, 0);
+        self.coulomb_nm = value(base::COULOMB, 0);
+        self.stiction_nm = value(base::STICTION, 0);
+        self.velocity_band = value(base::STICTION, 1);
+        self.clear();
         // In the order of the list of all effects, which for the sensor is that from the shaft to the wire.
         for effect in Effect::<R>::ALL {
             if let Some(values) = parameters.values(effect.id) {
-                model.add(effect, values);
+                self.add(effect, values);
             }
         }
         if let Some((formula, numbers)) = parameters.formula.as_ref().zip(parameters.values(CUSTOM_FORMULA_ID)) {
-            model.custom = Some(Term { law: Program::new(formula), values: padded(numbers) });
+            self.custom = Some(Term { law: Program::new(formula), values: padded(numbers) });
         }
-        model.curve = parameters.curve.as_ref().filter(|_| parameters.values(CURVE_ID).is_some()).map(Spline::new);
-        if model.memories.is_full() {
+        if let Some(curve) = parameters.curve.as_ref().filter(|_| parameters.values(CURVE_ID).is_some()) {
+            self.curve.follow(curve);
+        }
+        if self.memories.is_full() {
             // The check of parameters lets none of these pass.
-            model.support = None;
+            self.support = None;
         }
-        let is_driven = !(model.drives.is_empty() && model.memories.is_empty() && model.custom.is_none());
-        model.has_others = is_driven || !model.frictions.is_empty() || model.curve.is_some();
-        model.remembers = !model.memories.is_empty() || model.support.is_some();
-        model.hangs_freely = !is_driven && model.support.is_none();
-        model.plain = !model.has_others && model.support.is_none();
-        model
+        let is_driven = !(self.drives.is_empty() && self.memories.is_empty() && self.custom.is_none());
+        self.has_others = is_driven || !self.frictions.is_empty() || self.curve.is_some();
+        self.remembers = !self.memories.is_empty() || self.support.is_some();
+        self.hangs_freely = !is_driven && self.support.is_none();
+        self.plain = !self.has_others && self.support.is_none();
+    }
+
+    /// Nothing is added.
+    fn clear(&mut self) {
+        self.drives.clear();
+        self.frictions.clear();
+        self.memories.clear();
+        self.sensors.clear();
+        self.curve.clear();
+        (self.support, self.custom) = (None, None);
     }
 
     fn add(&mut self, effect: &Effect<R>, values: &[R]) {
@@ -328,8 +359,8 @@ impl<R: Real> Model<R> {
         if let Some(term) = &self.custom {
             sum = sum + term.law.friction_nm(motion, &term.values);
         }
-        if let Some(curve) = &self.curve {
-            sum = sum + curve.friction_nm(motion);
+        if self.curve.is_some() {
+            sum = sum + self.curve.friction_nm(motion);
         }
         sum
     }

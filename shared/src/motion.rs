@@ -16,6 +16,13 @@ pub struct Pendulum<R> {
     pub gravity_m_s2: R,
 }
 
+impl<R: Copy> Pendulum<R> {
+    /// One number everywhere.
+    pub(crate) const fn all(number: R) -> Self {
+        Self { mass_kg: number, length_m: number, inertia_kg_m2: number, gravity_m_s2: number }
+    }
+}
+
 impl<R: Real> Pendulum<R> {
     /// The paper's pendulum (Table 1), its inertia that of the CAD drawing.
     pub fn paper() -> Self {

@@ -92,16 +92,23 @@ impl<R: Real> SinceRelease<R> {
 impl<R: Real> Observer<R> {
     /// Bandwidth in rad/s; zero lets the model run alone. It starts with the first measurement.
     pub fn new(parameters: &Parameters<R>, bandwidth_rad_s: R) -> Self {
-        let model = Model::new(parameters);
-        let state = model.release(R::zero(), R::zero());
-        let sensor = model.sensor_at_rest(&state);
-        let since_release = SinceRelease::at(R::zero());
-        Self { model, state, sensor, bandwidth_rad_s, mean_square: R::zero(), started: false, since_release }
+        let zero = R::zero();
+        let mut observer = Self {
+            model: Model::empty(zero),
+            state: State::all(zero),
+            sensor: SensorState::all(zero),
+            bandwidth_rad_s,
+            mean_square: zero,
+            started: false,
+            since_release: SinceRelease::at(zero),
+        };
+        observer.set_parameters(parameters);
+        observer
     }
 
     /// Other parameters, the same state: nothing jumps while the pendulum swings.
     pub fn set_parameters(&mut self, parameters: &Parameters<R>) {
-        self.model = Model::new(parameters);
+        self.model.renew(parameters);
         let mut fresh = self.model.release(self.state.angle_rad, self.state.velocity_rad_s);
         fresh.time_s = self.state.time_s;
         self.sensor = self.model.sensor_at_rest(&fresh);

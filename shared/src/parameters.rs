@@ -432,7 +432,6 @@ mod tests {
     }
 
     #[test]
-    #[cfg(feature = "curves")]
     fn a_friction_curve_stands_in_place_of_viscous_and_coulomb_friction() {
         let curve = |torque: f64| Curve::new(&[0.0, 2.0], &[1e-3, torque]).unwrap();
         let mut p = Parameters::paper();

@@ -3,9 +3,7 @@
 //! Firmware, simulated rig and tests run this same code. What needs the board (flash, sampling rate, reset) comes out
 //! as a [`Request`]; the board carries it out and reports back with [`Rig::finished`].
 
-use crate::effect::CUSTOM_FORMULA_ID;
 use crate::filter::{Butterworth, FilterState};
-use crate::formula::{Formula, MAX_BYTES};
 use crate::motion::Pendulum;
 use crate::observer::{Estimate, Observer};
 use crate::parameters::Parameters;
@@ -16,16 +14,12 @@ use crate::wire::{
     StoreState, Stream, Suspects, status,
 };
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
+use laws::Laws;
 
-/// Version of [`Stored`] in flash with a potentiometer …
-const STORED_VERSION: u16 = 1;
+mod laws;
+mod stored;
 
-/// … and with another sensor, so that firmware from before there were others falls back on its defaults.
-const STORED_WITH_SENSOR: u16 = 2;
-
-/// The longest encoded [`Stored`].
-pub const MAX_STORED: usize = 320 + MAX_BYTES;
+pub use stored::{MAX_STORED, Stored};
 
 /// For calibration: codes are averaged with this time constant.
 const AVERAGING_S: f32 = 0.25;
@@ -37,15 +31,6 @@ pub const HIGHEST_RATE_HZ: f32 = 10_000.0;
 
 /// Of the rate, the highest cut-off of the filter.
 const HIGHEST_CUTOFF: f32 = 0.45;
-
-/// What survives a power cut.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Stored {
-    /// Model.
-    pub parameters: Parameters<f32>,
-    /// Settings and calibration.
-    pub settings: Settings,
-}
 
 impl Settings {
     /// The same at another rate, with a cut-off that goes with it.
@@ -59,45 +44,11 @@ impl Settings {
     }
 }
 
-impl Stored {
-    /// Bytes for flash: a version, the content, and behind it the formula, if there is one. The flash store adds its own
-    /// check sum.
-    pub fn encode<'b>(&self, buffer: &'b mut [u8; MAX_STORED]) -> Option<&'b [u8]> {
-        let formula = self.parameters.formula.as_ref().map_or(&[][..], Formula::bytes);
-        let n_bytes = postcard::to_slice(&(self.version(), self), buffer).ok()?.len();
-        let end = n_bytes + formula.len();
-        buffer.get_mut(n_bytes..end)?.copy_from_slice(formula);
-        buffer.get(..end)
-    }
-
-    /// Reads what [`Stored::encode`] wrote; content that does not fit this build is refused with its reason.
-    pub fn decode(bytes: &[u8]) -> Result<Self, StoreState> {
-        let (version, rest) = postcard::take_from_bytes::<u16>(bytes).map_err(|_| StoreState::Damaged)?;
-        if ![STORED_VERSION, STORED_WITH_SENSOR].contains(&version) {
-            return Err(StoreState::OtherVersion);
-        }
-        let (mut stored, rest) = postcard::take_from_bytes::<Self>(rest).map_err(|_| StoreState::Damaged)?;
-        if version != stored.version() {
-            return Err(StoreState::OtherVersion);
-        }
-        if !rest.is_empty() {
-            stored.parameters.formula = Some(Formula::from_bytes(rest).ok_or(StoreState::Damaged)?);
-        }
-        let sound = stored.parameters.check().is_ok() && check_settings(&stored.settings).is_ok();
-        if sound { Ok(stored) } else { Err(StoreState::Damaged) }
-    }
-
-    fn version(&self) -> u16 {
-        let is_potentiometer = self.settings.sensor.protocol() == PROTOCOL;
-        if is_potentiometer { STORED_VERSION } else { STORED_WITH_SENSOR }
-    }
-}
-
 /// What the rig asks of its board.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
-    /// Write this to flash and read it back.
-    Save(Stored),
+    /// Write [`Rig::stored`] to flash and read it back.
+    Save,
     /// Read flash.
     Load,
     /// Sample at this rate, and with the sensor of the settings, from now on.
@@ -144,8 +95,8 @@ pub struct Rig {
     /// The converter's largest code.
     full_scale: u16,
     parameters: Parameters<f32>,
-    /// The law of the custom effect for the next parameters that contain it.
-    formula: Option<Formula>,
+    /// For the next parameters that contain their effects.
+    laws: Laws,
     settings: Settings,
     reader: Reader,
     filter: Butterworth<f32>,
@@ -179,7 +130,7 @@ impl Rig {
         let mut rig = Self {
             hello: Hello::new(name),
             full_scale,
-            formula: in_use.parameters.formula.clone(),
+            laws: Laws::of(&in_use.parameters),
             parameters: in_use.parameters,
             settings,
             reader: Reader::new(settings.sensor),
@@ -211,6 +162,11 @@ impl Rig {
     /// Parameters in use.
     pub fn parameters(&self) -> &Parameters<f32> {
         &self.parameters
+    }
+
+    /// What a save keeps.
+    pub fn stored(&self) -> Stored {
+        Stored { parameters: self.parameters.clone(), settings: self.settings }
     }
 
     /// The counters that only the board can fill.
@@ -392,21 +348,10 @@ impl Rig {
                 Some(host) => refuse(number, Refusal::Protocol { host, rig: PROTOCOL }),
                 None => self.on_command(number, command),
             },
-            Frame::CustomFormula(bytes) => self.hold_formula(&bytes),
+            Frame::CustomFormula(bytes) => held(self.laws.take_formula(&bytes).map(Frame::CustomFormula)),
+            Frame::FrictionCurve(knots) => held(self.laws.take_curve(&knots).map(Frame::FrictionCurve)),
             Frame::Answer(..) | Frame::Samples(_) | Frame::Live(_) => Outcome::Nothing,
         }
-    }
-
-    /// Keeps the law that comes, and says which one is held.
-    fn hold_formula(&mut self, bytes: &[u8]) -> Outcome {
-        if !bytes.is_empty() {
-            match Formula::from_bytes(bytes) {
-                Some(formula) => self.formula = Some(formula),
-                None => return refuse(0, Refusal::Formula),
-            }
-        }
-        let held = self.formula.as_ref().map_or(&[][..], Formula::bytes);
-        Outcome::Send(Frame::CustomFormula(held.iter().copied().collect()))
     }
 
     fn on_command(&mut self, number: u16, command: Command) -> Outcome {
@@ -420,11 +365,9 @@ impl Rig {
                 self.stream = None;
                 done
             }
-            Command::GetParameters => answer(number, Answer::Parameters(self.parameters.clone())),
-            Command::SetParameters(mut parameters) => {
-                if parameters.values(CUSTOM_FORMULA_ID).is_some() {
-                    parameters.formula.clone_from(&self.formula);
-                }
+            Command::GetParameters => answer(number, Answer::Parameters((&self.parameters).into())),
+            Command::SetParameters(numbers) => {
+                let parameters = self.laws.complete(numbers);
                 match parameters.check() {
                     Ok(()) => {
                         self.use_parameters(parameters);
@@ -435,10 +378,7 @@ impl Rig {
             }
             Command::GetSettings => answer(number, Answer::Settings(self.settings)),
             Command::SetSettings(settings) => self.set_settings(number, settings),
-            Command::Save => {
-                let stored = Stored { parameters: self.parameters.clone(), settings: self.settings };
-                Outcome::Do(number, Request::Save(stored))
-            }
+            Command::Save => Outcome::Do(number, Request::Save),
             Command::Load => Outcome::Do(number, Request::Load),
             Command::Defaults => {
                 let defaults = defaults(self.full_scale);
@@ -471,7 +411,7 @@ impl Rig {
             Finished::Failed(refusal) => Answer::Refused(refusal),
             Finished::Suspects(suspects) => Answer::Suspects(suspects),
             Finished::Loaded(stored) => {
-                self.formula.clone_from(&stored.parameters.formula);
+                self.laws = Laws::of(&stored.parameters);
                 self.use_parameters(stored.parameters);
                 let sensor = stored.settings.sensor.taken_over(&self.settings.sensor);
                 self.use_settings(stored.settings.with_sensor(sensor));
@@ -530,6 +470,11 @@ impl Rig {
 
 fn answer(number: u16, answer: Answer) -> Outcome {
     Outcome::Send(Frame::Answer(number, answer))
+}
+
+/// A law that is held now, or why it is not.
+fn held(law: Result<Frame, Refusal>) -> Outcome {
+    law.map_or_else(|refusal| refuse(0, refusal), Outcome::Send)
 }
 
 fn refuse(number: u16, refusal: Refusal) -> Outcome {

@@ -5,17 +5,20 @@
 //! [`PROTOCOL`]; variants of [`Frame`] keep their numbers for ever.
 
 use crate::bank::findings::Reason;
+use crate::curve::{Knot, MAX_KNOTS};
 use crate::effect::{CUSTOM_FORMULA_ID, Effect, MAX_VALUES};
 use crate::formula::MAX_BYTES;
-use crate::parameters::{ParameterError, Parameters};
+use crate::parameters::ParameterError;
 use crate::sensor::Sensor;
 use crate::units::Radian;
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
 mod framing;
+mod numbers;
 
 pub use framing::{Deframer, MAX_FRAME, WireError, decode, encode};
+pub use numbers::Numbers;
 
 /// Version of all messages but [`Hello`]: what programs say, and rigs whose sensor is a potentiometer.
 pub const PROTOCOL: u16 = 1;
@@ -96,6 +99,9 @@ pub enum Frame {
     /// The law of the effect [`CUSTOM_FORMULA_ID`], as [`crate::formula::Formula::bytes`]. From the PC: hold this
     /// one, and use it from the next parameters on; empty: tell me. From the rig: this one is held; empty: none.
     CustomFormula(Vec<u8, MAX_BYTES>),
+    /// The knots of the effect [`crate::effect::CURVE_ID`], in the same way. Firmware from before there were curves counts
+    /// it as a bad frame.
+    FrictionCurve(Vec<Knot, MAX_KNOTS>),
 }
 
 /// What the PC may ask.
@@ -108,7 +114,7 @@ pub enum Command {
     /// Give the parameters in use.
     GetParameters,
     /// Use these parameters from now on.
-    SetParameters(Parameters<f32>),
+    SetParameters(Numbers),
     /// Keep parameters, settings and calibration in flash.
     Save,
     /// Take them from flash again.
@@ -144,7 +150,7 @@ pub enum Answer {
     /// Not done, and why; everything stays as it was.
     Refused(Refusal),
     /// The parameters in use.
-    Parameters(Parameters<f32>),
+    Parameters(Numbers),
     /// The settings in use.
     Settings(Settings),
     /// The counters.
@@ -192,6 +198,8 @@ pub enum Refusal {
     GainIsKnown,
     /// This board has no input for that sensor.
     NoSuchSensor,
+    /// What came are no knots of a friction curve.
+    Curve,
 }
 
 impl core::fmt::Display for Refusal {
@@ -217,6 +225,9 @@ impl core::fmt::Display for Refusal {
                 write!(f, "its sensor's gain follows from its counts a turn; there is nothing to measure")
             }
             Self::NoSuchSensor => write!(f, "this board has no input for that sensor"),
+            Self::Curve => {
+                write!(f, "the knots of the friction curve are not 2 to {MAX_KNOTS} speeds that rise from 0")
+            }
         }
     }
 }
@@ -506,6 +517,7 @@ enum ForRig {
     Samples,
     Live,
     CustomFormula(Vec<u8, MAX_BYTES>),
+    FrictionCurve(Vec<Knot, MAX_KNOTS>),
 }
 
 impl From<ForRig> for Frame {
@@ -514,6 +526,7 @@ impl From<ForRig> for Frame {
             ForRig::Hello(hello) => Self::Hello(hello),
             ForRig::Command(number, command) => Self::Command(number, command),
             ForRig::CustomFormula(program) => Self::CustomFormula(program),
+            ForRig::FrictionCurve(knots) => Self::FrictionCurve(knots),
             // Their content is missing, so they never pass the check for left-over bytes.
             ForRig::Answer | ForRig::Samples | ForRig::Live => Self::CustomFormula(Vec::new()),
         }

@@ -40,7 +40,7 @@ fn parameters(inertia_kg_m2: f32) -> Parameters<f32> {
 /// Tells the board parameters, and to keep them.
 #[track_caller]
 fn save(board: &mut Emulated, inertia_kg_m2: f32) -> f64 {
-    board.order(Command::SetParameters(parameters(inertia_kg_m2)));
+    board.order(Command::SetParameters((&parameters(inertia_kg_m2)).into()));
     let (answer, took_s) = board.ask_timed(Command::Save);
     assert_eq!(answer, Answer::Done, "after {:?}", board.events.last());
     took_s
@@ -49,7 +49,7 @@ fn save(board: &mut Emulated, inertia_kg_m2: f32) -> f64 {
 #[track_caller]
 fn kept(board: &mut Emulated) -> Parameters<f32> {
     match board.ask(Command::GetParameters) {
-        Answer::Parameters(parameters) => parameters,
+        Answer::Parameters(numbers) => numbers.into(),
         other => panic!("asked for parameters, got {other:?}"),
     }
 }
@@ -140,7 +140,7 @@ fn power_lost_while_saving_leaves_the_old_or_the_new_parameters() {
     let mut old = parameters(2e-3);
     for i in 0..n_power_cuts() {
         let new = parameters(2.1e-3 + 1e-5 * i as f32);
-        board.order(Command::SetParameters(new.clone()));
+        board.order(Command::SetParameters((&new).into()));
         board.send(&shared::wire::Frame::Command(u16::MAX, Command::Save));
         board.run(chance.within(0.0..0.02));
         cut_power(&mut board);

@@ -1,6 +1,7 @@
 //! The program and a device on a pseudo terminal: the rig itself, strangers, pulled cables, Ctrl-C.
 #![cfg(target_os = "linux")]
 
+use host::rigfile::RigFile;
 use shared::wire::{self, Frame, Hello, MAX_FRAME};
 use std::io::Read;
 use std::path::Path;
@@ -125,6 +126,51 @@ fn undo_brings_back_what_the_rig_had_and_once_more_takes_that_back() {
     assert_eq!(on_the_rig(), first);
     host(folder.path(), &undo).succeeded();
     assert_eq!(on_the_rig(), second);
+}
+
+/// A model file of a pendulum with friction as a curve of the speed.
+fn write_curve(folder: &Path) {
+    let curve = "speed = [0, 0.4, 1.5, 3, 6]\ntorque = [9e-3, 6e-3, 8e-3, 7e-3, 1.2e-2]\n";
+    host(folder, "init --mass 0.2 --length 0.3 --inertia 0.004 -o curve.toml").succeeded();
+    let path = folder.join("curve.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let is_replaced = |line: &str| line.starts_with("Mw =") || line.starts_with("Mc =");
+    let kept = |line: &str| if is_replaced(line) { format!("{} = 0.0", &line[..2]) } else { line.to_owned() };
+    let text: Vec<String> = text.lines().map(kept).collect();
+    std::fs::write(path, format!("{}\n[effect.friction-curve]\n{curve}", text.join("\n"))).unwrap();
+}
+
+#[test]
+fn a_friction_curve_is_pushed_pulled_and_brought_back() {
+    let folder = tempfile::tempdir().unwrap();
+    write_curve(folder.path());
+    let device = Device::rig("plain");
+    let on_the_rig = || {
+        host(folder.path(), &format!("pull --port {} -o pulled.toml --force", device.port)).succeeded();
+        RigFile::load(&folder.path().join("pulled.toml")).unwrap().parameters().clone()
+    };
+    let before = on_the_rig();
+    host(folder.path(), &format!("push --port {} --rig curve.toml", device.port)).succeeded();
+    let curve = RigFile::load(&folder.path().join("curve.toml")).unwrap().parameters().curve.clone();
+    assert_eq!(on_the_rig().curve, curve.clone());
+    // What was pulled says the same to the rig, and then its numbers are brought back as they were.
+    host(folder.path(), &format!("push --port {} --rig pulled.toml", device.port)).succeeded();
+    host(folder.path(), &format!("undo --port {}", device.port)).succeeded();
+    assert_eq!(on_the_rig(), before);
+    host(folder.path(), &format!("undo --port {}", device.port)).succeeded();
+    assert_eq!(on_the_rig().curve, curve);
+}
+
+#[test]
+fn firmware_from_before_friction_curves_is_named_and_keeps_what_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    write_curve(folder.path());
+    let device = Device::rig_that_knows("plain", |frame| !matches!(frame, Frame::FrictionCurve(_)));
+    let push = impatient_host(folder.path(), &format!("push --port {} --rig curve.toml", device.port));
+    push.failed(1, &["can't run a friction curve", "update the firmware", "--remove friction-curve"]);
+    host(folder.path(), &format!("pull --port {} -o pulled.toml", device.port)).succeeded();
+    let kept = RigFile::load(&folder.path().join("pulled.toml")).unwrap();
+    assert!(kept.parameters().curve.is_none() && kept.parameters().check().is_ok());
 }
 
 #[test]

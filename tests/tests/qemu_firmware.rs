@@ -65,14 +65,14 @@ fn saved_parameters_are_there_after_a_restart_and_unsaved_ones_are_not() {
     assert_eq!(link.ask(Command::Load).unwrap(), Answer::Refused(Refusal::NothingStored));
 
     let saved = other_parameters();
-    assert_eq!(link.ask(Command::SetParameters(saved.clone())).unwrap(), Answer::Done);
+    assert_eq!(link.ask(Command::SetParameters((&saved).into())).unwrap(), Answer::Done);
     assert_eq!(link.ask(Command::Save).unwrap(), Answer::Done);
     assert_eq!(link.ask(Command::Defaults).unwrap(), Answer::Done);
-    assert_ne!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(saved.clone()));
+    assert_ne!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters((&saved).into()));
 
     assert_eq!(link.ask(Command::Reset).unwrap(), Answer::Done);
     let after = link.hello_after_restart(1).unwrap().health;
-    assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(saved));
+    assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters((&saved).into()));
     assert_eq!((after.store, after.cause, after.resets), (StoreState::Loaded, ResetCause::Asked, 1));
 }
 
@@ -86,10 +86,10 @@ fn bad_input_is_answered_and_changes_nothing() {
     link.hello().unwrap();
     let Answer::Parameters(before) = link.ask(Command::GetParameters).unwrap() else { panic!() };
 
-    let mut unknown = before.clone();
+    let mut unknown = Parameters::from(before.clone());
     unknown.set(999, &[1.0]).unwrap();
     let refusal = Refusal::Parameters(ParameterError::UnknownEffect { id: 999 });
-    assert_eq!(link.ask(Command::SetParameters(unknown)).unwrap(), Answer::Refused(refusal));
+    assert_eq!(link.ask(Command::SetParameters((&unknown).into())).unwrap(), Answer::Refused(refusal));
     assert_eq!(link.ask(Command::Bootloader).unwrap(), Answer::Refused(Refusal::NotHere));
 
     link.hello_as(Hello { protocol: PROTOCOL + 1, ..Hello::new("stranger") }).unwrap();
@@ -109,12 +109,12 @@ fn many_saves_move_through_all_sectors_on_a_bounded_stack() {
     // More than the store holds, several times.
     for i in 0..400 {
         parameters.pendulum.inertia_kg_m2 = 0.002 + 1e-6 * i as f32;
-        assert_eq!(link.ask(Command::SetParameters(parameters.clone())).unwrap(), Answer::Done);
+        assert_eq!(link.ask(Command::SetParameters((&parameters).into())).unwrap(), Answer::Done);
         assert_eq!(link.ask(Command::Save).unwrap(), Answer::Done, "save {i}");
     }
     assert_eq!(link.ask(Command::Defaults).unwrap(), Answer::Done);
     assert_eq!(link.ask(Command::Load).unwrap(), Answer::Done);
-    assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters(parameters));
+    assert_eq!(link.ask(Command::GetParameters).unwrap(), Answer::Parameters((&parameters).into()));
     let health = link.statistics().unwrap().health;
     println!("stack: {} of {} bytes", health.stack_used, health.stack_size);
     assert!(health.stack_used > 0 && health.stack_used <= MOST_STACK, "{}", health.stack_used);
@@ -151,7 +151,7 @@ fn a_restart_in_the_middle_of_a_save_leaves_the_old_or_the_new_parameters() {
     let (qemu, mut link) = start();
     link.hello().unwrap();
     let mut old = other_parameters();
-    assert_eq!(link.ask(Command::SetParameters(old.clone())).unwrap(), Answer::Done);
+    assert_eq!(link.ask(Command::SetParameters((&old).into())).unwrap(), Answer::Done);
     assert_eq!(link.ask(Command::Save).unwrap(), Answer::Done);
     let flash = simulated_flash();
     // The first is not cut: it tells how many writes a save has.
@@ -159,7 +159,7 @@ fn a_restart_in_the_middle_of_a_save_leaves_the_old_or_the_new_parameters() {
     for i in 0..=N_CUT_SAVES {
         let mut new = old.clone();
         new.pendulum.inertia_kg_m2 += 1e-5;
-        assert_eq!(link.ask(Command::SetParameters(new.clone())).unwrap(), Answer::Done);
+        assert_eq!(link.ask(Command::SetParameters((&new).into())).unwrap(), Answer::Done);
         let writes = qemu.watch_writes(&flash).unwrap();
         link.send(&Frame::Command(u16::MAX, Command::Save)).unwrap();
         let cut_after = if i == 0 { u32::MAX } else { 1 + (n_writes - 1) * (i - 1) / (N_CUT_SAVES - 1) };
@@ -170,6 +170,7 @@ fn a_restart_in_the_middle_of_a_save_leaves_the_old_or_the_new_parameters() {
         }
         let restarted = link.hello_after_restart(i as u16 + 1).unwrap();
         let Answer::Parameters(kept) = link.ask(Command::GetParameters).unwrap() else { panic!() };
+        let kept = Parameters::from(kept);
         assert!(kept == old || kept == new, "restart {i}, after {n_seen} writes: {kept:?}");
         assert_eq!(restarted.health.store, StoreState::Loaded, "restart {i}, after {n_seen} writes");
         n_new += u32::from(kept == new);
@@ -207,7 +208,7 @@ fn innovation_rad(parameters: &Parameters<f32>) -> f64 {
     let qemu = Qemu::start(&image, scenario).unwrap();
     let mut link = Link::open(qemu.port()).unwrap();
     link.hello().unwrap();
-    link.ask(Command::SetParameters(parameters.clone())).unwrap();
+    link.ask(Command::SetParameters(parameters.into())).unwrap();
     innovation::of_the_next_swing(&mut link).unwrap()
 }
 

@@ -57,7 +57,7 @@ fn link_to(qemu: &Qemu) -> Link {
 }
 
 fn push(link: &mut Link, parameters: &Parameters<f64>) {
-    let answer = link.ask(Command::SetParameters(parameters.map(|value| value as f32))).unwrap();
+    let answer = link.ask(Command::SetParameters((&parameters.map(|value| value as f32)).into())).unwrap();
     assert_eq!(answer, Answer::Done);
 }
 

@@ -138,7 +138,7 @@ fn the_rig_refuses_strange_parameters_or_goes_on_with_finite_numbers() {
     let (mut n_done, mut n_refused) = (0, 0);
     for parameters in strange_parameters() {
         let parameters = parameters.map(|value| value as f32);
-        match rig.on_frame(Frame::Command(9, Command::SetParameters(parameters.clone()))) {
+        match rig.on_frame(Frame::Command(9, Command::SetParameters((&parameters).into()))) {
             Outcome::Send(Frame::Answer(9, Answer::Done)) => {
                 n_done += 1;
                 exercise(&mut rig, &parameters);
@@ -151,7 +151,7 @@ fn the_rig_refuses_strange_parameters_or_goes_on_with_finite_numbers() {
     assert!(n_done > 100 && n_refused > 100);
     // Whatever was before, good parameters are followed at once.
     let good = Parameters::paper().map(|value| value as f32);
-    rig.on_frame(Frame::Command(9, Command::SetParameters(good)));
+    rig.on_frame(Frame::Command(9, Command::SetParameters((&good).into())));
     exercise(&mut rig, &"good parameters");
 }
 

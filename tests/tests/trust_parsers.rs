@@ -76,12 +76,13 @@ fn messages() -> Vec<Frame> {
     let parameters = Parameters::paper().map(|value| value as f32);
     vec![
         Frame::Hello(Hello::new("fuzz")),
-        Frame::Command(1, Command::SetParameters(parameters)),
+        Frame::Command(1, Command::SetParameters((&parameters).into())),
         Frame::Command(2, Command::SetSettings(settings_of_a_rig())),
         Frame::Command(3, Command::Start(Stream { raw: true, live_every: 10 })),
         Frame::Command(4, Command::CalibrateGain(Radian(1.0))),
         Frame::Command(5, Command::Statistics),
         Frame::CustomFormula([1, 2, 3, 4, 5, 6, 7, 8].into_iter().collect()),
+        Frame::FrictionCurve([[0.0, 1e-3], [1.0, 2e-3], [4.0, 3e-3]].into_iter().collect()),
     ]
 }
 

@@ -184,8 +184,8 @@ impl LinkError {
             Self::Refused { refusal, .. } => return after_refusal(refusal).to_owned(),
             Self::NoFormulas => "update the firmware, or take the formula out: host improve … --remove custom",
             Self::OldSensors { .. } => "update the rig's firmware: host update --help",
-            Self::NoCurves => "push a model without it: host improve … --remove friction-curve; simulations, comparisons and exports \
-                               take it as it is",
+            Self::NoCurves => "update the firmware (host update --help), or push a model without the curve: host improve … \
+                               --remove friction-curve",
             Self::UnknownFormula => "update the older of rig and program, or push another model",
             Self::NotKept { .. } => "push again; if it stays so, the rig's flash is worn out or its firmware is another",
         }
@@ -206,6 +206,7 @@ fn after_refusal(refusal: &Refusal) -> &'static str {
         Refusal::Flash => "repeat the command; if it stays so, the rig's flash is worn out",
         Refusal::Supply => "give the rig its full supply, 3.3 V on the chip, and repeat the command",
         Refusal::NothingStored => "store something first with `host push`",
+        Refusal::Curve => "give the curve's speeds in rising order from 0, or fit it anew",
         Refusal::Formula => "update the rig's firmware, or write a simpler formula",
         Refusal::NotHere => "use a board that can, or do without",
     }

@@ -2,6 +2,7 @@
 
 use super::hello::{Heard, OWN_NAME, version};
 use super::{LinkError, Port, Tally, patient};
+use shared::curve::Knot;
 use shared::wire::{self, Answer, Command, Deframer, Frame, Hello, MAX_FRAME, Refusal, Stream};
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -23,8 +24,8 @@ const ANSWER_PATIENCE: Duration = Duration::from_millis(500);
 const FLASH_PATIENCE: Duration = Duration::from_secs(15);
 const FLASH_ANSWER_PATIENCE: Duration = Duration::from_secs(5);
 
-/// A formula in the words of "the rig refused to …".
-const FORMULA_WORDS: &str = "exchange a custom formula";
+/// Firmware from before a question never answers it.
+const N_ATTEMPTS_IF_NEW: u32 = 2;
 
 /// A rig that was greeted and understood.
 pub struct Session {
@@ -128,9 +129,8 @@ impl Session {
         let frame = Frame::Command(number, command.clone());
         log::debug!("asking the rig to {}", words(command));
         let is_slow = matches!(command, Command::Save | Command::Load);
-        // Firmware from before these questions never answers them.
         let is_new = matches!(command, Command::Chip | Command::Suspects);
-        let n_attempts = if is_new { 2 } else { N_ATTEMPTS };
+        let n_attempts = if is_new { N_ATTEMPTS_IF_NEW } else { N_ATTEMPTS };
         let give_up =
             self.port.elapsed() + patient(if is_slow { FLASH_PATIENCE } else { n_attempts * ANSWER_PATIENCE });
         let mut n_times = 0;
@@ -171,26 +171,60 @@ impl Session {
     /// As [`Session::ask`]; firmware without formulas refuses.
     pub fn exchange_formula(&mut self, bytes: &[u8]) -> Result<Vec<u8>, LinkError> {
         let frame = Frame::CustomFormula(bytes.iter().copied().collect());
-        let give_up = self.port.elapsed() + patient(N_ATTEMPTS * ANSWER_PATIENCE);
+        let held = self.exchange(&frame, "exchange a custom formula", N_ATTEMPTS, |frame| match frame {
+            Frame::CustomFormula(held) => Some(held.to_vec()),
+            _ => None,
+        });
+        match held {
+            Err(LinkError::Refused { refusal: Refusal::NotHere, .. }) => Err(LinkError::NoFormulas),
+            held => held,
+        }
+    }
+
+    /// Sends the knots of a friction curve, or nothing to ask for them; gives those that the rig then holds.
+    ///
+    /// # Errors
+    /// As [`Session::ask`]; firmware without curves does not answer.
+    pub fn exchange_curve(&mut self, knots: &[Knot]) -> Result<Vec<Knot>, LinkError> {
+        let frame = Frame::FrictionCurve(knots.iter().copied().collect());
+        let held = self.exchange(&frame, "exchange a friction curve", N_ATTEMPTS_IF_NEW, |frame| match frame {
+            Frame::FrictionCurve(held) => Some(held.to_vec()),
+            _ => None,
+        });
+        match held {
+            Err(LinkError::NoAnswer { .. } | LinkError::Refused { refusal: Refusal::NotHere, .. }) => {
+                Err(LinkError::NoCurves)
+            }
+            held => held,
+        }
+    }
+
+    /// Sends a law, or a question for it, and waits for the one that the rig then holds.
+    fn exchange<T>(
+        &mut self,
+        law: &Frame,
+        command: &'static str,
+        n_attempts: u32,
+        held: impl Fn(&Frame) -> Option<T>,
+    ) -> Result<T, LinkError> {
+        let give_up = self.port.elapsed() + patient(n_attempts * ANSWER_PATIENCE);
         let mut n_times = 0;
         while self.port.elapsed() < give_up {
             n_times += 1;
-            self.send(&frame)?;
+            self.send(law)?;
             let deadline = self.port.elapsed() + ANSWER_PATIENCE;
             while let Some(frame) = self.next_frame(deadline, None)? {
+                if let Some(held) = held(&frame) {
+                    return Ok(held);
+                }
                 match frame {
-                    Frame::CustomFormula(held) => return Ok(held.to_vec()),
-                    Frame::Answer(0, Answer::Refused(Refusal::NotHere)) => return Err(LinkError::NoFormulas),
-                    Frame::Answer(0, Answer::Refused(refusal)) => {
-                        return Err(LinkError::Refused { command: FORMULA_WORDS, refusal });
-                    }
+                    Frame::Answer(0, Answer::Refused(refusal)) => return Err(LinkError::Refused { command, refusal }),
                     Frame::Samples(_) | Frame::Live(_) if self.streaming => self.waiting.push_back(frame),
                     _ => {}
                 }
             }
         }
-        let port = self.port.name().to_owned();
-        Err(LinkError::NoAnswer { port, command: FORMULA_WORDS, n_times })
+        Err(LinkError::NoAnswer { port: self.port.name().to_owned(), command, n_times })
     }
 
     /// Starts a stream.

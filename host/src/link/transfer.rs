@@ -4,7 +4,8 @@ use super::{LinkError, Session};
 use crate::error::Failure;
 use crate::formula;
 use crate::rigfile::{Quantity, RigFile, Source};
-use shared::effect::{Action, CUSTOM_FORMULA_ID};
+use shared::curve::Curve;
+use shared::effect::{Action, CURVE_ID, CURVE_NAME, CUSTOM_FORMULA_ID};
 use shared::formula::Formula;
 use shared::parameters::Parameters;
 use shared::sensor::Sensor;
@@ -17,7 +18,7 @@ impl Session {
     /// As [`Session::ask`].
     pub fn parameters(&mut self) -> Result<Parameters<f32>, LinkError> {
         match self.ask(&Command::GetParameters)? {
-            Answer::Parameters(parameters) => self.with_formula(parameters),
+            Answer::Parameters(numbers) => self.with_formula(numbers.into()).and_then(|found| self.with_curve(found)),
             _ => Err(LinkError::WrongAnswer { command: "give its parameters" }),
         }
     }
@@ -32,6 +33,14 @@ impl Session {
             if !same {
                 return Err(LinkError::UnknownFormula);
             }
+        }
+        Ok(parameters)
+    }
+
+    /// The knots of the friction curve, if there is one.
+    fn with_curve(&mut self, mut parameters: Parameters<f32>) -> Result<Parameters<f32>, LinkError> {
+        if parameters.values(CURVE_ID).is_some() {
+            parameters.curve = Curve::through(&self.exchange_curve(&[])?);
         }
         Ok(parameters)
     }
@@ -115,16 +124,16 @@ impl Session {
     /// A refusal, no answer, or a value that came back different.
     pub fn push(&mut self, parameters: &Parameters<f64>) -> Result<(), LinkError> {
         let sent = parameters.map(|value| value as f32);
-        if sent.curve.is_some() {
-            return Err(LinkError::NoCurves);
-        }
         self.keep_before(&sent)?;
         if let Some(formula) = &sent.formula {
             // First a question: firmware that knows no formulas can say so.
             self.exchange_formula(&[])?;
             self.exchange_formula(formula.bytes())?;
         }
-        self.tell(&Command::SetParameters(sent.clone()))?;
+        if let Some(curve) = &sent.curve {
+            self.exchange_curve(&curve.knots())?;
+        }
+        self.tell(&Command::SetParameters((&sent).into()))?;
         self.tell(&Command::Save)?;
         self.tell(&Command::Load)?;
         let got = self.parameters()?;
@@ -177,6 +186,9 @@ fn compare(sent: &Parameters<f32>, got: &Parameters<f32>) -> Result<(), LinkErro
     if sent.formula != got.formula {
         return Err(LinkError::UnknownFormula);
     }
+    if let Some([sent, got]) = different_knot(sent, got) {
+        return Err(LinkError::NotKept { what: format!("a knot of {CURVE_NAME}"), sent, got });
+    }
     let (sent, got) = (sent.map(f64::from), got.map(f64::from));
     let quantities = [Quantity::all(&sent), Quantity::all(&got)].concat();
     let value = |quantity: Quantity, of| quantity.get(of).map_or(f32::NAN, |value| value as f32);
@@ -189,6 +201,13 @@ fn compare(sent: &Parameters<f32>, got: &Parameters<f32>) -> Result<(), LinkErro
             got: value(quantity, &got),
         }),
     }
+}
+
+/// The first number of a friction curve that came back different.
+fn different_knot(sent: &Parameters<f32>, got: &Parameters<f32>) -> Option<[f32; 2]> {
+    let [sent, got] = [sent, got].map(|of| of.curve.as_ref().map(Curve::knots).unwrap_or_default().concat());
+    let pair = |i| [&sent, &got].map(|numbers: &Vec<f32>| numbers.get(i).copied().unwrap_or(f32::NAN));
+    (0..sent.len().max(got.len())).map(pair).find(|[sent, got]| sent != got)
 }
 
 #[cfg(test)]

@@ -35,9 +35,10 @@ impl RigFile {
     }
 }
 
-/// Rounding says no more than the rig's numbers of 32 bits can.
+/// Rounding says no more than the rig's numbers of 32 bits can; what came from a rig stays as it is.
 fn six_digits(torque_nm: f64) -> f64 {
-    format!("{torque_nm:.5e}").parse().unwrap_or(torque_nm)
+    let is_of_rig = super::exactly(torque_nm as f32) == torque_nm;
+    if is_of_rig { torque_nm } else { format!("{torque_nm:.5e}").parse().unwrap_or(torque_nm) }
 }
 
 fn table(known: &KnownCurve, source: &Source) -> Table {

@@ -52,7 +52,7 @@ struct Moved<R> {
 
 /// The memory of a follower.
 pub struct Track<R: 'static> {
-    swing: Vec<Swing<R>, 1>,
+    swing: Swing<R>,
     moved: Vec<Moved<R>, MAX_ALL>,
     /// What a law of the sensor remembers that has a little more of its strength.
     more: [Remembered<R>; MAX_KNOWN],
@@ -62,7 +62,7 @@ impl<R: Copy> Track<R> {
     /// Empty, given zero.
     pub const fn empty(zero: R) -> Self {
         let more = [Remembered::all(zero); MAX_KNOWN];
-        Self { swing: Vec::new(), moved: Vec::new(), more }
+        Self { swing: Swing::empty(zero), moved: Vec::new(), more }
     }
 }
 
@@ -84,12 +84,12 @@ impl<'a, R: Real<Mask = bool>> Follower<'a, R> {
         columns: &'a Columns<R>,
         has_candidates: bool,
     ) -> Self {
-        prepare(&mut track.swing, parameters);
+        track.swing.renew(parameters);
         let n_added = if has_candidates { columns.added.len() } else { 0 };
         let Track { swing, moved, more } = track;
         let present = parameters.effects.iter().map(|effect| Pace::of::<R>(effect.id)).max();
         let pace = present.unwrap_or_default().max(if n_added > 0 { Pace::Careful } else { Pace::Free });
-        Self { swing: &mut swing[0], columns, n_added, pace, moved, more }
+        Self { swing, columns, n_added, pace, moved, more }
     }
 
     /// Begins anew where the sensor reads an angle (rad) and a velocity (rad/s), so long after the release.
@@ -207,12 +207,6 @@ fn advance_all<R: Real<Mask = bool>>(
     for (moved, column) in moved.iter_mut().zip(columns) {
         moved.advance(column, piece, inverse_inertia);
     }
-}
-
-#[inline(never)]
-fn prepare<R: Real<Mask = bool>>(swing: &mut Vec<Swing<R>, 1>, parameters: &Parameters<R>) {
-    swing.clear();
-    let _ = swing.push(Swing::new(parameters));
 }
 
 /// What a sensor's law remembers after it was led to where a window begins.

@@ -143,7 +143,7 @@ impl<R: Copy> Bench<R> {
 impl<R: Copy> Refitted<R> {
     /// None, given zero.
     pub const fn empty(zero: R) -> Self {
-        let pendulum = Pendulum { mass_kg: zero, length_m: zero, inertia_kg_m2: zero, gravity_m_s2: zero };
+        let pendulum = Pendulum::all(zero);
         let parameters = Parameters { pendulum, effects: Vec::new(), formula: None, curve: None };
         Self { parameters, offset_rad: zero, has_band: false }
     }

@@ -101,28 +101,41 @@ impl<R: Real> Approach<R> {
     }
 }
 
+impl<R: Copy> Swing<R> {
+    /// By no model yet, given zero.
+    pub const fn empty(zero: R) -> Self {
+        Self {
+            model: Model::empty(zero),
+            state: State::all(zero),
+            sensors: [SensorState::all(zero); 2],
+            pendulum: Pendulum::all(zero),
+            inverse_inertia: zero,
+            gravity_nm: zero,
+            viscous: zero,
+            stiction_nm: zero,
+            velocity_band: zero,
+            arriving: zero,
+            entered: [zero; 2],
+        }
+    }
+}
+
 impl<R: Real<Mask = bool>> Swing<R> {
     /// By a model with these parameters; it hangs still.
     #[inline(never)]
-    pub fn new(parameters: &Parameters<R>) -> Self {
+    pub fn renew(&mut self, parameters: &Parameters<R>) {
         let value =
             |id, index: usize| parameters.values(id).and_then(|values| values.get(index)).copied().unwrap_or(R::zero());
-        let model = Model::new(parameters);
-        let state = model.release(R::zero(), R::zero());
-        let sensor = model.sensor_at_rest(&state);
-        Self {
-            sensors: [sensor, sensor],
-            state,
-            model,
-            pendulum: parameters.pendulum,
-            inverse_inertia: R::one() / parameters.pendulum.pivot_inertia_kg_m2(),
-            gravity_nm: parameters.pendulum.gravity_torque_nm(),
-            viscous: value(base::VISCOUS, 0),
-            stiction_nm: value(base::STICTION, 0),
-            velocity_band: value(base::STICTION, 1),
-            arriving: R::zero(),
-            entered: [R::zero(); 2],
-        }
+        self.model.renew(parameters);
+        self.state = self.model.release(R::zero(), R::zero());
+        self.sensors = [self.model.sensor_at_rest(&self.state); 2];
+        self.pendulum = parameters.pendulum;
+        self.inverse_inertia = R::one() / parameters.pendulum.pivot_inertia_kg_m2();
+        self.gravity_nm = parameters.pendulum.gravity_torque_nm();
+        self.viscous = value(base::VISCOUS, 0);
+        self.stiction_nm = value(base::STICTION, 0);
+        self.velocity_band = value(base::STICTION, 1);
+        (self.arriving, self.entered) = (R::zero(), [R::zero(); 2]);
     }
 
     /// Begins anew at an angle (rad) and a velocity (rad/s), so long after the release, a sensor in its stride.

@@ -23,6 +23,15 @@ pub struct State<R> {
     pub(super) memories: [[R; MEMORY]; MAX_MEMORIES],
 }
 
+impl<R: Copy> State<R> {
+    /// One number everywhere.
+    pub(crate) const fn all(number: R) -> Self {
+        let contact = Contact { slide: number, push: number, level_nm: number };
+        let memories = [[number; MEMORY]; MAX_MEMORIES];
+        Self { angle_rad: number, velocity_rad_s: number, time_s: number, contact, memories }
+    }
+}
+
 impl<R: Real> State<R> {
     /// How many numbers a state is.
     pub const N_NUMBERS: usize = STATE_NUMBERS;
@@ -62,6 +71,13 @@ impl<R: Real> State<R> {
 /// What the sensor effects remember between two readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorState<R>(pub(super) [[R; SENSOR_MEMORY]; MAX_SENSORS]);
+
+impl<R: Copy> SensorState<R> {
+    /// One number everywhere.
+    pub(crate) const fn all(number: R) -> Self {
+        Self([[number; SENSOR_MEMORY]; MAX_SENSORS])
+    }
+}
 
 impl<R: Real> SensorState<R> {
     /// How many numbers it is.

@@ -1,5 +1,4 @@
 use super::*;
-use crate::effect::Effect;
 use crate::parameters::ParameterError;
 use crate::sensor::Encoder;
 use crate::wire::NEWEST_PROTOCOL;
@@ -77,7 +76,7 @@ fn bad_parameters_are_refused_and_the_old_ones_stay() {
     let mut bad = before.clone();
     bad.set(999, &[1.0]).unwrap();
     let refusal = Refusal::Parameters(ParameterError::UnknownEffect { id: 999 });
-    assert_eq!(ask(&mut rig, Command::SetParameters(bad)), Answer::Refused(refusal));
+    assert_eq!(ask(&mut rig, Command::SetParameters((&bad).into())), Answer::Refused(refusal));
     assert_eq!(*rig.parameters(), before);
 }
 
@@ -95,91 +94,13 @@ fn another_protocol_is_greeted_and_refused_with_both_versions() {
 #[test]
 fn what_is_stored_comes_back_and_anything_else_is_refused_with_a_reason() {
     let mut rig = rig();
-    let Outcome::Do(5, Request::Save(stored)) = rig.on_frame(Frame::Command(5, Command::Save)) else { panic!() };
-    let mut buffer = [0; MAX_STORED];
+    assert_eq!(rig.on_frame(Frame::Command(5, Command::Save)), Outcome::Do(5, Request::Save));
+    let (stored, mut buffer) = (rig.stored(), [0; MAX_STORED]);
     let bytes = stored.encode(&mut buffer).unwrap();
     assert_eq!(Stored::decode(bytes), Ok(stored.clone()));
     assert_eq!(Stored::decode(&[]), Err(StoreState::Damaged));
     assert_eq!(Stored::decode(&[99, 1, 2]), Err(StoreState::OtherVersion));
     assert_eq!(Stored::decode(&bytes[..bytes.len() - 3]), Err(StoreState::Damaged));
-}
-
-/// −k·ω·|ω|, k a parameter.
-fn drag() -> Formula {
-    use crate::formula::code::{ABS, MULTIPLY, NEGATE, OMEGA, PARAMETER};
-    let code = [PARAMETER, NEGATE, OMEGA, MULTIPLY, OMEGA, ABS, MULTIPLY];
-    Formula::new(&code, &[], 1, "-k*omega*abs(omega); k in 0..1e-2 N·m").unwrap()
-}
-
-fn with_drag(rig: &Rig) -> Parameters<f32> {
-    let mut parameters = rig.parameters().clone();
-    parameters.set(CUSTOM_FORMULA_ID, &[1e-3]).unwrap();
-    parameters
-}
-
-fn tell_formula(rig: &mut Rig, bytes: &[u8]) -> Frame {
-    match rig.on_frame(Frame::CustomFormula(bytes.iter().copied().collect())) {
-        Outcome::Send(frame) => frame,
-        other => panic!("no answer but {other:?}"),
-    }
-}
-
-#[test]
-#[cfg_attr(miri, ignore = "too long for an interpreter")]
-fn a_formula_is_held_used_by_the_observer_and_kept_in_flash() {
-    let mut rig = rig();
-    let bytes: Vec<u8, MAX_BYTES> = drag().bytes().iter().copied().collect();
-    assert_eq!(tell_formula(&mut rig, &[]), Frame::CustomFormula(Vec::new()));
-    assert_eq!(tell_formula(&mut rig, &bytes), Frame::CustomFormula(bytes.clone()));
-    let parameters = with_drag(&rig);
-    assert_eq!(ask(&mut rig, Command::SetParameters(parameters)), Answer::Done);
-
-    let Outcome::Do(5, Request::Save(stored)) = rig.on_frame(Frame::Command(5, Command::Save)) else { panic!() };
-    let mut buffer = [0; MAX_STORED];
-    let stored = Stored::decode(stored.encode(&mut buffer).unwrap()).unwrap();
-    let mut restarted = Rig::new("test", 4095, Ok(stored));
-    assert_eq!(tell_formula(&mut restarted, &[]), Frame::CustomFormula(bytes));
-
-    // The observer makes the same of a swing as one that knows the law from the list, and not as one without it.
-    let swing = |rig: &mut Rig| -> std::vec::Vec<f32> {
-        ask(rig, Command::Start(Stream { raw: false, live_every: 1 }));
-        let code = |i: u32| Code((2048.0 + 500.0 * libm::cosf(i as f32 * 8e-3)) as u16);
-        let mut angles = std::vec::Vec::new();
-        (0..4000).for_each(|i| {
-            rig.on_sample(code(i), |frame| {
-                let Frame::Live(live) = frame else { panic!() };
-                angles.extend(live.points.iter().map(|point| point.angle_rad));
-            })
-        });
-        angles
-    };
-    let mut plain = self::rig();
-    let mut listed = self::rig();
-    let mut known = listed.parameters().clone();
-    known.set(Effect::<f32>::by_name("quadratic-drag").unwrap().id, &[1e-3]).unwrap();
-    assert_eq!(ask(&mut listed, Command::SetParameters(known)), Answer::Done);
-    let (plain, typed, listed) = (swing(&mut plain), swing(&mut restarted), swing(&mut listed));
-    let apart = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-    assert!(apart(&typed, &listed) < 1e-5, "{}", apart(&typed, &listed));
-    assert!(apart(&typed, &plain) > 1e-2, "{}", apart(&typed, &plain));
-}
-
-#[test]
-fn values_without_a_formula_and_bytes_without_a_program_are_refused() {
-    let mut rig = rig();
-    let unknown = Refusal::Parameters(ParameterError::UnknownEffect { id: CUSTOM_FORMULA_ID });
-    let parameters = with_drag(&rig);
-    assert_eq!(ask(&mut rig, Command::SetParameters(parameters)), Answer::Refused(unknown));
-    assert_eq!(tell_formula(&mut rig, &[1, 0, 0, 0xff]), Frame::Answer(0, Answer::Refused(Refusal::Formula)));
-    tell_formula(&mut rig, drag().bytes());
-    let mut two_values = rig.parameters().clone();
-    two_values.set(CUSTOM_FORMULA_ID, &[1.0, 2.0]).unwrap();
-    let count = ParameterError::WrongCount { id: CUSTOM_FORMULA_ID, expected: 1, got: 2 };
-    assert_eq!(ask(&mut rig, Command::SetParameters(two_values)), Answer::Refused(Refusal::Parameters(count)));
-    let mut no_number = rig.parameters().clone();
-    no_number.set(CUSTOM_FORMULA_ID, &[f32::NAN]).unwrap();
-    let range = ParameterError::OutOfRange { id: CUSTOM_FORMULA_ID, index: 0 };
-    assert_eq!(ask(&mut rig, Command::SetParameters(no_number)), Answer::Refused(Refusal::Parameters(range)));
 }
 
 #[test]

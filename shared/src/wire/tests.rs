@@ -1,4 +1,5 @@
 use super::*;
+use crate::parameters::Parameters;
 
 fn full_parameters() -> Parameters<f32> {
     let mut p = Parameters::paper().map(|v| v as f32);
@@ -19,9 +20,9 @@ fn examples() -> [Frame; 8] {
         Point { filtered_rad: 1.5, angle_rad: 1.5, velocity_rad_s: -2.0, innovation_rad: 1e-3, friction_nm: 1e-3 };
     [
         Frame::Hello(Hello::new("feather-f405")),
-        Frame::Command(7, Command::SetParameters(full_parameters())),
+        Frame::Command(7, Command::SetParameters((&full_parameters()).into())),
         Frame::Command(8, Command::SetSettings(settings())),
-        Frame::Answer(u16::MAX, Answer::Parameters(full_parameters())),
+        Frame::Answer(u16::MAX, Answer::Parameters((&full_parameters()).into())),
         Frame::Answer(9, Answer::Refused(Refusal::Protocol { host: 1, rig: 2 })),
         Frame::Answer(9, Answer::Statistics(Statistics { samples: u64::MAX, ..Statistics::default() })),
         Frame::Samples(Samples {

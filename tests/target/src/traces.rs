@@ -1,12 +1,13 @@
 //! Computations in `f32` whose every result must have the same bits on board and PC.
 
 use crate::noise::Noise;
+use shared::curve::{Curve, Knot, MAX_KNOTS};
 use shared::effect::Effect;
 use shared::filter::{Butterworth, FilterState};
 use shared::formula::{Formula, code};
 use shared::model::Model;
 use shared::observer::Observer;
-use shared::parameters::Parameters;
+use shared::parameters::{Parameters, base};
 use shared::potentiometer::Potentiometer;
 use shared::real::Real;
 use shared::rig::Rig;
@@ -37,6 +38,7 @@ pub const ALL: &[Trace] = &[
     Trace { name: "model", run: |emit| swing(&mut |angle_rad| emit(angle_rad.to_bits())) },
     Trace { name: "every-effect", run: every_effect },
     Trace { name: "formula", run: formula },
+    Trace { name: "friction-curve", run: friction_curve },
     Trace { name: "observer", run: observer },
     Trace { name: "rig", run: rig },
 ];
@@ -139,6 +141,22 @@ fn formula(emit: &mut dyn FnMut(u32)) {
     let Some(formula) = Formula::new(&law, &[0.4, 1e-6, 4.0, 1e-4], 2, "") else { return };
     let mut parameters = parameters();
     let _ = parameters.set_formula(&formula, &[2e-4, 1.3]);
+    let model = Model::new(&parameters);
+    let mut state = model.release(1.0, 0.0);
+    for _ in 0..5000 {
+        model.step(&mut state, DT_S);
+        emit(state.angle_rad.to_bits());
+    }
+}
+
+/// A swing with a friction curve of as many knots as there may be: a dip, then a rise, beside stiction.
+fn friction_curve(emit: &mut dyn FnMut(u32)) {
+    let torque = |v: f32| 8e-4 - 3e-4 * v / (0.2 + v * v) + 5e-5 * v * v;
+    let knots: [Knot; MAX_KNOTS] = core::array::from_fn(|k| [0.25 * k as f32, torque(0.25 * k as f32)]);
+    let Some(curve) = Curve::through(&knots) else { return };
+    let mut parameters = parameters();
+    [base::VISCOUS, base::COULOMB].into_iter().for_each(|id| parameters.remove(id));
+    let _ = parameters.set_curve(&curve);
     let model = Model::new(&parameters);
     let mut state = model.release(1.0, 0.0);
     for _ in 0..5000 {
