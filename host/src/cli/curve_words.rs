@@ -26,7 +26,11 @@ pub(super) fn in_words(diagnosis: &Diagnosis, curve: &FrictionCurve) -> String {
         [] => beside,
         names => format!("{beside} in place of {}", names.join(" and ")),
     };
-    let what = if laws.is_empty() { "No law of the list explains it" } else { "No law explains the rest" };
+    let what = if laws.is_empty() {
+        "No law of the list reaches the noise"
+    } else {
+        "No law brings the rest down to the noise"
+    };
     let mut sentences = vec![format!(
         "{what}; a free friction curve{beside} leaves {} {unit} of {}, {} times the noise.",
         milli(curve.rmse),
@@ -42,8 +46,9 @@ pub(super) fn in_words(diagnosis: &Diagnosis, curve: &FrictionCurve) -> String {
     ));
     sentences.push(resembles(curve));
     sentences.push(if curve.holds() && curve.left == Left::Missing {
-        "No part of the swings contradicts it within its ±, but what it leaves is no noise: it is not the whole law."
-            .to_owned()
+        let part = curve.closest().filter(|law| laws.is_empty() && law.effect != "none").map(|law| law.effect);
+        let part = part.map_or(String::new(), |law| format!(" Friction like {law} is likely a part of it."));
+        format!("No part of the swings contradicts it within its ±, but what it leaves is no noise: it is not the whole law.{part}")
     } else if curve.holds() {
         "No part of the swings contradicts it.".to_owned()
     } else {

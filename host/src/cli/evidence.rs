@@ -193,7 +193,7 @@ fn verdict(diagnosis: &Diagnosis) -> String {
                 names => format!(" With the sensor's zero put right ({}) it leaves {after}.", names.join(" and ")),
             };
             let why = match diagnosis.unproven.is_empty() {
-                true => "explains it",
+                true => "brings it down to the noise",
                 false => "holds on every part of the swings",
             };
             let words = format!(
@@ -202,14 +202,11 @@ fn verdict(diagnosis: &Diagnosis) -> String {
             );
             wrapped(&words, 0)
         }
-        (names, false) => {
-            format!("Missing: {}. With it the error falls from {before},\nto {after}.", names.join(" and "))
+        (names, is_unexplained) => {
+            let it = if names.len() == 1 { "it" } else { "them" };
+            let rest = if is_unexplained { " What remains is not explained by any candidate." } else { "" };
+            format!("Missing: {}. With {it} the error falls from {before},\nto {after}.{rest}", names.join(" and "))
         }
-        (names, true) => format!(
-            "Missing: {}. With it the error falls from {before},\nto {after}. What remains is not explained by any \
-             candidate.",
-            names.join(" and ")
-        ),
     }
 }
 
@@ -294,13 +291,20 @@ fn staircase(diagnosis: &Diagnosis) -> String {
     lines.join("\n")
 }
 
-/// The steps of the staircase with their names.
+/// The steps of the staircase with their names; where no law is claimed, the sensor's zero is a step of its own, as a
+/// fit has it put right.
 pub(super) fn treads(diagnosis: &Diagnosis) -> Vec<Tread> {
     let tread = |step: &Step| {
         let words = if step.added == "base" { "base model".to_owned() } else { format!("+ {}", step.added) };
         Tread { words, rmse_rad: step.rmse, held_out_rad: step.held_out }
     };
-    diagnosis.staircase.iter().map(tread).collect()
+    let zero = Some(&diagnosis.verdict).filter(|names| diagnosis.has_no_law() && !names.is_empty());
+    let put_right = zero.map(|names| Tread {
+        words: format!("+ {}", names.join(" + ")),
+        rmse_rad: diagnosis.rmse_after,
+        held_out_rad: diagnosis.held_out_after,
+    });
+    diagnosis.staircase.iter().map(tread).chain(put_right).collect()
 }
 
 /// Widest bar of the staircase, characters.

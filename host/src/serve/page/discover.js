@@ -47,7 +47,7 @@ function showWords() {
   const driven = found.driven.length ? `The swings of ${found.driven.join(', ')} don't become smaller: a motor or a hand drives them, and what follows says nothing of this pendulum. ` : '';
   const levels = found.levels ? `${found.levels.words}. ` : '';
   words.textContent = driven + levels + (hasNoLaw && found.unexplained
-    ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left, but no effect of the list explains it.${dropped}${split}`
+    ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left, but no effect of the list brings it down to the noise.${dropped}${split}`
     : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `Missing: ${names}. With it the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
 }
 
