@@ -43,6 +43,7 @@ def arguments():
     parser.add_argument("--worst-flash", action="store_true", help="the longest erase and program times")
     parser.add_argument("--flash-beside", action="store_true", help="the flash stops nothing and interrupts nobody")
     parser.add_argument("--protect", type=int, nargs="*", default=[], help="sectors that must not be written to")
+    parser.add_argument("--read-protection", type=int, default=0, choices=(0, 1, 2), help="its level, in the option bytes")
     parser.add_argument("--lsi-hz", type=int, default=32_000, help="the watchdog's oscillator, 17 to 47 kHz")
     parser.add_argument("--no-crystal", action="store_true", help="the crystal or the clock from outside is missing")
     parser.add_argument("--unique-id", type=bytes.fromhex, default=Settings.unique_id, help="96 bits, hexadecimal")
@@ -62,6 +63,7 @@ def build(options):
         worst_flash=options.worst_flash,
         flash_stops=not options.flash_beside,
         protected=tuple(options.protect),
+        read_protection=options.read_protection,
         lsi_hz=options.lsi_hz,
         crystal=not options.no_crystal,
         seed=options.seed,
