@@ -80,7 +80,7 @@ fn store(state: StoreState) -> Finding {
     let push = "`host fit --port` finds a model for this rig, `host push` sends one that you have";
     match state {
         StoreState::Loaded => Finding::ok("flash", "holds a model and a calibration"),
-        StoreState::Empty => Finding::look("flash", "empty: the paper's pendulum is in use", push),
+        StoreState::Empty => Finding::look("flash", "holds no model: the paper's pendulum is in use", push),
         StoreState::OtherVersion => Finding::look("flash", "written by another firmware, not in use", push),
         StoreState::Damaged => Finding::look("flash", "damaged: the paper's pendulum is in use", push),
     }
