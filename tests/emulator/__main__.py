@@ -26,7 +26,12 @@ from plant import Plant
 from terminal import Terminal
 
 # Between two looks at the terminal and at the commands.
-SLICE = ticks(2e-3)
+SLICE_S = 2e-3
+SLICE = ticks(SLICE_S)
+
+# After so many slices without a byte either way nobody waits for the board, and it runs no faster than a clock: the
+# program that has the port is at work itself.
+QUIET = 50
 
 
 def say(line):
@@ -104,14 +109,17 @@ def run_by_itself(chip, commands):
     """With the terminal as link."""
     terminal = Terminal()
     say({"terminal": terminal.name})
+    n_quiet = 0
     while not commands.ended:
-        commands.take(0)
+        commands.take(SLICE_S if n_quiet > QUIET else 0)
         if chip.host and chip.host.is_open != terminal.is_open():
             chip.host.open() if terminal.is_open() else chip.host.close()
         sent = terminal.read()
         if sent:
             chip.send(sent)
-        if terminal.write(chip.received()):
+        received = chip.received()
+        n_quiet = 0 if sent or received else n_quiet + 1
+        if terminal.write(received):
             chip.run(SLICE)
 
 
