@@ -79,17 +79,21 @@ impl Way {
             .next(format!("{install} and repeat the command; nothing was changed")))
     }
 
-    /// The arguments of its program. The serial number says which chip of several.
-    pub fn arguments(self, image: &Path, serial: Option<&str>) -> Vec<String> {
+    /// What its program is told, call by call. The serial number says which chip of several.
+    pub fn calls(self, image: &Path, serial: Option<&str>) -> Vec<Vec<String>> {
         let image = image.display().to_string();
         match self {
             Self::Usb => {
                 let chip = serial.map_or(Vec::new(), |serial| vec!["--serial".to_owned(), format!(",{serial}")]);
                 let device = ["--device", &format!(",{BOOTLOADER}"), "--alt", "0"].map(str::to_owned);
                 let work = ["--dfuse-address", ":leave", "--download", &image].map(str::to_owned);
-                [device.to_vec(), chip, work.to_vec()].concat()
+                vec![[device.to_vec(), chip, work.to_vec()].concat()]
             }
-            Self::Probe { chip } => ["download", "--chip", chip, &image].map(str::to_owned).to_vec(),
+            // It leaves the processor halted.
+            Self::Probe { chip } => {
+                let (download, reset) = (["download", "--chip", chip, &image], ["reset", "--chip", chip]);
+                vec![download.map(str::to_owned).to_vec(), reset.map(str::to_owned).to_vec()]
+            }
         }
     }
 }

@@ -26,7 +26,12 @@ from plant import Plant
 from terminal import Terminal
 
 # Between two looks at the terminal and at the commands.
-SLICE = ticks(2e-3)
+SLICE_S = 2e-3
+SLICE = ticks(SLICE_S)
+
+# After so many slices without a byte either way nobody waits for the board, and it runs no faster than a clock: the
+# program that has the port is at work itself.
+QUIET = 50
 
 
 def say(line):
@@ -43,6 +48,7 @@ def arguments():
     parser.add_argument("--worst-flash", action="store_true", help="the longest erase and program times")
     parser.add_argument("--flash-beside", action="store_true", help="the flash stops nothing and interrupts nobody")
     parser.add_argument("--protect", type=int, nargs="*", default=[], help="sectors that must not be written to")
+    parser.add_argument("--read-protection", type=int, default=0, choices=(0, 1, 2), help="its level, in the option bytes")
     parser.add_argument("--lsi-hz", type=int, default=32_000, help="the watchdog's oscillator, 17 to 47 kHz")
     parser.add_argument("--no-crystal", action="store_true", help="the crystal or the clock from outside is missing")
     parser.add_argument("--unique-id", type=bytes.fromhex, default=Settings.unique_id, help="96 bits, hexadecimal")
@@ -62,6 +68,7 @@ def build(options):
         worst_flash=options.worst_flash,
         flash_stops=not options.flash_beside,
         protected=tuple(options.protect),
+        read_protection=options.read_protection,
         lsi_hz=options.lsi_hz,
         crystal=not options.no_crystal,
         seed=options.seed,
@@ -102,14 +109,17 @@ def run_by_itself(chip, commands):
     """With the terminal as link."""
     terminal = Terminal()
     say({"terminal": terminal.name})
+    n_quiet = 0
     while not commands.ended:
-        commands.take(0)
+        commands.take(SLICE_S if n_quiet > QUIET else 0)
         if chip.host and chip.host.is_open != terminal.is_open():
             chip.host.open() if terminal.is_open() else chip.host.close()
         sent = terminal.read()
         if sent:
             chip.send(sent)
-        if terminal.write(chip.received()):
+        received = chip.received()
+        n_quiet = 0 if sent or received else n_quiet + 1
+        if terminal.write(received):
             chip.run(SLICE)
 
 

@@ -7,6 +7,7 @@ from elftools.elf.elffile import ELFFile
 import bootloader
 import dfuse
 import memory
+import option_bytes
 import system
 from adc import Adc
 from clock import Clock, seconds
@@ -50,8 +51,6 @@ MODELS = {
 
 SUPPLY_MV = 3300
 UNIQUE_ID = bytes.fromhex("2b00350013513038353635 32".replace(" ", ""))
-# No protection, no brown-out reset above the power-on reset, software watchdog (RM0090 table 14).
-OPTION_BYTES = bytes.fromhex("efaa10550000aa55ffff0000") + bytes(4)
 
 AHB1, AHB2, APB1, APB2 = "AHB1", "AHB2", "APB1", "APB2"
 
@@ -69,6 +68,8 @@ class Settings:
     flash_stops: bool = True
     # Sectors that the option bytes protect against writing.
     protected: tuple = ()
+    # Level of their protection against reading.
+    read_protection: int = 0
     unique_id: bytes = UNIQUE_ID
 
 
@@ -94,7 +95,7 @@ class Chip:
     def _make_memories(self):
         self.flash_memory = memory.Region(memory.FLASH, self.model.flash_kb * 1024, 0xFF)
         self.ram = memory.Region(memory.RAM, memory.RAM_SIZE)
-        self.rom = memory.rom(self.model.flash_kb, self.settings.unique_id, OPTION_BYTES)
+        self.rom = memory.rom(self.model.flash_kb, self.settings.unique_id, option_bytes.in_memory(self.settings))
         self.rams = [self.ram]
         if self.model.has_ccm:
             self.rams.append(memory.Region(memory.CCM, memory.CCM_SIZE))
@@ -137,7 +138,7 @@ class Chip:
     # Image and start
 
     def load(self, path):
-        """Writes an image into flash, as a probe does; the rest of the flash stays as it was."""
+        """Writes an image into flash; the rest of the flash stays as it was."""
         with open(path, "rb") as file:
             for segment in ELFFile(file).iter_segments():
                 data, address = segment.data(), segment["p_paddr"]
@@ -147,10 +148,27 @@ class Chip:
                     if segment["p_flags"] & 1:
                         self.core.watch(data, address)
 
+    def probe(self, path):
+        """What a debug probe does, if the flash is not protected against it: it resets the chip, halts the processor before
+        its first instruction, writes an image, and leaves it at that.
+        """
+        if self.settings.read_protection:
+            self.tell("refused", whom="probe")
+            return
+        self._reset("software")
+        self.has_stopped = "probe"
+        self.code = []
+        self.load(path)
+        self.core.forget_code()
+        self.tell("probe")
+
     def download(self, path):
         """What the bootloader does with a DfuSe file: it erases the sectors that the file touches, writes, and leaves."""
         if self.has_stopped != "bootloader":
             raise Unmodelled("a download without the bootloader running")
+        if self.settings.read_protection:
+            self.tell("refused", whom="bootloader")
+            return
         with open(path, "rb") as file:
             parts = dfuse.elements(file.read())
         erased = self.flash.erase_for_bootloader(parts)
@@ -213,6 +231,8 @@ class Chip:
 
     def bootloader_runs(self):
         """The program jumped into the ROM, or an interrupt did."""
+        if self.settings.read_protection > 1:
+            raise Unmodelled("no manual says what a bootloader does that is entered at level 2 of read protection")
         self.has_stopped = "bootloader"
         self.tell("bootloader")
 

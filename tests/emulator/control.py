@@ -1,4 +1,4 @@
-"""What a test can do to a board, by name. Commands and replies are lines of JSON; docs/board-checks.md says what for."""
+"""What a test can do to a board, by name. Commands and replies are lines of JSON; docs/board-emulator.md says what for."""
 
 from clock import TICKS_PER_S, seconds, ticks
 from usart import BAUD
@@ -71,9 +71,9 @@ class Control:
         """The reset pin."""
         self._chip.request_reset("pin")
 
-    def load(self, image):
-        """Writes another image."""
-        self._chip.load(image)
+    def probe(self, image):
+        """A debug probe writes another image; the processor stands still until a reset."""
+        self._chip.probe(image)
 
     def leave(self):
         """The bootloader starts the program."""

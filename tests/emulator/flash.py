@@ -8,6 +8,7 @@ not interrupt either.
 import random
 
 import memory
+import option_bytes
 from clock import cancel, ticks
 from peripheral import Peripheral, Unmodelled
 
@@ -53,7 +54,7 @@ class Flash(Peripheral):
 
     NAME = "FLASH"
     REGISTERS = {0x00: "ACR", 0x04: "KEYR", 0x08: "OPTKEYR", 0x0C: "SR", 0x10: "CR", 0x14: "OPTCR"}
-    RESET = {"CR": LOCK, "OPTCR": 0x0FFF_AAED}
+    RESET = {"CR": LOCK}
     _end = _busy_with = None
 
     def __init__(self, chip):
@@ -65,6 +66,7 @@ class Flash(Peripheral):
         if self._busy_with:
             self._tear()
         super().reset()
+        self.values["OPTCR"] = option_bytes.register(self.chip.settings)
         self._key = 0
         self._written = []
         self._busy_with = None
@@ -100,6 +102,12 @@ class Flash(Peripheral):
                 self.values["CR"] &= ~LOCK
         else:
             raise Unmodelled("a wrong key locks the flash until the next reset (RM0090 3.6.1)")
+
+    def write_OPTKEYR(self, value):
+        raise Unmodelled("the firmware unlocks the option bytes")
+
+    def write_OPTCR(self, value):
+        raise Unmodelled("the firmware writes option bytes")
 
     def write_SR(self, value):
         self.values["SR"] &= ~(value & (EOP | ERRORS))

@@ -35,6 +35,8 @@ pub struct Chip {
     pub flash_beside: bool,
     /// Sectors that the option bytes protect against writing.
     pub protected: &'static [u32],
+    /// The level of protection against reading that the option bytes give: 0, 1 or 2.
+    pub read_protection: u8,
     /// The watchdog's oscillator: 17 000 to 47 000 Hz.
     pub lsi_hz: u32,
     /// The crystal, or the Nucleo's clock from outside, is there.
@@ -56,6 +58,7 @@ impl Chip {
             worst_flash: false,
             flash_beside: false,
             protected: &[],
+            read_protection: 0,
             lsi_hz: 32_000,
             crystal: true,
             left_by_bootloader: false,
@@ -97,6 +100,7 @@ impl Process {
         command.arg("-B").arg(&folder).arg(name(chip.board)).arg(image(chip.board)?);
         command.args(["--cpi", &chip.cpi.to_string(), "--lsi-hz", &chip.lsi_hz.to_string()]);
         command.args(["--seed", &chip.seed.to_string()]).args(more);
+        command.args(["--read-protection", &chip.read_protection.to_string()]);
         if !chip.protected.is_empty() {
             command.arg("--protect").args(chip.protected.iter().map(ToString::to_string));
         }
@@ -202,6 +206,12 @@ impl Emulated {
     #[track_caller]
     pub fn obey(&mut self, what: &str, arguments: Value) -> Value {
         self.try_to(what, arguments).unwrap_or_else(|reason| panic!("{what}: {reason}; {:?}", self.last_events()))
+    }
+
+    /// A command that the emulator has to end the run for; gives the reason.
+    #[track_caller]
+    pub fn ends_with(&mut self, what: &str, arguments: Value) -> String {
+        self.try_to(what, arguments).expect_err("the run goes on")
     }
 
     fn try_to(&mut self, what: &str, mut arguments: Value) -> Result<Value, String> {

@@ -9,6 +9,9 @@ use tests::image::Board;
 use tests::plant::Scenario;
 use tests::program::{PATIENT, path};
 
+/// Of both boards' processors.
+const CLOCK_HZ: u64 = 168_000_000;
+
 /// More friction than the paper's: swings end sooner, and the test waits for one.
 fn brisk() -> Scenario {
     let mut scenario = Scenario { rest_s: 1.5, lift_s: 0.7, hold_s: 1.0, ..Scenario::default() };
@@ -53,6 +56,24 @@ fn works_on(kind: Board) {
     };
     assert_eq!(number("/overruns"), 0);
     assert!(4 * number("/health/stack_used") <= 3 * number("/health/stack_size"), "{statistics}");
+    for stage in ["sample", "observer", "frame", "save"] {
+        let [n, worst] = ["count", "worst"].map(|what| number(&format!("/chip/{stage}/{what}")));
+        let mean = statistics["chip"][stage]["mean"].as_f64().unwrap();
+        // Even a whole save, without an erase, takes less than a tenth of a second.
+        assert!(n > 0 && mean > 10.0 && mean <= worst as f64 && worst < CLOCK_HZ / 10, "{stage}: {statistics}");
+    }
+    assert_eq!(number("/chip/clock_hz"), CLOCK_HZ);
+    let doctor = host(folder, &["doctor", "--port", port]);
+    println!("{doctor}");
+    for (what, words) in [
+        ("chip", &["on its crystal"][..]),
+        ("speed", &["cycles a sample"]),
+        ("cycles", &["a sample ", "the observer ", "a frame ", "a save ", ", at most "]),
+    ] {
+        let findings = doctor["findings"].as_array().unwrap();
+        let found = findings.iter().find(|finding| finding["what"] == what).map(|finding| finding["found"].to_string());
+        assert!(found.is_some_and(|found| words.iter().all(|word| found.contains(word))), "{what}: {doctor}");
+    }
     host(folder, &["restart", "--port", port]);
     host(folder, &["pull", "--port", port, "-o", "pulled.toml"]);
     let (fitted, pulled) = (rig(&folder.join("rig.toml")), rig(&folder.join("pulled.toml")));
@@ -86,6 +107,44 @@ fn the_feather_is_looked_at_fitted_restarted_and_compared() {
 #[test]
 fn the_nucleo_is_looked_at_fitted_restarted_and_compared() {
     works_on(Board::NucleoF446);
+}
+
+/// 84 MHz in 64 conversions of 6836 ticks each.
+const NEAREST_TO_192_HZ: f64 = 84e6 / (64.0 * 6836.0);
+
+#[test]
+fn a_recording_at_another_rate_has_the_one_that_the_board_makes_of_it() {
+    let scenario = brisk();
+    let board = Terminal::start(&Chip::of(Board::NucleoF446), scenario.clone()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let (folder, port) = (folder.path(), board.port());
+    host(folder, &["pull", "--port", port, "-o", "rig.toml"]);
+    let recorded = host(folder, &["record", "--port", port, "--rate", "192", "--limit", "8", "-o", "swing.csv"]);
+    println!("{recorded}");
+    let is_made = |rate_hz: f64| (rate_hz / NEAREST_TO_192_HZ - 1.0).abs() < 1e-7;
+    assert!(is_made(recorded["rate_hz"].as_f64().unwrap()), "{recorded}");
+
+    let swing = std::fs::read_to_string(folder.join("swing.csv")).unwrap();
+    let header = swing.lines().find_map(|line| line.strip_prefix("# rate_hz: ")).unwrap();
+    assert!(is_made(header.parse().unwrap()), "{header}");
+    let time_s = |row: &str| row.split_once(',').and_then(|(time, _)| time.parse::<f64>().ok());
+    let times_s: Vec<f64> = swing.lines().filter_map(time_s).collect();
+    let step_s = (times_s[times_s.len() - 1] - times_s[0]) / (times_s.len() - 1) as f64;
+    assert!((step_s * NEAREST_TO_192_HZ - 1.0).abs() < 1e-6, "{step_s} s");
+
+    let fit = host(folder, &["fit", "swing.csv", "--rig", "rig.toml", "-o", "fitted.toml"]);
+    let parameters = fit["parameters"].as_array().unwrap();
+    let inertia = parameters.iter().find(|parameter| parameter["symbol"] == "I").unwrap()["value"].as_f64().unwrap();
+    let truth = scenario.parameters.pendulum.inertia_kg_m2;
+    assert!((inertia / truth - 1.0).abs() < 1e-3, "{inertia} of {truth}");
+    // Afterwards the rig samples as before.
+    let usual = host(folder, &["record", "--port", port, "--limit", "3", "-o", "usual.csv"]);
+    assert_eq!(usual["rate_hz"], json!(1000.0));
+
+    for rate in ["49.9", "10001", "-192", "nan", "fast"] {
+        let port_and_rate = format!("record --port {port} --rate {rate} -o wrong.csv");
+        tests::program::host(folder, &port_and_rate).failed(2, &[rate, "expected 50 to 10000 samples a second"]);
+    }
 }
 
 /// Of an encoder with 1000 lines, mounted so that it counts the other way.

@@ -2,9 +2,9 @@
 #![cfg(unix)]
 
 use serde_json::json;
-use shared::wire::{Command as Order, ResetCause};
+use shared::wire::{Answer, Clock, Command as Order, ResetCause};
 use std::process::Command;
-use tests::emulator::{Chip, Emulated};
+use tests::emulator::{Chip, Emulated, stream};
 use tests::image::{Board, workspace};
 
 const BOARDS: [Board; 2] = [Board::FeatherF405, Board::NucleoF446];
@@ -19,13 +19,36 @@ fn the_emulator_counts_instructions_as_a_hook_on_each_does() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
+/// A place in RAM for instructions, far from stack and statics of both boards.
+const IN_RAM: u32 = 0x2001_8000;
+
+/// The first register of TIM6, which no board uses.
+const NO_MODEL: u32 = 0x4000_1000;
+
+/// What is not modelled has not been tested: it ends the run instead of reading as zero.
 #[test]
-fn prefetch_and_instruction_cache_are_on() {
+fn a_register_that_no_model_knows_ends_the_run_with_its_address() {
+    // ldr r0, [pc, #4]; ldr or str r1, [r0]; an endless loop; the address.
+    for (access, verb) in [("0168", "read"), ("0160", "wrote")] {
+        let mut board = Emulated::new(&Chip::of(Board::NucleoF446));
+        board.hello();
+        let address = NO_MODEL.to_le_bytes().map(|byte| format!("{byte:02x}")).concat();
+        board.obey("poke", json!({ "address": IN_RAM, "data": format!("0148{access}fee700bf{address}") }));
+        board.obey("jump", json!({ "address": IN_RAM }));
+        let reason = board.ends_with("run", json!({ "s": 0.1 }));
+        assert!(reason.contains(&format!("{verb} {NO_MODEL:#010x}")), "{reason}");
+    }
+}
+
+#[test]
+fn prefetch_and_caches_are_on() {
     for kind in BOARDS {
         let mut board = Emulated::new(&Chip::of(kind));
         board.hello();
         let last = board.events_of("flash").next_back().expect("the wait states are set").clone();
-        assert_eq!((&last["prefetch"], &last["instructions"]), (&json!(true), &json!(true)), "{kind:?}: {last}");
+        for what in ["prefetch", "instructions", "data"] {
+            assert_eq!(last[what], true, "{kind:?}: {last}");
+        }
     }
 }
 
@@ -52,10 +75,27 @@ fn it_goes_into_the_bootloader_and_comes_back() {
     assert_eq!(board.events_of("fault").count(), 0);
 }
 
+fn with_crystal() -> Emulated {
+    let mut board = Emulated::new(&Chip::of(Board::NucleoF446));
+    board.hello();
+    board
+}
+
 #[test]
 fn without_its_outside_clock_the_nucleo_runs_and_without_its_crystal_the_feather_blinks() {
     let mut nucleo = Emulated::new(&Chip { crystal: false, ..Chip::of(Board::NucleoF446) });
     nucleo.hello();
+    let clock = |board: &mut Emulated| match board.ask(Order::Chip) {
+        Answer::Chip(chip) => chip.clock,
+        other => panic!("asked for the chip, got {other:?}"),
+    };
+    assert_eq!(clock(&mut nucleo), Clock::Internal);
+    assert_eq!(clock(&mut with_crystal()), Clock::Crystal);
+    nucleo.stream(0);
+    nucleo.run(1.0);
+    let gaps = stream::check(&nucleo.frames, 1e-3).unwrap();
+    assert!(gaps.n_samples > 900 && gaps.n_missing == 0, "{gaps:?}");
+
     let mut feather = Emulated::new(&Chip { crystal: false, ..Chip::of(Board::FeatherF405) });
     feather.run(1.25);
     assert!(feather.events_of("watchdog").count() > 0, "the watchdog runs before the clocks");
@@ -100,14 +140,23 @@ fn a_stack_that_grows_into_its_guard_restarts_the_rig_which_says_so() {
     }
 }
 
+/// The watchdog's oscillator, and the period that 2000 · 64 of its cycles make: longer than the longest erase.
+const WATCHDOGS: [(u32, f64); 3] = [(17_000, 7.53), (32_000, 4.0), (47_000, 2.72)];
+
 #[test]
-fn a_program_that_stands_still_is_restarted_by_the_watchdog() {
-    let mut board = Emulated::new(&Chip { lsi_hz: 47_000, cpi: 4.0, ..Chip::of(Board::NucleoF446) });
-    board.hello();
-    // An endless loop in RAM with interrupts masked.
-    board.obey("poke", json!({ "address": 0x2001_8000_u32, "data": "72b6fee7" }));
-    board.obey("jump", json!({ "address": 0x2001_8000_u32 }));
-    board.run(5.0);
-    board.hello();
-    assert_eq!(board.statistics().health.cause, ResetCause::Watchdog);
+fn a_program_that_stands_still_is_restarted_by_the_watchdog_at_whichever_speed_its_oscillator_runs() {
+    for (lsi_hz, period_s) in WATCHDOGS {
+        // So slow that there is not much of the loop to emulate.
+        let mut board = Emulated::new(&Chip { lsi_hz, cpi: 20.0, ..Chip::of(Board::NucleoF446) });
+        board.hello();
+        // An endless loop with interrupts masked.
+        board.obey("poke", json!({ "address": IN_RAM, "data": "72b6fee7" }));
+        board.obey("jump", json!({ "address": IN_RAM }));
+        let began_s = board.now_s;
+        board.run(period_s + 0.5);
+        let took_s = board.events_of("reset").next_back().unwrap()["at_s"].as_f64().unwrap() - began_s;
+        assert!((period_s - 0.1..period_s + 0.1).contains(&took_s), "{lsi_hz} Hz: {took_s} s");
+        board.hello();
+        assert_eq!(board.statistics().health.cause, ResetCause::Watchdog);
+    }
 }

@@ -2,8 +2,10 @@
 //! with power lost in the middle.
 #![cfg(unix)]
 
+use firmware::ports::FULL_SCALE;
 use serde_json::json;
 use shared::parameters::Parameters;
+use shared::rig::Rig;
 use shared::wire::{Answer, Command, Refusal, StoreState};
 use std::collections::BTreeSet;
 use tests::chance::Chance;
@@ -52,6 +54,20 @@ fn kept(board: &mut Emulated) -> Parameters<f32> {
         Answer::Parameters(numbers) => numbers.into(),
         other => panic!("asked for parameters, got {other:?}"),
     }
+}
+
+/// What a rig with a store that holds nothing has.
+fn defaults() -> Parameters<f32> {
+    Rig::new("new", FULL_SCALE, Err(StoreState::Empty)).parameters().clone()
+}
+
+/// The rig has what was saved, or its defaults and says why.
+#[track_caller]
+fn has_what_it_says(board: &mut Emulated, saved: impl Fn(&Parameters<f32>) -> bool) -> StoreState {
+    let (state, now) = (board.statistics().health.store, kept(board));
+    let as_it_says = if state == StoreState::Loaded { saved(&now) } else { now == defaults() };
+    assert!(as_it_says, "{state:?}: {now:?}");
+    state
 }
 
 fn n_erases(board: &Emulated) -> usize {
@@ -113,9 +129,9 @@ fn the_first_save_over_another_firmwares_data_erases_one_sector_at_a_time() {
     let mut board = Emulated::new(&Chip::worst(Board::NucleoF446));
     fill_with_noise(&mut board, SECTORS[0], 3 * SECTOR, &mut Chance::new(5));
     cut_power(&mut board);
-    let at_start = board.statistics().health;
-    println!("store at start: {:?}", at_start.store);
-    assert_ne!(at_start.store, StoreState::Loaded);
+    let at_start = has_what_it_says(&mut board, |_| false);
+    println!("store at start: {at_start:?}");
+    assert_ne!(at_start, StoreState::Loaded);
     board.stream(0);
     board.run(0.1);
     let took_s = save(&mut board, 2.5e-3);
@@ -168,7 +184,7 @@ fn power_lost_in_the_middle_of_an_erase_leaves_a_board_that_starts_and_saves() {
         });
         board.run(chance.within(0.0..0.2));
         cut_power(&mut board);
-        let store = board.statistics().health.store;
+        let store = has_what_it_says(&mut board, |now| *now == defaults());
         println!("cut {i}: {store:?}");
         save(&mut board, 2e-3 + 1e-5 * i as f32);
         cut_power(&mut board);
@@ -185,11 +201,12 @@ fn a_corrupted_sector_is_survived_whichever_it_is() {
     board.hello();
     let mut chance = Chance::new(8);
     for (i, sector) in SECTORS.into_iter().enumerate() {
-        (0..5).for_each(|k| _ = save(&mut board, 2e-3 + 1e-5 * k as f32));
+        let saved = [0, 1, 2, 3, 4].map(|k| 2e-3 + 1e-5 * k as f32);
+        saved.into_iter().for_each(|inertia_kg_m2| _ = save(&mut board, inertia_kg_m2));
         fill_with_noise(&mut board, sector, SECTOR, &mut chance);
         cut_power(&mut board);
-        let health = board.statistics().health;
-        println!("sector {}: {:?}", i + 1, health.store);
+        let store = has_what_it_says(&mut board, |now| saved.into_iter().any(|inertia| *now == parameters(inertia)));
+        println!("sector {}: {store:?}", i + 1);
         assert_eq!(board.look("resets"), 0.0);
         save(&mut board, 2.6e-3);
         cut_power(&mut board);
@@ -220,6 +237,35 @@ fn protected_sectors_refuse_the_save_and_the_rig_goes_on() {
         let gaps = stream::check(&board.frames, 1e-3).unwrap();
         assert!(gaps.n_samples > 150, "{gaps:?}");
         assert_eq!(board.look("resets"), 0.0);
+    }
+}
+
+/// Option control register of the flash, and its byte that protects against reading (RM0090 3.9.10).
+const OPTION_CONTROL: u32 = 0x4002_3C14;
+const READ_PROTECTION: [u64; 3] = [0xaa, 0x55, 0xcc];
+
+/// It keeps probes and the bootloader out. The rig's own program is not to be hindered, and has to leave the option bytes
+/// alone: at level 2 nobody could ever change them back.
+#[test]
+fn protection_against_reading_hinders_neither_start_nor_save_nor_load() {
+    for kind in [Board::FeatherF405, Board::NucleoF446] {
+        for read_protection in [1, 2] {
+            let mut board = Emulated::new(&Chip { read_protection, ..Chip::of(kind) });
+            let register = board.obey("bus", json!({ "reads": [OPTION_CONTROL] }))["values"][0].as_u64().unwrap();
+            assert_eq!(register >> 8 & 0xff, READ_PROTECTION[usize::from(read_protection)]);
+            fill_with_noise(&mut board, SECTORS[0], 3 * SECTOR, &mut Chance::new(9));
+            cut_power(&mut board);
+            board.stream(0);
+            save(&mut board, 2.5e-3);
+            board.run(0.2);
+            let gaps = stream::check(&board.frames, 1e-3).unwrap();
+            assert_eq!(u64::from(board.statistics().paused), gaps.n_missing, "{gaps:?}");
+            assert!(n_erases(&board) > 0, "{kind:?}, level {read_protection}");
+            cut_power(&mut board);
+            assert_eq!(kept(&mut board), parameters(2.5e-3), "{kind:?}, level {read_protection}");
+            assert_eq!(board.statistics().health.store, StoreState::Loaded, "{kind:?}, level {read_protection}");
+            assert_eq!(board.look("resets"), 0.0, "{kind:?}, level {read_protection}");
+        }
     }
 }
 

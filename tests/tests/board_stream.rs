@@ -40,6 +40,20 @@ fn half_a_minute_of_samples_and_live_points_comes_whole() {
 }
 
 #[test]
+fn the_more_cycles_an_instruction_takes_the_busier_is_the_processor() {
+    let busy = [1.5, 2.0, 4.0].map(|cpi| {
+        let mut board = Emulated::new(&Chip { cpi, ..Chip::of(Board::NucleoF446) });
+        board.hello();
+        board.statistics();
+        board.stream(10);
+        board.run(2.0);
+        f64::from(board.statistics().health.cpu_permille) / cpi
+    });
+    println!("{busy:?} per mille busy at one cycle an instruction");
+    assert!(busy.iter().all(|share| (share / busy[1] - 1.0).abs() < 0.1), "{busy:?}");
+}
+
+#[test]
 fn the_feather_streams_ten_thousand_samples_a_second_without_a_loss() {
     let mut board = Emulated::new(&Chip::of(Board::FeatherF405));
     board.hello();

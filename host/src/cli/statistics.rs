@@ -112,7 +112,7 @@ fn cause(cause: ResetCause) -> &'static str {
 
 fn store(state: StoreState) -> &'static str {
     match state {
-        StoreState::Empty => "empty: defaults in use",
+        StoreState::Empty => "no model: defaults in use",
         StoreState::Loaded => "valid, in use",
         StoreState::OtherVersion => "of another version: defaults in use",
         StoreState::Damaged => "damaged: defaults in use",

@@ -15,6 +15,9 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(20);
 const LOOK_EVERY: Duration = Duration::from_millis(500);
 
+/// A chip that was told to leave its bootloader is gone from USB within so long.
+const LEAVES_WITHIN: Duration = Duration::from_secs(2);
+
 /// Bring a new firmware onto the rig; saved model and calibration stay.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
@@ -103,19 +106,37 @@ fn found(serial: Option<&str>) -> Result<Option<String>, Failure> {
 }
 
 fn carry_out(way: Way, image: &Image, serial: Option<&str>) -> Result<(), Failure> {
-    let arguments = way.arguments(&image.path, serial);
+    way.calls(&image.path, serial).iter().try_for_each(|arguments| call(way, arguments, serial))
+}
+
+fn call(way: Way, arguments: &[String], serial: Option<&str>) -> Result<(), Failure> {
     let line = format!("{} {}", way.tool(), arguments.join(" "));
     output::say(&line);
     // Its progress goes where ours does; our result stays alone on stdout.
-    let status = std::process::Command::new(way.tool()).args(&arguments).stdout(Stdio::null()).status();
+    let status = std::process::Command::new(way.tool()).args(arguments).stdout(Stdio::null()).status();
     let reason = match status {
-        // dfu-util does not hear back from a chip that has left its bootloader: what runs then tells.
-        Ok(_) if way == Way::Usb => return Ok(()),
         Ok(status) if status.success() => return Ok(()),
-        Ok(status) => format!("{} ended with {status}", way.tool()),
+        // dfu-util does not hear back from a chip that has left its bootloader: what runs then tells.
+        Ok(_) if way == Way::Usb && has_left(serial) => return Ok(()),
+        Ok(status) => format!("{} ended with {status}: the image is not on the chip", way.tool()),
         Err(error) => format!("could not start {}: {error}", way.tool()),
     };
-    Err(Failure::failed(reason).next(format!("look at what it said; by hand it is: {line}")))
+    Err(Failure::failed(reason).next(format!(
+        "look at what it said; a chip that is protected against reading takes no image, and without that protection \
+         it is empty; press reset to start what is on it. By hand it is: {line}"
+    )))
+}
+
+/// Is the bootloader gone, or soon gone?
+fn has_left(serial: Option<&str>) -> bool {
+    let end = Instant::now() + LEAVES_WITHIN;
+    loop {
+        let is_there = bootloaders().iter().any(|seen| serial.is_none_or(|own| seen == own));
+        if !is_there || Instant::now() > end {
+            return !is_there;
+        }
+        std::thread::sleep(LOOK_EVERY);
+    }
 }
 
 /// The rig, once it runs again.

@@ -46,8 +46,18 @@ pub(super) fn chip(chip: &Chip, rate_hz: f32) -> Vec<Finding> {
         );
         let too_slow = (share(mean) > 50.0).then_some("lower the sampling rate, or push a model with fewer effects");
         findings.push(Finding::of("speed", found, too_slow));
+        findings.push(Finding::ok("cycles", stages(chip)));
     }
     findings
+}
+
+/// Of each stage that has run.
+fn stages(chip: &Chip) -> String {
+    let all =
+        [("a sample", chip.sample), ("the observer", chip.observer), ("a frame", chip.frame), ("a save", chip.save)];
+    let measured = all.into_iter().filter(|(_, cycles)| cycles.count > 0);
+    let told = measured.map(|(what, cycles)| format!("{what} {:.0}, at most {}", cycles.mean, cycles.worst));
+    told.collect::<Vec<String>>().join("; ")
 }
 
 fn restarts(statistics: &Statistics) -> Finding {
@@ -80,7 +90,7 @@ fn store(state: StoreState) -> Finding {
     let push = "`host fit --port` finds a model for this rig, `host push` sends one that you have";
     match state {
         StoreState::Loaded => Finding::ok("flash", "holds a model and a calibration"),
-        StoreState::Empty => Finding::look("flash", "empty: the paper's pendulum is in use", push),
+        StoreState::Empty => Finding::look("flash", "holds no model: the paper's pendulum is in use", push),
         StoreState::OtherVersion => Finding::look("flash", "written by another firmware, not in use", push),
         StoreState::Damaged => Finding::look("flash", "damaged: the paper's pendulum is in use", push),
     }
