@@ -362,7 +362,14 @@ fn what_is_known_and_not_read_is_named_with_the_cure() {
     }
 }
 
-/// A spreadsheet keeps three digits from 6.33 s on: some rows are finer than the first lines that are looked at, others
+#[test]
+fn a_rate_that_is_told_stands_for_the_x_of_a_plot() {
+    let options = ReadOptions { rate_hz: Some(100.0), ..ReadOptions::default() };
+    let text = table("x y dx dy\n", |(t, a, _)| format!("{t:.2}\t{a:.5}\t0.02\t0.01"));
+    check(&text, &options, 1e-5, "0 (x) goes on evenly: left out where the rate is told, and 1 (y) as the angle");
+}
+
+/// A spreadsheet keeps three digits from 9.03 s on: some rows are finer than the first lines that are looked at, others
 /// coarser.
 #[test]
 fn times_whose_digits_become_coarser_among_the_first_rows_are_those_of_a_plot() {

@@ -89,13 +89,17 @@ impl Sources {
     ) -> Result<Self, Fault> {
         let asked = options.columns.clone().unwrap_or_default();
         let code = choose_code(table, &asked)?;
-        let axes = if options.rate_hz.or(header.rate_hz).is_none() { plotted_axes(table, &asked) } else { None };
+        let axes = plotted_axes(table, &asked);
         let (time, reading) = match axes {
             Some((x, y)) => {
                 let (x_name, y_name) = (table.column_name(x), table.column_name(y));
-                notes.push(format!("{x_name} goes on evenly: read as the time, and {y_name} as the angle"));
                 let unit = angle_unit_of(table, y).or(options.angle_unit);
-                (TimeSource::Column { idx: x, unit: None }, ReadingSource::Angle { idx: y, unit })
+                let (time, read) = match options.rate_hz.or(header.rate_hz) {
+                    Some(rate_hz) => (TimeSource::Rate(rate_hz), "left out where the rate is told"),
+                    None => (TimeSource::Column { idx: x, unit: None }, "read as the time"),
+                };
+                notes.push(format!("{x_name} goes on evenly: {read}, and {y_name} as the angle"));
+                (time, ReadingSource::Angle { idx: y, unit })
             }
             None => {
                 let reading = choose_reading(table, header, options, &asked, code);
