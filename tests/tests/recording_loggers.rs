@@ -223,6 +223,166 @@ fn of_names_alike_the_column_that_moves_is_the_angle() {
 }
 
 #[test]
+fn an_arm_that_is_held_and_a_run_that_was_never_made_are_no_rivals() {
+    let held = table("t,joint0_position,joint1_position\n", |(t, a, _)| format!("{t:.2},{:.5},{a:.5}", 0.3 + 2e-3 * a));
+    check_found(&held, 1e-5, "2 (joint1_position) taken as the angle, because 1 (joint0_position) hardly moves");
+    let other_unit = table("t,theta1 (rad),theta2 (deg)\n", |(t, a, _)| format!("{t:.2},{a:.5},{:.4}", 115.0 * a));
+    let refused = open(other_unit.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("several columns could be the angle"), "{refused}");
+    let empty = table("Run 1:Time(s),Run 1:Angle(rad),Run 2:Time(s),Run 2:Angle(rad)\n", |(t, a, _)| {
+        format!("{t:.2},{a:.5},,")
+    });
+    check_found(&empty, 1e-5, "");
+}
+
+#[test]
+fn x_and_y_are_read_where_the_angle_was_never_worked_out() {
+    let point = |(t, a, _): Row| format!("{t:.2},{:.4},{:.4},0.0", 640.0 + 300.0 * a.sin(), 100.0 + 300.0 * a.cos());
+    check_found(
+        &table("time,x,y,theta\n", point),
+        1e-4,
+        "3 (theta) does not move: x and y of the point are read instead",
+    );
+}
+
+#[test]
+fn settings_beside_the_columns_are_no_angle() {
+    let settings = ["Record Length,2000,,", "Sample Interval,0.01,,", "Source,CH1,,"];
+    let beside = |settings: &[&str]| -> String {
+        let rows = swing(RATE_HZ, 20).into_iter().enumerate();
+        rows.map(|(idx, (t, a, _))| format!("{}{t:.2},{a:.5},\n", settings.get(idx).unwrap_or(&",,,"))).collect()
+    };
+    check_found(&beside(&settings), 1e-5, "column 3 read as time");
+    let in_volts = beside(&[&settings[..], &["Vertical Units,V,,"]].concat());
+    let refused = open(in_volts.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("--columns t=3,theta=4:54.5deg") && refused.contains("--zero"), "{refused}");
+    check(&in_volts, &told("t=3,theta=4:57.29578deg"), 2e-5, "");
+}
+
+#[test]
+fn volts_counts_and_quaternions_are_refused_with_what_to_tell() {
+    let two = |(t, a, _): Row| format!("{t:.2},{:.4}", 1.65 + a);
+    for head in
+        ["Time(s),CH1(V)\n", "x-axis,1\nsecond,Volt\n", "Time,Channel A\n(s),(V)\n\n", "Source,CH1\nSecond,Volt\n"]
+    {
+        let refused = open(table(head, two).as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("t=0,theta=1:54.5deg") && refused.contains("--zero"), "{refused}");
+    }
+    let counts = table("micros,counts\n", |(t, a, _)| format!("{},{}", (1e6 * t).round(), (650.0 * a).round()));
+    let refused = open(counts.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("--columns t=0,theta=1:4096/turn"), "{refused}");
+    check(&counts, &told("t=0,theta=1:4084.07/turn"), 1e-3, "");
+    let turned = |(t, a, _): Row| format!("{t:.2},{:.5},{:.5},0,0", (a / 2.0).cos(), (a / 2.0).sin());
+    let refused = open(table("timestamp,qw,qx,qy,qz\n", turned).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("quaternion") && refused.contains("roll, pitch, yaw"), "{refused}");
+}
+
+#[test]
+fn a_name_that_says_nothing_is_the_angles_where_nothing_else_was_measured() {
+    let epoch = |t: f64| 1_700_000_000_000_000_000_u64 + (1e9 * t).round() as u64;
+    let topic = table("%time,field.data\n", |(t, a, _)| format!("{},{a:.5}", epoch(t)));
+    check_found(&topic, 1e-5, "1 (field.data) says nothing else and is read as the angle");
+    let database = |(t, a, _): Row| {
+        let day = "2026-03-01T";
+        format!(",,0,{day}09:00:00Z,{day}11:00:00Z,{day}10:00:{t:06.3}Z,{a:.5},angle,rig")
+    };
+    let head = ",result,table,_start,_stop,_time,_value,_field,_measurement\n";
+    check_found(&table(head, database), 1e-5, "6 (_value) says nothing else");
+    check_found(&table("tout,simout\n", |(t, a, _)| format!("{t:.2},{a:.5}")), 1e-5, "1 (simout) says nothing else");
+    let three = |(t, a, v): Row| format!("{t:.2},{a:.5},{v:.5}");
+    for head in ["t,data,value\n", "t,data,temperature\n"] {
+        let refused = open(table(head, three).as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("no angle column"), "{refused}");
+    }
+}
+
+#[test]
+fn omega_about_three_axes_is_a_gyroscopes() {
+    let text = table("time,wx,wy,wz\n", |(t, _, v)| format!("{t:.2},{:.5},{v:.5},0.001", 0.01 * v));
+    let phone = open(text.as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(phone.measured(), Measured::Rate);
+    assert!((phone.angles_rad()[25] - swing(RATE_HZ, 1)[25].2).abs() < 1e-5, "{:?}", phone.notes());
+}
+
+#[test]
+fn when_it_was_measured_is_the_time_and_not_when_it_arrived() {
+    let late = |t: f64| 3e-3 * (1.0 + (77.0 * t).sin());
+    let row = |(t, a, _): Row| format!("{:.6},{:.9},{a:.5}", 1.7e9 + t + late(t), 1.7e9 + t);
+    let text = table("__time,/joint_states/header/stamp,/joint_states/pendulum/position\n", row);
+    check_found(
+        &text,
+        1e-5,
+        "1 (/joint_states/header/stamp) taken as the time, when it was measured, and not 0 (__time)",
+    );
+    // Nobody filled it in.
+    let unset = table("%time,field.header.stamp,field.position\n", |(t, a, _)| format!("{:.6},0,{a:.5}", 1.7e9 + t));
+    check_found(&unset, 1e-5, "from 1970");
+}
+
+#[test]
+fn quotes_around_names_are_no_derivatives_and_brackets_around_clocks_fall_off() {
+    check_found(&table("/'Swing'/'Time',/'Swing'/'Angle'\n", |(t, a, _)| format!("{t:.2},{a:.5}")), 1e-5, "");
+    check_found(&table("", |(t, a, _)| format!("[2026-03-01 12:00:{t:06.3}] {a:.5}")), 1e-5, "");
+}
+
+#[test]
+fn rows_and_columns_of_json_are_found_however_they_lie() {
+    let rows = swing(RATE_HZ, 20);
+    let list = |row: &dyn Fn(&Row) -> String| rows.iter().map(row).collect::<Vec<_>>().join(", ");
+    let pairs = list(&|(t, a, _)| format!("[{t:.2}, {a:.5}]"));
+    let objects = list(&|(t, a, _)| format!("{{\"t\": {t:.2}, \"theta\": {a:.5}}}"));
+    let axes = list(&|(t, a, v)| format!("{{\"t\": {t:.2}, \"theta\": {a:.5}, \"acc\": [{v:.3}, 0.1, 9.8]}}"));
+    let (times, angles) = (list(&|row| format!("{:.2}", row.0)), list(&|row| format!("{:.5}", row.1)));
+    for (text, note) in [
+        (format!("[{pairs}]"), "column 0 read as time"),
+        (format!("[[\"t\", \"theta\"], {pairs}]"), ""),
+        (format!("[[{times}], [{angles}]]"), "column 0 read as time"),
+        (format!("{{\"rig\": \"a\", \"samples\": [{objects}]}}"), ""),
+        (format!("{{\"run\": {{\"time\": [{times}], \"angle\": [{angles}]}}, \"mass\": 0.1}}"), ""),
+        (format!("[{axes}]"), ""),
+        (axes.replace("}, {", "}\n{"), ""),
+    ] {
+        check_found(&text, 1e-5, note);
+    }
+}
+
+#[test]
+fn what_is_known_and_not_read_is_named_with_the_cure() {
+    let cases: [(&[u8], &str, &str); 6] = [
+        (b"\x80\x04\x95\x10", "pickle", "numpy.savetxt"),
+        (b"PAR1\x15\x04", "Parquet", "to_csv"),
+        (b"#ROSBAG V2.0\n\x00", "bag of ROS", "rostopic echo -p"),
+        (b"\x1f\x8b\x08\x00", "gzip", "unpack it first"),
+        (b"\x00\x00\x00\x20ftypisom", "video", "Tracker"),
+        (b"TDSm\x0e\x00", "TDMS", ".lvm"),
+    ];
+    for (bytes, what, cure) in cases {
+        let refused = open(&[bytes, &[0; 600]].concat(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains(what) && refused.contains(cure), "{refused}");
+    }
+}
+
+#[test]
+fn a_rate_that_is_told_stands_for_the_x_of_a_plot() {
+    let options = ReadOptions { rate_hz: Some(100.0), ..ReadOptions::default() };
+    let text = table("x y dx dy\n", |(t, a, _)| format!("{t:.2}\t{a:.5}\t0.02\t0.01"));
+    check(&text, &options, 1e-5, "0 (x) goes on evenly: left out where the rate is told, and 1 (y) as the angle");
+}
+
+/// A spreadsheet keeps three digits from 9.03 s on: some rows are finer than the first lines that are looked at, others
+/// coarser.
+#[test]
+fn times_whose_digits_become_coarser_among_the_first_rows_are_those_of_a_plot() {
+    let rows = swing(RATE_HZ, 40);
+    let text: String = rows.iter().map(|(t, a, _)| format!("{:.2e}\t{a:.5}\t0.02\t0.05\n", 9.03 + t)).collect();
+    let recording = open(format!("x y dx dy\n{text}").as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(recording.len(), rows.len());
+    let begin_s = recording.times_s()[0];
+    let off_s = recording.times_s().iter().zip(&rows).map(|(time_s, row)| (time_s - begin_s - row.0).abs());
+    assert!(off_s.fold(0.0, f64::max) < 1e-2, "{:?}", recording.notes());
+}
+
+#[test]
 fn bare_axes_are_rates_where_the_file_is_a_gyroscopes_and_no_point_where_it_is_not() {
     let epoch = |t: f64| 1_700_000_000_000_000_000_u64 + (1e9 * t).round() as u64;
     let row = |(t, _, v): Row| format!("{},{t:.2},{v:.5},{:.5},{:.5}", epoch(t), 0.01 * v, -0.02 * v);

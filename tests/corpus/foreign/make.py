@@ -200,6 +200,42 @@ def json_files():
     save("arrays.json", json.dumps(columns))
 
 
+def workbooks():
+    """A sheet of readings beside one of what the phone is, as apps export them; a column stays empty, a name is shared."""
+    cell = lambda place, number: f'<c r="{place}"><v>{number}</v></c>'
+    rows = "".join(
+        f'<row r="{k + 2}">{cell(f"A{k + 2}", f"{t:.3f}")}{cell(f"C{k + 2}", f"{math.degrees(a):.9E}")}</row>'
+        for k, (t, a, w) in enumerate(ROWS)
+    )
+    names = '<row r="1"><c r="A1" t="s"><v>0</v></c><c r="C1" t="inlineStr"><is><t>Tilt (deg)</t></is></c></row>'
+    sheet = lambda rows: f'<?xml version="1.0"?>\n<worksheet><sheetData>{rows}</sheetData></worksheet>'
+    about = '<row r="1"><c r="A1" t="str"><v>version</v></c><c r="B1"><v>1.2</v></c></row>'
+    files = [("Raw Data", sheet(names + rows)), ("Metadata Device", sheet(about))]
+    relation = lambda k: f'<Relationship Id="rId{k}" Target="worksheets/sheet{k}.xml"/>'
+    archive("workbook_tilt.xlsx", {
+        "[Content_Types].xml": "<Types/>",
+        "xl/workbook.xml": "<workbook><sheets>" + "".join(
+            f'<sheet name="{name}" sheetId="{k}" r:id="rId{k}"/>' for k, (name, _) in enumerate(files, 1)
+        ) + "</sheets></workbook>",
+        "xl/_rels/workbook.xml.rels": f"<Relationships>{relation(1)}{relation(2)}</Relationships>",
+        "xl/sharedStrings.xml": '<sst count="1"><si><t>Time (s)</t></si></sst>',
+        **{f"xl/worksheets/sheet{k}.xml": text for k, (_, text) in enumerate(files, 1)},
+    })
+
+
+def arrays():
+    """As numpy.save and numpy.savez write them."""
+    def array(columns, shape):
+        head = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}"
+        head = head.ljust(118 - 1) + "\n"
+        data = b"".join(struct.pack("<d", number) for row in zip(*columns) for number in row)
+        return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head.encode() + data
+
+    times, angles, n = [t for t, _, _ in ROWS], [a for _, a, _ in ROWS], len(ROWS)
+    (HERE / "matrix.npy").write_bytes(array([times, angles], f"({n}, 2)"))
+    archive("named.npz", {"t.npy": array([times], f"({n},)"), "theta.npy": array([angles], f"({n},)"), "g.npy": array([[9.81]], "()")})
+
+
 def clocks():
     begin = datetime.datetime(2026, 3, 1, 12, 0, 0, 250000)
     at = lambda t: begin + datetime.timedelta(seconds=t)
@@ -251,7 +287,7 @@ def angles():
 
 def main():
     table("truth.csv", "t,theta\n", lambda t, a, w: f"{t:.3f},{a:.9f}")
-    for make in [phyphox, tracker, labview, matlab, json_files, clocks, numbers, angles]:
+    for make in [phyphox, tracker, labview, matlab, json_files, workbooks, arrays, clocks, numbers, angles]:
         make()
 
 

@@ -89,13 +89,17 @@ impl Sources {
     ) -> Result<Self, Fault> {
         let asked = options.columns.clone().unwrap_or_default();
         let code = choose_code(table, &asked)?;
-        let axes = if options.rate_hz.or(header.rate_hz).is_none() { plotted_axes(table, &asked) } else { None };
+        let axes = plotted_axes(table, &asked);
         let (time, reading) = match axes {
             Some((x, y)) => {
                 let (x_name, y_name) = (table.column_name(x), table.column_name(y));
-                notes.push(format!("{x_name} goes on evenly: read as the time, and {y_name} as the angle"));
                 let unit = angle_unit_of(table, y).or(options.angle_unit);
-                (TimeSource::Column { idx: x, unit: None }, ReadingSource::Angle { idx: y, unit })
+                let (time, read) = match options.rate_hz.or(header.rate_hz) {
+                    Some(rate_hz) => (TimeSource::Rate(rate_hz), "left out where the rate is told"),
+                    None => (TimeSource::Column { idx: x, unit: None }, "read as the time"),
+                };
+                notes.push(format!("{x_name} goes on evenly: {read}, and {y_name} as the angle"));
+                (time, ReadingSource::Angle { idx: y, unit })
             }
             None => {
                 let reading = choose_reading(table, header, options, &asked, code);
@@ -105,6 +109,14 @@ impl Sources {
         };
         if let (ReadingSource::Angle { idx, .. }, None) = (&reading, &asked.angle) {
             note_rivals(table, "angle", *idx, as_angle, notes);
+            if table.n_columns > 1 && table.names.as_ref().is_some_and(|names| words::says_nothing(&names[*idx])) {
+                notes.push(format!("{} says nothing else and is read as the angle", table.column_name(*idx)));
+            }
+        }
+        if let (ReadingSource::Point { is_guess: false, .. }, None) = (&reading, &asked.x)
+            && let Some((idx, _)) = all_best(table, as_angle).first()
+        {
+            notes.push(format!("{} does not move: x and y of the point are read instead", table.column_name(*idx)));
         }
         let is_named = asked.time.is_none() && all_best(table, as_time).len() == 1;
         if let (TimeSource::Column { idx, .. } | TimeSource::Clock { idx }, true) = (&time, is_named) {
@@ -240,12 +252,18 @@ fn choose_reading(
             }
             _ => Err(no_angle(table)),
         },
-        (None, Err(fault @ (Fault::NoAngleColumn { .. } | Fault::OnlyAccelerations { .. }))) => {
-            match rate_columns(table) {
-                columns if columns.is_empty() => Err(fault),
-                columns => Ok(rates(table, options, columns, None)),
-            }
-        }
+        (
+            None,
+            Err(
+                fault @ (Fault::NoAngleColumn { .. }
+                | Fault::OnlyAccelerations { .. }
+                | Fault::OnlyRaw { .. }
+                | Fault::OnlyQuaternions { .. }),
+            ),
+        ) => match rate_columns(table) {
+            columns if columns.is_empty() => Err(fault),
+            columns => Ok(rates(table, options, columns, None)),
+        },
         (_, Ok(ReadingSource::Angle { idx, unit })) => {
             Ok(ReadingSource::Angle { idx, unit: options.angle_unit.or(unit) })
         }
@@ -264,13 +282,16 @@ fn rates(table: &Table, options: &ReadOptions, columns: Vec<usize>, told: Option
 }
 
 /// Columns that are named as angular velocities, without the size of all axes together, which has no sign; gx, gy and gz
-/// are such where ax, ay and az stand beside them.
+/// are such where ax, ay and az stand beside them, and wx, wy and wz together.
 fn rate_columns(table: &Table) -> Vec<usize> {
     let has = |wanted: &str| table.names.iter().flatten().any(|name| name.eq_ignore_ascii_case(wanted));
     let has_six_axes = ["ax", "ay", "az", "gx", "gy", "gz"].into_iter().all(has);
-    let is_axis = |name: &str| ["gx", "gy", "gz"].iter().any(|axis| name.eq_ignore_ascii_case(axis));
+    let has_omega = ["wx", "wy", "wz"].into_iter().all(has);
+    let is_one_of = |axes: [&str; 3], name: &str| axes.iter().any(|axis| name.eq_ignore_ascii_case(axis));
     let is_rate = |name: &String| {
-        (matches!(meaning(name), Meaning::Rate { .. }) && !is_size(name)) || (has_six_axes && is_axis(name))
+        (matches!(meaning(name), Meaning::Rate { .. }) && !is_size(name))
+            || (has_six_axes && is_one_of(["gx", "gy", "gz"], name))
+            || (has_omega && is_one_of(["wx", "wy", "wz"], name))
     };
     table
         .names
@@ -314,19 +335,46 @@ fn choose_angle(
     let time_idx = time_idx.or((0..table.n_columns).find(is_clock)).or(first);
     let is_free = |idx: &usize| Some(*idx) != time_idx && Some(*idx) != code_idx;
     let is_number = |idx: &usize| fields.get(*idx).is_some_and(|field| Numerals::new().read(field) != Cell::Text);
-    let mut unnamed = (0..table.n_columns).filter(|idx| is_free(idx) && is_number(idx));
+    let mut unnamed = (0..table.n_columns).filter(|idx| is_free(idx) && is_number(idx) && table.is_of_numbers(*idx));
     let (unnamed, next) = (unnamed.next(), unnamed.next());
+    let moves = |idx: usize| table.first_numbers(idx).windows(2).any(|pair| pair[0] != pair[1]);
+    let stands = |idx: usize| table.first_numbers(idx).len() >= MIN_SAMPLES && !moves(idx);
     match (named.first(), the_one(table, Meaning::X), the_one(table, Meaning::Y), unnamed) {
+        // A program that was to work it out from the point, and did not.
+        (Some(&(idx, _)), Some(x), Some(y), _) if stands(idx) && moves(x) && moves(y) => {
+            Ok(ReadingSource::Point { x, y, is_guess: false })
+        }
         (Some(&(idx, _)), ..) => Ok(ReadingSource::Angle { idx, unit: angle_unit_of(table, idx) }),
         (None, Some(x), Some(y), _) => Ok(ReadingSource::Point { x, y, is_guess: false }),
         (None, ..) if code_idx.is_some() => Ok(ReadingSource::Codes),
+        // An oscilloscope's settings beside the columns say so.
+        (None, _, _, Some(idx)) if table.names.is_none() && table.says_volts() => {
+            Err(Fault::OnlyRaw { available: table.available(), example: example(table, "angle", &[idx], None) })
+        }
         (None, _, _, Some(idx)) if table.names.is_none() || table.n_columns == 1 => {
             let y = next.filter(|y| table.names.is_none() && lie_on_circle(table, idx, *y));
             let unit = angle_unit_of(table, idx);
             Ok(y.map_or(ReadingSource::Angle { idx, unit }, |y| ReadingSource::Point { x: idx, y, is_guess: true }))
         }
-        _ => Err(no_angle(table)),
+        _ => match mute_column(table) {
+            Some(idx) => Ok(ReadingSource::Angle { idx, unit: angle_unit_of(table, idx) }),
+            None => Err(no_angle(table)),
+        },
     }
+}
+
+/// The only column of numbers whose name says nothing (`data`, `value`), where nothing else was measured.
+fn mute_column(table: &Table) -> Option<usize> {
+    let names = table.names.as_ref().filter(|_| rate_columns(table).is_empty())?;
+    let is_mute = |(idx, name): &(usize, &String)| words::says_nothing(name) && table.is_of_numbers(*idx);
+    let mut mute = names.iter().enumerate().filter(is_mute);
+    let (idx, _) = mute.next().filter(|_| mute.next().is_none())?;
+    let is_other = |other: usize| {
+        let is_time = matches!(meaning(&names[other]), Meaning::Time { .. });
+        let moves = table.first_numbers(other).windows(2).any(|pair| pair[0] != pair[1]);
+        other != idx && !is_time && moves && table.is_of_numbers(other)
+    };
+    (!(0..names.len()).any(is_other)).then_some(idx)
 }
 
 /// Are two columns x and y of a point that swings? Angle and rate of a slow pendulum may lie on a circle too, but they go

@@ -149,6 +149,27 @@ pub enum Fault {
         /// Names or count of what there is.
         available: String,
     },
+    /// Nothing but volts or counts.
+    #[error(
+        "no angle column among {available}, but volts or counts, which are angles once it is told what one is worth: \
+         --columns {example}:54.5deg (a volt is 54.5°) or --columns {example}:4096/turn (4096 counts a turn), and with \
+         --zero what stands there while the pendulum hangs. If another column is the angle, name it with --columns theta=..."
+    )]
+    OnlyRaw {
+        /// Names or count of what there is.
+        available: String,
+        /// What could be told of this file.
+        example: String,
+    },
+    /// Nothing but an orientation as a quaternion.
+    #[error(
+        "no angle column among {available}, but an orientation as a quaternion, which is not read; log its angles (roll, \
+         pitch, yaw) or the gyroscope too. If another column is the angle, name it with --columns theta=..."
+    )]
+    OnlyQuaternions {
+        /// Names or count of what there is.
+        available: String,
+    },
     /// x, y and z that are no point's.
     #[error(
         "x, y and z are no point that swings; if they are the axes of a gyroscope, name the one that moves, --columns \

@@ -39,6 +39,11 @@ const LONGEST: f64 = 0.25;
 /// of 8 samples at 1.2 rad/s, seen by an encoder of 14,400 lines, is counted wrongly now and then.
 const LARGE: isize = 4;
 
+/// Beside a clock's step the pendulum moves as fast on the one side as on the other, to this share: at a turning point a
+/// sensor with play stands still for some samples, as if they stood there twice. With half of it some of those would pass;
+/// twice of it leaves what is lost up to a twelfth of a half swing from the turn.
+const STEADY: f64 = 0.25;
+
 /// What a clock lost (positive) or counted twice (negative) between two samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Slip {
@@ -92,6 +97,7 @@ fn slips(times_s: &[f64], readings: &[f64], step_s: f64) -> Vec<Slip> {
     let is_even = |start: usize| times_s[start..start + window.length()].windows(2).all(|pair| is_one(pair, step_s));
     (0..steps.len())
         .filter(|start| sureness[*start].abs() > SURE && is_highest(&sureness, *start) && is_even(*start))
+        .filter(|start| window.is_steady(&readings[*start..*start + window.length()]))
         .filter_map(|start| {
             let slip = window.slip(readings, start, steps[start], quiet, most)?;
             let is_large = slip.n_samples.abs() >= LARGE;
@@ -181,6 +187,15 @@ impl Window {
 
     fn step(&self, part: &[f64]) -> f64 {
         self.samples(part).zip(self.for_step.iter()).map(|(reading, weight)| reading * weight).sum()
+    }
+
+    /// Does it go on the same way on both sides?
+    fn is_steady(&self, part: &[f64]) -> bool {
+        let half = self.beside / 2;
+        let mean = |readings: &[f64]| readings.iter().sum::<f64>() / readings.len() as f64;
+        let moved = |side: &[f64]| mean(&side[side.len() - half..]) - mean(&side[..half]);
+        let (before, after) = (moved(&part[..self.beside]), moved(&part[self.beside + 2 * SKIPPED..]));
+        before * after > 0.0 && before.abs().min(after.abs()) > STEADY * before.abs().max(after.abs())
     }
 
     /// What scatters about a cubic with such a step (rms).
@@ -297,6 +312,24 @@ mod tests {
         let (mut times_s, mut notes) = (nominal(readings.len()), Vec::new());
         set_right(&mut times_s, &mut readings, &mut notes);
         assert_eq!((times_s.len(), readings.len(), notes.len()), (12_316, 12_316, 0), "{notes:?}");
+    }
+
+    /// A magnetic encoder waits for some counts before it turns with the shaft.
+    #[test]
+    fn play_that_shows_where_it_turns_is_no_clock() {
+        for play in [1e-3, 2e-3, 4e-3] {
+            let mut held = 1.0;
+            let mut with_play = |tick: u32| {
+                let time_s = f64::from(tick) * STEP_S;
+                let angle = (-time_s / 50.0).exp() * (5.2 * time_s).cos();
+                held = f64::clamp(held, angle - play / 2.0, angle + play / 2.0);
+                (held * 1e5).round() / 1e5
+            };
+            let mut readings: Vec<f64> = (0..20_000).map(&mut with_play).collect();
+            let (mut times_s, mut notes) = (nominal(readings.len()), Vec::new());
+            set_right(&mut times_s, &mut readings, &mut notes);
+            assert_eq!((times_s.len(), notes.len()), (20_000, 0), "{play} {notes:?}");
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Lines of serial monitors and plotters: clock times before an arrow, labels before the numbers, brackets around a row.
 //!
-//! `12:34:05.120 -> 120,57.3`, `t:120 angle:57.3`, `Time: 120 ms, Angle: 57.3 deg`, `(0.12, 57.3)`. Each line becomes the
-//! row that somebody could have printed without them; the labels become the names of the columns.
+//! `12:34:05.120 -> 120,57.3`, `[12:34:05.120] 57.3`, `t:120 angle:57.3`, `Time: 120 ms, Angle: 57.3 deg`, `(0.12, 57.3)`.
+//! Each line becomes the row that somebody could have printed without them; the labels become the names of the columns.
 
 use super::clock;
 use super::words::is_unit;
@@ -61,9 +61,10 @@ impl Dress {
     }
 }
 
-/// The clock time before ` -> `, and what stands behind.
+/// The clock time before ` -> ` or in brackets, and what stands behind.
 fn behind_arrow(line: &str) -> Option<(&str, &str)> {
-    let (time, rest) = line.split_once("->")?;
+    let in_brackets = || line.trim_start().strip_prefix('[')?.split_once(']');
+    let (time, rest) = line.split_once("->").or_else(in_brackets)?;
     clock::read(time.trim()).map(|_| (time.trim(), rest.trim()))
 }
 
@@ -72,10 +73,10 @@ fn n_words_with_digits(text: &str) -> usize {
     words.filter(|word| word.bytes().any(|byte| byte.is_ascii_digit())).count()
 }
 
-/// `(0.1, 0.2)` and `[0.1, 0.2]`, as a program prints several values at once.
+/// `(0.1, 0.2)` and `[0.1, 0.2]`, as a program prints several values at once; `(ms),(V)` are two pairs.
 fn between_brackets(line: &str) -> Option<&str> {
     let line = line.trim().trim_end_matches(',');
-    let inside = |open, close| line.strip_prefix(open)?.strip_suffix(close);
+    let inside = |open, close| line.strip_prefix(open)?.strip_suffix(close).filter(|row| !row.contains([open, close]));
     inside('(', ')').or_else(|| inside('[', ']'))
 }
 
@@ -167,6 +168,12 @@ mod tests {
             None,
             &[Some("12:34:05.120\t57.3"), Some("12:34:05.130\t57.2")],
         );
+        check(
+            &["[2026-03-01 12:34:05.120] 57.3", "[2026-03-01 12:34:05.130] 57.2"],
+            None,
+            &[Some("2026-03-01 12:34:05.120\t57.3"), Some("2026-03-01 12:34:05.130\t57.2")],
+        );
+        check(&["(ms),(V)", "0.1,1.5"], None, &[None, None]);
         check(&["12:34:05.120 -> angle:7"], Some(&["clock", "angle"]), &[Some("12:34:05.120\t7")]);
     }
 

@@ -183,6 +183,30 @@ impl<'a> Table<'a> {
         self.held.iter().map_while(&mut number).collect()
     }
 
+    /// Does anything stand in a column in the first rows, before any row was read?
+    pub(super) fn is_filled(&self, idx: usize) -> bool {
+        self.first_cells(idx).any(|cell| !is_missing(cell))
+    }
+
+    /// Are half of its cells in the first rows numbers? Settings beside a table are fewer.
+    pub(super) fn is_of_numbers(&self, idx: usize) -> bool {
+        let mut numerals = self.numerals.clone();
+        let n_numbers = self.first_cells(idx).filter(|cell| matches!(numerals.read(cell), Cell::Number(_))).count();
+        2 * n_numbers >= self.first_cells(0).count()
+    }
+
+    /// Is a cell among the first rows nothing but the unit of a voltage?
+    pub(super) fn says_volts(&self) -> bool {
+        let is_volt = |cell: &str| matches!(cell, "V" | "mV" | "Volt" | "Volts");
+        (0..self.n_columns).any(|idx| self.first_cells(idx).any(is_volt))
+    }
+
+    /// One cell for each of the first rows; empty where the row is shorter.
+    fn first_cells(&self, idx: usize) -> impl Iterator<Item = &str> {
+        let rows = self.held.iter().filter(|line| !line.text.trim().is_empty() && !is_comment(&line.text));
+        rows.map(move |line| split(&line.text, self.separator).get(idx).copied().unwrap_or_default())
+    }
+
     /// What a message calls column `idx`.
     pub(super) fn column_name(&self, idx: usize) -> String {
         match self.names.as_ref().and_then(|names| names.get(idx)) {

@@ -111,6 +111,17 @@ pub(super) fn is_even(times: &[f64]) -> bool {
     tick > 0.0 && inner.windows(2).all(is_tick) && sizes().max() <= sizes().min().map(|least| least + 2)
 }
 
+/// Does it never fall, and lie on a straight line to its longest step? So do times of few digits, the later ones coarser
+/// than the rows; a point that swings lies far off one, however slowly.
+pub(super) fn is_straight(times: &[f64]) -> bool {
+    let (Some(first), Some(last)) = (times.first(), times.last()) else { return false };
+    let steps = || times.windows(2).map(|pair| pair[1] - pair[0]);
+    let longest = steps().fold(0.0, f64::max);
+    let per_row = (last - first) / (times.len() - 1).max(1) as f64;
+    let is_near = |(row, time): (usize, &f64)| (time - first - per_row * row as f64).abs() <= longest;
+    longest > 0.0 && steps().all(|step| step >= 0.0) && times.iter().enumerate().all(is_near)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,7 +10,7 @@ use super::columns::{AngleUnit, RateUnit, TimeUnit};
 use super::units::rate_word;
 pub(super) use super::units::{angle_unit, rate_unit, time_unit};
 use sensors::TURNS_OF_BODY;
-pub(super) use sensors::{is_acceleration, is_duration, is_gyroscope, is_turn_of_body};
+pub(super) use sensors::{is_acceleration, is_duration, is_gyroscope, is_quaternion, is_raw, is_turn_of_body};
 
 /// What a column name says about its content.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -138,6 +138,7 @@ const TIME: &[&str] = &[
     "tempo",
     "ora",
     "ts",
+    "tout",
     "tijd",
     "tid",
     "aika",
@@ -255,6 +256,11 @@ pub(super) fn meaning(name: &str) -> Meaning {
     }
     let is_angle =
         angle.is_some() || words.iter().any(|word| ANGLE.contains(&word.as_str()) && !word.starts_with("pos"));
+    // The axis along which a plot or a screen counts seconds.
+    let is_short = matches!(time, Some(unit) if unit != TimeUnit::Minutes && unit != TimeUnit::Days);
+    if is_short && has(&["x"]) && !has(&["y"]) && !has(OTHER_UNITS) && !is_angle {
+        return Meaning::Time { unit: time, strength: NAMES_A_UNIT };
+    }
     match (has(&["x"]), has(&["y"])) {
         (true, false) if !is_angle => return Meaning::X,
         (false, true) if !is_angle => return Meaning::Y,
@@ -286,9 +292,13 @@ fn is_derivative(word: &str) -> bool {
         || word.ends_with("velocity")
 }
 
-/// `θ'`, `dθ/dt`, `θ̇`.
+/// `θ'`, `dθ/dt`, `θ̇`, and not `'Group'/'Angle'`, whose quotes open before a word.
 fn has_derivative_sign(name: &str) -> bool {
-    name.contains("/dt") || name.trim_end().ends_with('\'') || name.contains('\u{307}') || name.contains('\u{308}')
+    let is_quoted = name.split('\'').skip(1).any(|behind| behind.starts_with(char::is_alphabetic));
+    name.contains("/dt")
+        || (name.trim_end().ends_with('\'') && !is_quoted)
+        || name.contains('\u{307}')
+        || name.contains('\u{308}')
 }
 
 /// Whether a cell is nothing but a unit, as in a second header line.
@@ -317,6 +327,18 @@ pub(super) fn says_nothing_else(name: &str) -> bool {
     words(name).iter().filter(says).count() <= 1
 }
 
+/// `data`, `value`, `simout`: no word says what was measured.
+pub(super) fn says_nothing(name: &str) -> bool {
+    let words = words(name);
+    !words.is_empty() && words.iter().all(|word| MUTE.contains(&word.as_str()))
+}
+
+/// When a message was made, as against when it arrived: `header.stamp`.
+pub(super) fn is_stamp(name: &str) -> bool {
+    let words = words(name);
+    ["header", "stamp"].iter().all(|wanted| words.iter().any(|word| word == wanted))
+}
+
 /// Does a name say that it is the pendulum's? `PendPos`, `pendulum_angle`, `Pendelwinkel`.
 pub(super) fn is_of_pendulum(name: &str) -> bool {
     words(name)
@@ -328,6 +350,26 @@ pub(super) fn is_of_pendulum(name: &str) -> bool {
 pub(super) fn is_of_carrier(name: &str) -> bool {
     words(name).iter().any(|word| CARRIER.contains(&word.as_str()))
 }
+
+/// Words that tell nothing of a quantity.
+const MUTE: &[&str] = &[
+    "data",
+    "field",
+    "measurement",
+    "messwert",
+    "output",
+    "reading",
+    "sensor",
+    "signal",
+    "simout",
+    "untitled",
+    "valeur",
+    "valor",
+    "valore",
+    "value",
+    "wert",
+    "yout",
+];
 
 /// Words of a pendulum on a cart or an arm.
 const PENDULUM: &[&str] = &["pole", "bob", "stange"];

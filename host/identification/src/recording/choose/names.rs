@@ -4,7 +4,8 @@ use super::super::columns::ColumnRef;
 use super::super::error::Fault;
 use super::super::table::Table;
 use super::super::words::{
-    Meaning, is_acceleration, is_duration, is_of_carrier, is_of_pendulum, meaning, says_nothing_else,
+    Meaning, is_acceleration, is_duration, is_of_carrier, is_of_pendulum, is_quaternion, is_raw, meaning,
+    says_nothing_else,
 };
 use super::time::rises_evenly;
 use super::unnamed_time;
@@ -25,13 +26,17 @@ pub(super) fn bare_axes(table: &Table) -> Option<Vec<usize>> {
     ["x", "y", "z"].into_iter().map(place).collect()
 }
 
-/// No column can be the angle; of accelerations and periods it is said why they can't.
+/// No column can be the angle; of accelerations and periods it is said why they can't, and of volts and counts how they
+/// can.
 pub(super) fn no_angle(table: &Table) -> Fault {
     let available = table.available();
-    let has = |is_it: fn(&str) -> bool| table.names.iter().flatten().any(|name| is_it(name));
-    match (has(is_acceleration), has(is_duration)) {
-        (true, _) => Fault::OnlyAccelerations { available },
-        (_, true) => Fault::OnlyDurations { available },
+    let first = |is_it: fn(&str) -> bool| table.names.iter().flatten().position(|name| is_it(name));
+    let raw = first(is_raw).filter(|idx| table.is_of_numbers(*idx));
+    match (first(is_acceleration), first(is_duration), raw, first(is_quaternion)) {
+        (Some(_), ..) => Fault::OnlyAccelerations { available },
+        (_, Some(_), ..) => Fault::OnlyDurations { available },
+        (.., Some(idx), _) => Fault::OnlyRaw { available, example: example(table, "angle", &[idx], None) },
+        (.., Some(_)) => Fault::OnlyQuaternions { available },
         _ => Fault::NoAngleColumn { available },
     }
 }
@@ -52,7 +57,12 @@ pub(super) fn all_best<U: Copy>(
     let is_free = |idx: usize| !is_of_carrier(&names[idx]);
     let is_any = |is_it: &dyn Fn(usize) -> bool| all().any(|(idx, _)| is_it(idx));
     let (names_pendulum, names_free) = (is_any(&is_pendulums), is_any(&is_free));
-    let may_be = |idx: usize| if names_pendulum { is_pendulums(idx) } else { is_free(idx) || !names_free };
+    // Programs keep the columns of a second run that was never made.
+    let is_there = |idx: usize| table.is_filled(idx);
+    let any_is_there = is_any(&is_there);
+    let may_be = |idx: usize| {
+        (is_there(idx) || !any_is_there) && if names_pendulum { is_pendulums(idx) } else { is_free(idx) || !names_free }
+    };
     let fitting = || all().filter(|(idx, _)| may_be(*idx));
     let strongest = fitting().map(|(_, (_, strength))| strength).max();
     let strongest = fitting().filter(|(_, (_, strength))| Some(*strength) == strongest);

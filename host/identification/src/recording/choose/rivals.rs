@@ -13,6 +13,11 @@ use super::{ReadingSource, Sources, angle_unit_of};
 /// covers no more than that. A pendulum moves so far in half a period, which has more samples than two.
 const WRAP: f64 = 0.5;
 
+/// What covers less than this share of the liveliest column hardly moves: the arm of a rotary pendulum that its motor holds
+/// moves by 0.1 to 0.25 % of what the pendulum does. With half of it the softer one would be asked for; with twice of it what
+/// shows a hundredth of a swing would be at rest.
+const HARDLY: f64 = 0.005;
+
 impl Sources {
     /// Decides between rivals by all of their rows, and leaves the readings of the one that is the angle.
     pub(in crate::recording) fn settled(
@@ -24,15 +29,22 @@ impl Sources {
     ) -> Result<Self, Fault> {
         let ReadingSource::Rivals { columns } = &self.reading else { return Ok(self) };
         let movements: Vec<f64> = samples.readings.iter().map(|readings| movement(readings)).collect();
-        let is_still = |place: &usize| samples.readings[*place].windows(2).all(|pair| pair[0] == pair[1]);
-        let still: Vec<usize> = (0..columns.len()).filter(is_still).map(|place| columns[place]).collect();
+        let ranges: Vec<f64> = samples.readings.iter().map(|readings| range(readings)).collect();
+        let widest = ranges.iter().fold(0.0_f64, |widest, range| widest.max(*range));
+        let units: Vec<_> = columns.iter().map(|idx| angle_unit_of(table, *idx)).collect();
+        let are_alike = units.windows(2).all(|pair| pair[0] == pair[1]);
+        let is_still = |place: &usize| ranges[*place] == 0.0 || (are_alike && ranges[*place] < HARDLY * widest);
+        let places: Vec<usize> = (0..columns.len()).filter(is_still).collect();
+        let still: Vec<usize> = places.iter().map(|place| columns[*place]).collect();
         let liveliest = (0..columns.len()).max_by(|a, b| movements[*a].total_cmp(&movements[*b])).unwrap_or(0);
         let idx = columns[liveliest];
         let names = table.names.as_deref().unwrap_or_default();
         let are_turns = columns.iter().all(|idx| names.get(*idx).is_some_and(|name| is_turn_of_body(name)));
         let taken = table.column_name(idx);
         if still.len() + 1 == columns.len() {
-            notes.push(format!("{taken} taken as the angle, because {} never moves", listed(table, &still)));
+            let never = if places.iter().all(|place| ranges[*place] == 0.0) { "never" } else { "hardly" };
+            let moves = if still.len() == 1 { "moves" } else { "move" };
+            notes.push(format!("{taken} taken as the angle, because {} {never} {moves}", listed(table, &still)));
         } else if are_turns {
             notes.push(format!("of {} angles of the sensor {taken} moves most and is taken", columns.len()));
         } else {
@@ -54,7 +66,12 @@ impl Sources {
 
 /// How far a column goes in all, up and down; one that drifts goes far, but only once.
 fn movement(readings: &[f64]) -> f64 {
+    let widest = WRAP * range(readings);
+    readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step <= widest).sum()
+}
+
+/// From the smallest to the largest of its numbers; 0 where there are none.
+fn range(readings: &[f64]) -> f64 {
     let (low, high) = readings.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
-    let steps = readings.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    steps.filter(|step| *step <= WRAP * (high - low)).sum()
+    (high - low).max(0.0)
 }

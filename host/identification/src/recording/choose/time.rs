@@ -174,7 +174,7 @@ pub(super) fn plotted_axes(table: &Table, asked: &Columns) -> Option<(usize, usi
     }
     let axes = the_one(table, Meaning::X).zip(the_one(table, Meaning::Y))?;
     let x = table.first_numbers(axes.0);
-    (x.len() > MIN_SAMPLES && (rises_evenly(&x) || ticks::is_even(&x))).then_some(axes)
+    (x.len() > MIN_SAMPLES && (rises_evenly(&x) || ticks::is_even(&x) || ticks::is_straight(&x))).then_some(axes)
 }
 
 /// The column of time where none has a name: the first one, unless another one is more of a clock.
@@ -234,11 +234,21 @@ pub(super) fn as_time(meaning: Meaning) -> Option<(Option<TimeUnit>, u8)> {
 
 fn named_time(table: &Table, angle_idx: Option<usize>, notes: &mut Vec<String>) -> Result<NamedTime, Fault> {
     let all = all_best(table, as_time);
+    let names = table.names.as_deref().unwrap_or_default();
+    let made = names.iter().position(|name| words::is_stamp(name));
+    if let Some(idx) = made.filter(|idx| rises_evenly(&table.first_numbers(*idx))) {
+        let others = all.iter().filter(|(other, _)| *other != idx).map(|(other, _)| table.column_name(*other));
+        let others = others.collect::<Vec<_>>().join(", ");
+        if !others.is_empty() {
+            let made = table.column_name(idx);
+            notes.push(format!("{made} taken as the time, when it was measured, and not {others}, when it arrived"));
+        }
+        return Ok(Some((idx, unit_in_name(table, idx))));
+    }
     if all.len() < 2 {
         return Ok(all.first().copied());
     }
     let columns: Vec<usize> = all.iter().map(|(idx, _)| *idx).collect();
-    let names = table.names.as_deref().unwrap_or_default();
     let before = angle_idx.and_then(|idx| names[..idx].iter().rposition(|name| as_time(meaning(name)).is_some()));
     if let Some((idx, angle_idx)) = before.zip(angle_idx) {
         let (name, angle) = (table.column_name(idx), table.column_name(angle_idx));

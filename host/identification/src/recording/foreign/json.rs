@@ -1,4 +1,5 @@
-//! JSON: an object a line (`{"t": 0.01, "theta": 0.5}`), an array of such objects, or one object of arrays.
+//! JSON: an object a line (`{"t": 0.01, "theta": 0.5}`), an array of such objects or of arrays (`[[0.01, 0.5], …]`), or one
+//! object of arrays, however deep it lies.
 
 use super::{refused, text_of};
 use crate::recording::error::Fault;
@@ -19,15 +20,11 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
             Err(error) => return Err(refused(what, &format!("{error}; {expected}"))),
         };
         match value {
-            Value::Object(object) if object.values().any(Value::is_array) => {
-                for (name, value) in object {
-                    if let Value::Array(cells) = value {
-                        names.push(name);
-                        columns.push(cells.iter().map(number).collect());
-                    }
-                }
+            Value::Object(object) if is_of_arrays(&object, DEEPEST) => {
+                add_arrays("", &object, &mut names, &mut columns, DEEPEST);
             }
             Value::Object(object) => take(&object, &mut names, &mut columns, &mut n_rows),
+            Value::Array(rows) if rows.iter().any(Value::is_array) => add_rows("", &rows, &mut names, &mut columns),
             Value::Array(rows) => {
                 rows.iter()
                     .filter_map(Value::as_object)
@@ -36,7 +33,84 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
             _ => return Err(refused(what, expected)),
         }
     }
-    if columns.is_empty() { Err(refused(what, expected)) } else { Ok(text_of(&names, &columns)) }
+    if columns.is_empty() {
+        return Err(refused(what, expected));
+    }
+    Ok(text_of(if names.len() == columns.len() { &names } else { &[] }, &columns))
+}
+
+/// Objects within objects, so deep.
+const DEEPEST: usize = 8;
+
+/// Arrays of so many numbers or fewer, beside numbers, belong to one row: the three axes of a sensor.
+const MOST_AXES: usize = 16;
+
+/// A matrix with more columns, and more rows, is a picture, not a table.
+const MOST_COLUMNS: usize = 64;
+
+/// Does an object hold a whole recording, and not one row of it?
+fn is_of_arrays(object: &Map<String, Value>, deepest: usize) -> bool {
+    let is_row = object.values().any(Value::is_number);
+    object.values().any(|value| match value {
+        Value::Array(cells) => !is_row || cells.len() > MOST_AXES,
+        Value::Object(inner) => deepest > 0 && is_of_arrays(inner, deepest - 1),
+        _ => false,
+    })
+}
+
+/// Arrays of numbers, of arrays, or of objects, wherever they lie.
+fn add_arrays(
+    outer: &str,
+    object: &Map<String, Value>,
+    names: &mut Vec<String>,
+    columns: &mut Vec<Vec<f64>>,
+    deepest: usize,
+) {
+    for (name, value) in object {
+        let name = format!("{outer}{name}");
+        match value {
+            Value::Array(rows) if rows.iter().any(Value::is_object) => {
+                let (mut own_names, mut own_columns, mut n_rows) = (Vec::new(), Vec::new(), 0);
+                let rows = rows.iter().filter_map(Value::as_object);
+                rows.for_each(|row| take(row, &mut own_names, &mut own_columns, &mut n_rows));
+                names.extend(own_names);
+                columns.extend(own_columns);
+            }
+            Value::Array(rows) if rows.iter().any(Value::is_array) => add_rows(&name, rows, names, columns),
+            Value::Array(cells) => {
+                names.push(name);
+                columns.push(cells.iter().map(number).collect());
+            }
+            Value::Object(inner) if deepest > 0 => {
+                add_arrays(&format!("{name}."), inner, names, columns, deepest - 1);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Arrays in an array: a row each, or where they are few and long a quantity each. The first may hold names.
+fn add_rows(name: &str, rows: &[Value], names: &mut Vec<String>, columns: &mut Vec<Vec<f64>>) {
+    let mut rows: Vec<&Vec<Value>> = rows.iter().filter_map(Value::as_array).collect();
+    let is_word = |cell: &Value| cell.is_string() && number(cell).is_nan();
+    let heading = rows.first().filter(|row| !row.is_empty() && row.iter().all(is_word)).map(|row| (*row).clone());
+    if heading.is_some() {
+        rows.remove(0);
+    }
+    let widest = rows.iter().map(|row| row.len()).max().unwrap_or(0);
+    let is_lying = rows.len() < widest && rows.len() <= MOST_COLUMNS;
+    let n_columns = if is_lying { rows.len() } else { widest.min(MOST_COLUMNS) };
+    for idx in 0..n_columns {
+        columns.push(match is_lying {
+            true => rows[idx].iter().map(number).collect(),
+            false => rows.iter().map(|row| row.get(idx).map_or(f64::NAN, number)).collect(),
+        });
+        match heading.as_ref().and_then(|heading| heading.get(idx)).and_then(Value::as_str) {
+            Some(word) => names.push(word.to_owned()),
+            None if !name.is_empty() => names.push(format!("{name} {}", idx + 1)),
+            None => {}
+        }
+    }
 }
 
 /// A row; names that are new begin with gaps.
@@ -44,8 +118,13 @@ fn take(row: &Map<String, Value>, names: &mut Vec<String>, columns: &mut Vec<Vec
     let nested = row.iter().filter_map(|(name, value)| Some((name, value.as_object()?)));
     let inner =
         nested.flat_map(|(outer, object)| object.iter().map(move |(name, value)| (format!("{outer}.{name}"), value)));
-    let plain = row.iter().filter(|(_, value)| !value.is_object()).map(|(name, value)| (name.clone(), value));
-    for (name, value) in plain.chain(inner) {
+    let is_plain = |(_, value): &(&String, &Value)| !value.is_object() && !value.is_array();
+    let plain = row.iter().filter(is_plain).map(|(name, value)| (name.clone(), value));
+    let lists = row.iter().filter_map(|(name, value)| Some((name, value.as_array()?)));
+    let axes = lists.flat_map(|(name, cells)| {
+        cells.iter().take(MOST_AXES).enumerate().map(move |(idx, cell)| (format!("{name} {}", idx + 1), cell))
+    });
+    for (name, value) in plain.chain(inner).chain(axes) {
         let idx = names.iter().position(|known| *known == name).unwrap_or_else(|| {
             names.push(name.clone());
             columns.push(vec![f64::NAN; *n_rows]);

@@ -1,7 +1,8 @@
 //! An archive with one table in it, as phyphox exports it: `Raw Data.csv` beside `meta/device.csv` and `meta/time.csv`. Of
-//! a table for each sensor of a phone that of the gyroscope is read, because no other one can be fitted.
+//! a table for each sensor of a phone that of the gyroscope is read, because no other one can be fitted. Workbooks are
+//! archives, and so are several arrays of NumPy in one file.
 
-use super::{Kind, refused};
+use super::{Kind, numpy, refused, text_of, workbook};
 use crate::recording::error::Fault;
 use crate::recording::source::MOST_BYTES_WHOLE;
 use crate::recording::words::is_gyroscope;
@@ -10,11 +11,16 @@ use zip::ZipArchive;
 
 /// The table, and what it is called in the archive.
 pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, String), Fault> {
-    let unreadable = |error: zip::result::ZipError| refused("zip archive", &format!("it can't be unpacked ({error})"));
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(unreadable)?;
     let names: Vec<String> = archive.file_names().filter_map(|name| Some(name.ok()?.into_owned())).collect();
-    if names.iter().any(|name| name.starts_with("xl/") || name == "content.xml") {
+    if names.iter().any(|name| name == "content.xml") {
         return Err(refused("workbook of a spreadsheet", "save the sheet as CSV in that program"));
+    }
+    if names.iter().any(|name| name.starts_with("xl/")) {
+        return workbook::table(&mut archive, notes);
+    }
+    if !names.is_empty() && names.iter().all(|name| name.ends_with(".npy")) {
+        return arrays(&mut archive, &names);
     }
     let is_table = |name: &&String| {
         let lower = name.to_lowercase();
@@ -23,7 +29,7 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, S
             && !lower.contains("__macosx")
     };
     let tables: Vec<&String> = names.iter().filter(is_table).collect();
-    let Some(name) = the_one(&tables) else {
+    let Some(name) = only_one(&tables) else {
         let listed = if tables.is_empty() {
             names.join(", ")
         } else {
@@ -34,12 +40,7 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, S
             &format!("it has {} tables (of {listed}): unpack it and name one of them", tables.len()),
         ));
     };
-    let mut text = Vec::new();
-    let file = archive.by_name(name).map_err(unreadable)?;
-    file.take(MOST_BYTES_WHOLE).read_to_end(&mut text)?;
-    if text.len() as u64 == MOST_BYTES_WHOLE {
-        return Err(Fault::TooLarge);
-    }
+    let text = bytes_of(&mut archive, name)?;
     if Kind::of(&text).is_some() {
         return Err(refused("zip archive", &format!("{name} in it is no table: unpack it and name the file")));
     }
@@ -47,8 +48,39 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, S
     Ok((text, stem(name).to_owned()))
 }
 
+fn unreadable(error: zip::result::ZipError) -> Fault {
+    refused("zip archive", &format!("it can't be unpacked ({error})"))
+}
+
+/// A file of the archive.
+fn bytes_of(archive: &mut ZipArchive<Cursor<&[u8]>>, name: &str) -> Result<Vec<u8>, Fault> {
+    let mut bytes = Vec::new();
+    archive.by_name(name).map_err(unreadable)?.take(MOST_BYTES_WHOLE).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 == MOST_BYTES_WHOLE { Err(Fault::TooLarge) } else { Ok(bytes) }
+}
+
+/// A file of the archive as text.
+pub(super) fn unpacked(archive: &mut ZipArchive<Cursor<&[u8]>>, name: &str) -> Result<String, Fault> {
+    Ok(String::from_utf8_lossy(&bytes_of(archive, name)?).into_owned())
+}
+
+/// Arrays by their names; the columns of a matrix are numbered.
+fn arrays(archive: &mut ZipArchive<Cursor<&[u8]>>, files: &[String]) -> Result<(Vec<u8>, String), Fault> {
+    let (mut names, mut columns) = (Vec::new(), Vec::new());
+    for file in files {
+        let of_array = numpy::columns(&bytes_of(archive, file)?)?;
+        // Scalars are settings, not measurements.
+        let of_array = if of_array.iter().any(|column| column.len() > 1) { of_array } else { Vec::new() };
+        let n = of_array.len();
+        names.extend((1..=n).map(|idx| if n > 1 { format!("{} {idx}", stem(file)) } else { stem(file).to_owned() }));
+        columns.extend(of_array);
+    }
+    let is_lone = files.len() == 1 && columns.len() > 1;
+    Ok((text_of(if is_lone { &[] } else { &names }, &columns), String::new()))
+}
+
 /// The only table, the one that is called `Gyroscope`, or the only one of a gyroscope.
-fn the_one<'a>(tables: &[&'a String]) -> Option<&'a String> {
+pub(super) fn only_one<'a>(tables: &[&'a String]) -> Option<&'a String> {
     let only = |is_it: &dyn Fn(&str) -> bool| {
         let mut found = tables.iter().copied().filter(|name| is_it(stem(name)));
         found.next().filter(|_| found.next().is_none())
@@ -85,6 +117,7 @@ mod tests {
         assert_eq!(read(&phone).unwrap(), (b"g".to_vec(), "Gyroscope".to_owned()));
         assert!(read(&[("a.csv", "1"), ("b.csv", "2")]).unwrap_err().contains("2 tables (of a.csv, b.csv)"));
         assert!(read(&[("xl/workbook.xml", "")]).unwrap_err().contains("save the sheet as CSV"));
+        assert!(read(&[("content.xml", "")]).unwrap_err().contains("save the sheet as CSV"));
         assert!(table(b"PK\x03\x04rubbish", &mut Vec::new()).unwrap_err().to_string().contains("can't be unpacked"));
     }
 }

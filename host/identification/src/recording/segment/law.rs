@@ -40,11 +40,12 @@ pub(super) type Law = SVector<f64, N_TERMS>;
 
 const N_TERMS: usize = 5;
 
-/// What the law needs beside the state: the speed below which friction turns (rad/s), or where rates are measured, the
+/// What the law needs beside the state: the speed below which friction turns (rad/s) and the one up to which friction is
+/// known, beyond which that of the small swings of a long tail would be a hundred times too large; or where rates are measured, the
 /// acceleration of the horizontal pendulum (rad/s²).
 #[derive(Debug, Clone, Copy)]
 enum Scale {
-    Angle { slow_rad_s: f64 },
+    Angle { slow_rad_s: f64, fastest_rad_s: f64 },
     Rate { gravity_rad_s2: f64 },
 }
 
@@ -63,8 +64,9 @@ impl Scale {
 fn law_terms(state: &State, scale: Scale) -> Law {
     let velocity = state.velocity_rad_s;
     match scale {
-        Scale::Angle { slow_rad_s } => {
+        Scale::Angle { slow_rad_s, fastest_rad_s } => {
             let sign = (velocity / slow_rad_s).tanh();
+            let velocity = velocity.clamp(-fastest_rad_s, fastest_rad_s);
             Law::from([-state.angle_rad.sin(), state.angle_rad.cos(), -sign, -velocity, -velocity * velocity.abs()])
         }
         Scale::Rate { gravity_rad_s2 } => {
@@ -83,10 +85,16 @@ impl Cut<'_> {
         let typical_rad = self.typical_amplitude_rad();
         let frequency_rad_s = PI / self.half_swing_s;
         let scale = match self.recording.measured() {
-            Measured::Angle => Scale::Angle { slow_rad_s: 0.1 * typical_rad * frequency_rad_s },
+            Measured::Angle => {
+                Scale::Angle { slow_rad_s: 0.1 * typical_rad * frequency_rad_s, fastest_rad_s: f64::INFINITY }
+            }
             Measured::Rate => Scale::Rate { gravity_rad_s2: frequency_rad_s.powi(2) },
         };
-        let (law, misfit) = self.fit_law(scale)?;
+        let (law, misfit, fastest) = self.fit_law(scale)?;
+        let scale = match scale {
+            Scale::Angle { slow_rad_s, .. } => Scale::Angle { slow_rad_s, fastest_rad_s: fastest },
+            rate @ Scale::Rate { .. } => rate,
+        };
         let dry_rad_s2 = if let Scale::Angle { .. } = scale { 2.0 * law[2].abs() } else { 0.0 };
         let common = DISTURBED_MISFIT * misfit + dry_rad_s2;
         let off = |state: &State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, scale))).abs();
@@ -100,9 +108,9 @@ impl Cut<'_> {
         Some(())
     }
 
-    /// The law from the middle half of the turning points on, and the typical misfit (rad/s²). Bad states lose their
-    /// vote from round to round.
-    fn fit_law(&self, scale: Scale) -> Option<(Law, f64)> {
+    /// The law from the middle half of the turning points on, the typical misfit (rad/s²), and the fastest speed that it
+    /// follows. Bad states lose their vote from round to round.
+    fn fit_law(&self, scale: Scale) -> Option<(Law, f64, f64)> {
         let n_turns = self.turns.len();
         let from_s = self.turns[(n_turns / 4).min(n_turns - MIN_TURNING_POINTS + 1)].time_s;
         let to_s = self.turns[n_turns - 1 - n_turns / 20].time_s;
@@ -116,7 +124,10 @@ impl Cut<'_> {
             limit = 4.0 * misfit;
             fitted = Some(law);
         }
-        fitted.map(|law| (law, limit / 4.0))
+        let law = fitted?;
+        let follows = |state: &&&State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, scale))).abs() <= limit;
+        let fastest = trusted.iter().filter(follows).map(|state| state.velocity_rad_s.abs()).fold(0.0, f64::max);
+        Some((law, limit / 4.0, fastest))
     }
 
     /// Half of the way from one turning point to the next around a moment, rad.

@@ -34,6 +34,43 @@ const DURATION: &[&str] = &[
     "período",
 ];
 
+/// Is it what a converter or a counter gives? `CH1(V)`, `Channel A (mV)`, `encoder`, `raw_angle`.
+pub(in crate::recording) fn is_raw(name: &str) -> bool {
+    let in_volts = name.split(|letter: char| !letter.is_alphanumeric()).any(|word| matches!(word, "V" | "mV" | "uV"));
+    in_volts || words(name).iter().any(|word| RAW.contains(&word.as_str()))
+}
+
+/// Words of volts and counts.
+const RAW: &[&str] = &[
+    "volt",
+    "volts",
+    "voltage",
+    "spannung",
+    "tension",
+    "voltaje",
+    "tensione",
+    "ch",
+    "channel",
+    "kanal",
+    "canal",
+    "adc",
+    "analog",
+    "count",
+    "counts",
+    "ticks",
+    "pulses",
+    "raw",
+    "encoder",
+    "enc",
+    "pot",
+    "potentiometer",
+];
+
+/// Is it a part of a quaternion? `qw`, `quaternion_x`.
+pub(in crate::recording) fn is_quaternion(name: &str) -> bool {
+    words(name).iter().any(|word| matches!(word.as_str(), "qw" | "qx" | "quat" | "quaternion" | "quaternions"))
+}
+
 /// Is it one of the angles of an orientation? `pitch`, `Roll (deg)`.
 pub(in crate::recording) fn is_turn_of_body(name: &str) -> bool {
     words(name).iter().any(|word| TURNS_OF_BODY.contains(&word.as_str()))
@@ -69,6 +106,16 @@ const ANGULAR: &[&str] = &["angular", "angulaire", "angolare", "theta", "phi"];
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn volts_and_counts_are_told_from_speeds() {
+        for name in ["CH1(V)", "Channel A (mV)", "encoder", "raw_angle", "pot (V)", "Channel 0", "1 Volt", "counts"] {
+            assert!(is_raw(name), "{name}");
+        }
+        for name in ["v", "v (m/s)", "Velocity", "x (m)", "value", "theta"] {
+            assert!(!is_raw(name), "{name}");
+        }
+    }
 
     #[test]
     fn accelerations_along_an_axis_are_told_from_those_of_an_angle() {
