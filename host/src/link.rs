@@ -16,7 +16,7 @@ mod transfer;
 pub use error::LinkError;
 pub(crate) use patience::patient;
 pub use patience::{FACTORS, be_patient};
-pub(crate) use serial::serial_number;
+pub(crate) use serial::{probe_of, serial_number};
 pub use session::Session;
 pub use tally::Tally;
 

@@ -79,20 +79,24 @@ impl Way {
             .next(format!("{install} and repeat the command; nothing was changed")))
     }
 
-    /// What its program is told, call by call. The serial number says which chip of several.
-    pub fn calls(self, image: &Path, serial: Option<&str>) -> Vec<Vec<String>> {
+    /// What its program is told, call by call. `which` says which of several: the chip's serial number over USB, or the
+    /// probe as probe-rs selects it.
+    pub fn calls(self, image: &Path, which: Option<&str>) -> Vec<Vec<String>> {
         let image = image.display().to_string();
         match self {
             Self::Usb => {
-                let chip = serial.map_or(Vec::new(), |serial| vec!["--serial".to_owned(), format!(",{serial}")]);
+                let chip = which.map_or(Vec::new(), |serial| vec!["--serial".to_owned(), format!(",{serial}")]);
                 let device = ["--device", &format!(",{BOOTLOADER}"), "--alt", "0"].map(str::to_owned);
                 let work = ["--dfuse-address", ":leave", "--download", &image].map(str::to_owned);
                 vec![[device.to_vec(), chip, work.to_vec()].concat()]
             }
             // It leaves the processor halted.
             Self::Probe { chip } => {
-                let (download, reset) = (["download", "--chip", chip, &image], ["reset", "--chip", chip]);
-                vec![download.map(str::to_owned).to_vec(), reset.map(str::to_owned).to_vec()]
+                let of = which.map_or(Vec::new(), |probe| vec!["--probe", probe]);
+                let call = |command: &[&str], last: &[&str]| {
+                    [command, &["--chip", chip], &of, last].concat().into_iter().map(str::to_owned).collect()
+                };
+                vec![call(&["download"], &[&image]), call(&["reset"], &[])]
             }
         }
     }
@@ -226,6 +230,16 @@ mod tests {
             let said = read(&bytes).unwrap_err();
             assert!(said.contains(reason), "{said}");
         }
+    }
+
+    #[test]
+    fn of_several_probes_one_is_named_in_every_call() {
+        let way = Way::of("nucleo-f446").unwrap();
+        let calls =
+            |probe| way.calls(Path::new("new.elf"), probe).iter().map(|call| call.join(" ")).collect::<Vec<_>>();
+        assert_eq!(calls(None), ["download --chip STM32F446RETx new.elf", "reset --chip STM32F446RETx"]);
+        let named = "--chip STM32F446RETx --probe 0483:374b:066AFF2";
+        assert_eq!(calls(Some("0483:374b:066AFF2")), [format!("download {named} new.elf"), format!("reset {named}")]);
     }
 
     #[test]

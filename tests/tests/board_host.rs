@@ -114,7 +114,8 @@ const NEAREST_TO_192_HZ: f64 = 84e6 / (64.0 * 6836.0);
 
 #[test]
 fn a_recording_at_another_rate_has_the_one_that_the_board_makes_of_it() {
-    let scenario = brisk();
+    // Short swings: two recordings each wait for the next.
+    let scenario = Scenario { swing_s: 14.0, ..brisk() };
     let board = Terminal::start(&Chip::of(Board::NucleoF446), scenario.clone()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let (folder, port) = (folder.path(), board.port());

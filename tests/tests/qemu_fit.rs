@@ -104,7 +104,7 @@ fn as_curve(scenario: &Scenario, drag: f64) -> RigFile {
 #[test]
 fn a_friction_curve_that_is_pushed_is_run_by_the_observer_on_the_board() {
     let (drag, size) = (Effect::<f64>::by_name("quadratic-drag").unwrap(), 1.5e-4);
-    let mut scenario = Scenario { release_rad: 1.4, ..brisk() };
+    let mut scenario = Scenario { release_rad: 1.4, rest_s: 0.5, lift_s: 0.5, hold_s: 0.5, swing_s: 12.0, ..brisk() };
     scenario.parameters.set(drag.id, &[size]).unwrap();
     let qemu = Qemu::start(&firmware(Board::Qemu).unwrap(), scenario.clone()).unwrap();
     let folder = tempfile::tempdir().unwrap();

@@ -63,8 +63,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         session.tell(&Command::Bootloader)?;
     }
     drop(session);
-    let serial = if way == Way::Usb { found(serial.as_deref())? } else { None };
-    carry_out(way, &image, serial.as_deref())?;
+    let which = if way == Way::Usb { found(serial.as_deref())? } else { link::probe_of(&options.port) };
+    carry_out(way, &image, which.as_deref())?;
     let to = back(&options.port)?.version();
     if to != image.version {
         let what = format!("the rig on {} says it runs {to}, not {}", options.port, image.version);
@@ -105,11 +105,11 @@ fn found(serial: Option<&str>) -> Result<Option<String>, Failure> {
     }
 }
 
-fn carry_out(way: Way, image: &Image, serial: Option<&str>) -> Result<(), Failure> {
-    way.calls(&image.path, serial).iter().try_for_each(|arguments| call(way, arguments, serial))
+fn carry_out(way: Way, image: &Image, which: Option<&str>) -> Result<(), Failure> {
+    way.calls(&image.path, which).iter().try_for_each(|arguments| call(way, arguments, which))
 }
 
-fn call(way: Way, arguments: &[String], serial: Option<&str>) -> Result<(), Failure> {
+fn call(way: Way, arguments: &[String], which: Option<&str>) -> Result<(), Failure> {
     let line = format!("{} {}", way.tool(), arguments.join(" "));
     output::say(&line);
     // Its progress goes where ours does; our result stays alone on stdout.
@@ -117,7 +117,7 @@ fn call(way: Way, arguments: &[String], serial: Option<&str>) -> Result<(), Fail
     let reason = match status {
         Ok(status) if status.success() => return Ok(()),
         // dfu-util does not hear back from a chip that has left its bootloader: what runs then tells.
-        Ok(_) if way == Way::Usb && has_left(serial) => return Ok(()),
+        Ok(_) if way == Way::Usb && has_left(which) => return Ok(()),
         Ok(status) => format!("{} ended with {status}: the image is not on the chip", way.tool()),
         Err(error) => format!("could not start {}: {error}", way.tool()),
     };

@@ -99,6 +99,29 @@ pub(crate) fn serial_number(port: &SerialPortInfo) -> Option<&str> {
     }
 }
 
+/// Vendor and products of ST-Links whose port is a board's, V2-1 and V3.
+const ST: u16 = 0x0483;
+const ST_LINKS: std::ops::RangeInclusive<u16> = 0x3740..=0x375f;
+
+/// The ST-Link that `name` is the port of, as probe-rs tells it from others (vendor:product:serial number); `None` where
+/// there is no other one to be told from.
+pub(crate) fn probe_of(name: &str) -> Option<String> {
+    let device = std::fs::canonicalize(name).map_or(name.to_owned(), |path| path.display().to_string());
+    probe_among(&device, &serialport::available_ports().unwrap_or_default())
+}
+
+fn probe_among(name: &str, ports: &[SerialPortInfo]) -> Option<String> {
+    let selector = |port: &SerialPortInfo| match &port.port_type {
+        SerialPortType::UsbPort(usb) if usb.vid == ST && ST_LINKS.contains(&usb.pid) => {
+            Some(format!("{:04x}:{:04x}:{}", usb.vid, usb.pid, usb.serial_number.as_deref()?))
+        }
+        _ => None,
+    };
+    let device = with_serial_number(name, ports).unwrap_or(name);
+    let own = ports.iter().find(|port| port.port_name == device).and_then(selector)?;
+    ports.iter().filter_map(selector).any(|other| other != own).then_some(own)
+}
+
 /// Programs that have the device open, by the links in /proc; empty where there is no /proc.
 fn users(name: &str) -> Vec<String> {
     let Ok(device) = std::fs::canonicalize(name) else { return Vec::new() };
@@ -134,6 +157,23 @@ mod tests {
             product: Some("Pendulum rig".to_owned()),
         };
         SerialPortInfo { port_name: name.to_owned(), port_type: SerialPortType::UsbPort(usb) }
+    }
+
+    #[test]
+    fn of_several_probes_on_one_computer_the_one_of_the_port_is_told() {
+        let probe = |name: &str, number: &str| {
+            let mut probe = port(name, Some(number));
+            let SerialPortType::UsbPort(usb) = &mut probe.port_type else { panic!() };
+            (usb.vid, usb.pid) = (0x0483, 0x374b);
+            probe
+        };
+        let ports =
+            [probe("/dev/ttyACM0", "066AFF1"), port("/dev/ttyACM1", Some("B")), probe("/dev/ttyACM2", "066AFF2")];
+        let of = |name: &str, ports: &[SerialPortInfo]| probe_among(name, ports);
+        assert_eq!(of("/dev/ttyACM2", &ports).as_deref(), Some("0483:374b:066AFF2"));
+        assert_eq!(of("066aff1", &ports).as_deref(), Some("0483:374b:066AFF1"));
+        assert_eq!(of("/dev/ttyACM1", &ports), None, "its probe is not known by its port");
+        assert_eq!(of("/dev/ttyACM0", &ports[..2]), None, "there is one probe");
     }
 
     #[test]
