@@ -30,7 +30,7 @@ fn parameters(link: &mut Link) -> Parameters<f32> {
 
 /// A pendulum with more friction than the paper's: its swings end sooner, and four of them are waited for.
 fn brisk() -> Scenario {
-    let mut scenario = Scenario::default();
+    let mut scenario = Scenario { swing_s: 28.0, ..Scenario::default() };
     scenario.parameters.set_friction(5.4e-4, 2e-3, 2.2e-3, 0.055);
     scenario
 }
