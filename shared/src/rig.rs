@@ -15,34 +15,17 @@ use crate::wire::{
 };
 use heapless::Vec;
 use laws::Laws;
+use settings::check_settings;
 
 mod laws;
+mod settings;
 mod stored;
 
+pub use settings::{HIGHEST_RATE_HZ, LOWEST_RATE_HZ};
 pub use stored::{MAX_STORED, Stored};
 
 /// For calibration: codes are averaged with this time constant.
 const AVERAGING_S: f32 = 0.25;
-
-/// Sampling rates that a rig may be asked for.
-pub const LOWEST_RATE_HZ: f32 = 50.0;
-/// See [`LOWEST_RATE_HZ`].
-pub const HIGHEST_RATE_HZ: f32 = 10_000.0;
-
-/// Of the rate, the highest cut-off of the filter.
-const HIGHEST_CUTOFF: f32 = 0.45;
-
-impl Settings {
-    /// The same at another rate, with a cut-off that goes with it.
-    pub fn at_rate(self, rate_hz: f32) -> Self {
-        Self { rate_hz, cutoff_hz: self.cutoff_hz.min(HIGHEST_CUTOFF * rate_hz), ..self }
-    }
-
-    /// The same with another sensor, or with another calibration.
-    pub fn with_sensor(self, sensor: Sensor) -> Self {
-        Self { sensor, ..self }
-    }
-}
 
 /// What the rig asks of its board.
 #[derive(Clone, Debug, PartialEq)]
@@ -504,17 +487,6 @@ fn default_parameters() -> Parameters<f32> {
 fn default_settings(full_scale: u16) -> Settings {
     let sensor = Potentiometer::nominal(full_scale).into();
     Settings { rate_hz: 1000.0, cutoff_hz: 50.0, bandwidth_rad_s: 3.0, sensor }
-}
-
-/// `Err` with the position of the first setting outside its range.
-fn check_settings(settings: &Settings) -> Result<(), u8> {
-    let good = [
-        (LOWEST_RATE_HZ..=HIGHEST_RATE_HZ).contains(&settings.rate_hz),
-        settings.cutoff_hz > 0.0 && settings.cutoff_hz <= HIGHEST_CUTOFF * settings.rate_hz,
-        (0.0..=100.0).contains(&settings.bandwidth_rad_s),
-        settings.sensor.is_valid(),
-    ];
-    good.iter().position(|good| !good).map_or(Ok(()), |index| Err(index as u8))
 }
 
 /// The filter of checked settings.

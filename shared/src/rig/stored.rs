@@ -1,6 +1,6 @@
 //! What survives a power cut, as bytes.
 
-use super::check_settings;
+use super::settings::check_settings;
 use crate::curve::{Curve, Knot, MAX_KNOTS};
 use crate::effect::CURVE_ID;
 use crate::formula::{Formula, MAX_BYTES};
