@@ -48,7 +48,10 @@ pub(super) fn in_words(diagnosis: &Diagnosis, curve: &FrictionCurve) -> String {
     sentences.push(if curve.holds() && curve.left == Left::Missing {
         let part = curve.closest().filter(|law| laws.is_empty() && law.effect != "none").map(|law| law.effect);
         let part = part.map_or(String::new(), |law| format!(" Friction like {law} is likely a part of it."));
-        format!("No part of the swings contradicts it within its ±, but what it leaves is no noise: it is not the whole law.{part}")
+        format!(
+            "No part of the swings contradicts it within its ±, but what it leaves is no noise: it is not the whole \
+             law.{part}"
+        )
     } else if curve.holds() {
         "No part of the swings contradicts it.".to_owned()
     } else {
