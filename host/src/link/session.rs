@@ -171,7 +171,7 @@ impl Session {
     /// As [`Session::ask`]; firmware without formulas refuses.
     pub fn exchange_formula(&mut self, bytes: &[u8]) -> Result<Vec<u8>, LinkError> {
         let frame = Frame::CustomFormula(bytes.iter().copied().collect());
-        let held = self.exchange(&frame, "exchange a custom formula", N_ATTEMPTS, |frame| match frame {
+        let held = self.exchange(&frame, "exchange a custom formula", |frame| match frame {
             Frame::CustomFormula(held) => Some(held.to_vec()),
             _ => None,
         });
@@ -187,7 +187,7 @@ impl Session {
     /// As [`Session::ask`]; firmware without curves does not answer.
     pub fn exchange_curve(&mut self, knots: &[Knot]) -> Result<Vec<Knot>, LinkError> {
         let frame = Frame::FrictionCurve(knots.iter().copied().collect());
-        let held = self.exchange(&frame, "exchange a friction curve", N_ATTEMPTS_IF_NEW, |frame| match frame {
+        let held = self.exchange(&frame, "exchange a friction curve", |frame| match frame {
             Frame::FrictionCurve(held) => Some(held.to_vec()),
             _ => None,
         });
@@ -204,12 +204,15 @@ impl Session {
         &mut self,
         law: &Frame,
         command: &'static str,
-        n_attempts: u32,
         held: impl Fn(&Frame) -> Option<T>,
     ) -> Result<T, LinkError> {
-        let give_up = self.port.elapsed() + patient(n_attempts * ANSWER_PATIENCE);
+        let give_up = self.port.elapsed() + patient(N_ATTEMPTS * ANSWER_PATIENCE);
         let mut n_times = 0;
         while self.port.elapsed() < give_up {
+            if n_times > 0 {
+                // Ends what the link may have left of the one before.
+                self.write(&[0])?;
+            }
             n_times += 1;
             self.send(law)?;
             let deadline = self.port.elapsed() + ANSWER_PATIENCE;
