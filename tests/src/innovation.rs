@@ -9,8 +9,13 @@ const EVERY: u16 = 4;
 /// Samples looked at after the pendulum has passed zero; the observer settles in their first half.
 const N_SAMPLES: usize = 10_000;
 
-/// Lifted beyond this angle the pendulum is about to be let go, rad.
+/// Held beyond this angle the pendulum is about to be let go, rad.
 const LIFTED_RAD: f32 = 0.9;
+
+/// Points in a row, a quarter of a second, that lie within this band (rad) while a hand holds the pendulum. A swing
+/// turns round within it in half that time, however high it still goes when the stream begins in its middle.
+const N_HELD: usize = 64;
+const HELD_WITHIN_RAD: f32 = 0.05;
 
 /// On this side it has been let go, rad.
 const RELEASED_RAD: f32 = -0.1;
@@ -43,6 +48,26 @@ fn points_of(frame: &Frame) -> Vec<(f32, f32)> {
 }
 
 fn released(points: &[(f32, f32)]) -> Option<usize> {
-    let lifted = points.iter().position(|(angle_rad, _)| *angle_rad > LIFTED_RAD)?;
-    points[lifted..].iter().position(|(angle_rad, _)| *angle_rad < RELEASED_RAD).map(|i| lifted + i)
+    let held = points.windows(N_HELD).position(is_held)?;
+    points[held..].iter().position(|(angle_rad, _)| *angle_rad < RELEASED_RAD).map(|i| held + i)
+}
+
+fn is_held(points: &[(f32, f32)]) -> bool {
+    let angles = || points.iter().map(|(angle_rad, _)| *angle_rad);
+    let (lowest, highest) = (angles().fold(f32::INFINITY, f32::min), angles().fold(f32::NEG_INFINITY, f32::max));
+    lowest > LIFTED_RAD && highest - lowest < HELD_WITHIN_RAD
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_swing_that_already_goes_on_is_not_the_next_one() {
+        let swing = |k: usize| 1.35 * (0.03 * k as f32).cos();
+        let mut points: Vec<(f32, f32)> = (0..500).map(|k| (swing(k), 0.0)).collect();
+        assert_eq!(released(&points), None);
+        points.extend((0..100).map(|_| (1.35, 0.0)).chain((0..100).map(|k| (swing(k), 0.0))));
+        assert!(released(&points).unwrap() > 600);
+    }
 }
