@@ -4,6 +4,7 @@
 //! by letting the time window grow, [`stiction`] and [`stop_level`] search the two parameters in which the error is not smooth, and
 //! [`covariance`] tells how well each is known.
 
+mod answered;
 pub mod arrow;
 pub mod blocks;
 pub mod by_least_squares;
@@ -12,7 +13,9 @@ pub mod clusters;
 pub mod covariance;
 pub mod curve;
 pub mod curve_parts;
+mod descended;
 pub mod descent;
+mod error;
 pub mod fitted;
 pub mod found;
 pub mod free_torque;
@@ -21,7 +24,9 @@ pub mod identify;
 mod knots;
 pub mod levels;
 pub mod linear;
+mod number;
 pub mod problem;
+mod progress;
 pub mod proposal;
 pub mod quality;
 pub mod ranges;

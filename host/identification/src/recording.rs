@@ -17,16 +17,19 @@ mod foreign;
 mod grid;
 mod header;
 mod heading;
+mod limits;
 mod look;
 mod lost;
 mod measured;
 mod monitor;
 mod number;
+mod options;
 mod order;
 pub mod plausible;
 mod preamble;
 mod rate;
 mod read;
+mod row;
 mod samples;
 pub mod segment;
 pub(crate) mod smooth;
@@ -40,21 +43,19 @@ mod words;
 mod write;
 
 pub use crate::files::Existing;
-pub use columns::{AngleUnit, ColumnRef, Columns, ColumnsError, RateUnit, TimeUnit};
+pub use columns::{ColumnRef, Columns, ColumnsError};
 pub use error::{Fault, ReadError, WriteError};
-pub use header::{Calibration, FORMAT_NAME, FORMAT_VERSION, Header, sensor_name};
+pub use header::{Calibration, Header, sensor_name};
+pub use limits::{FORMAT_NAME, FORMAT_VERSION, MIN_SAMPLES};
 pub use look::{Look, look};
 pub use measured::Measured;
-pub use read::{ReadOptions, read, read_bytes};
+pub use options::ReadOptions;
+pub use read::{read, read_bytes};
+pub use units::{AngleUnit, RateUnit, TimeUnit};
 pub use write::{Writer, save};
 
+use limits::LARGEST_RAD;
 use std::ops::Range;
-
-/// Fewer samples than this cannot show a swing: refused when read.
-pub const MIN_SAMPLES: usize = 16;
-
-/// The model's sine serves angles up to here: 1,500 turns.
-const LARGEST_RAD: f64 = 1e4;
 
 /// A step longer than this many median steps is a gap.
 const GAP_STEPS: f64 = 1.5;

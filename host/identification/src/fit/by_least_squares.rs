@@ -2,8 +2,8 @@
 
 use super::descent::Tolerance;
 use super::fitted::{Fitted, Stiction};
-use super::identify::Progress;
 use super::problem::{Point, Problem, Quantity};
+use super::progress::Progress;
 use super::ranges::largest_coulomb_nm;
 use super::refine::Band;
 use super::scouts::scouted;

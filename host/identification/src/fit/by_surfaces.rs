@@ -2,10 +2,11 @@
 
 use super::covariance::covariance;
 use super::fitted::Fitted;
-use super::identify::Progress;
 use super::problem::{Point, Problem, Unknown};
+use super::progress::Progress;
+use super::ranges::Ranges;
 use super::region::Region;
-use super::sequential::{self, Ranges, Sequence};
+use super::sequential::{self, Sequence};
 use super::{start, stiction};
 use crate::rsm::COMPOSITE_FACTORS;
 use crate::swing::Window;

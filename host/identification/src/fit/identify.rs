@@ -3,20 +3,23 @@
 
 use super::by_least_squares::{least_squares, not_worse_than_given, polish};
 use super::by_surfaces::{finish_surfaces, surfaces};
+pub use super::error::FitError;
 use super::fitted::Fitted;
 pub use super::found::{Fit, Identified, Verdict};
 pub use super::held_out::{Carries, HeldOut, held_out_rmse};
 use super::problem::{Point, Problem, Unknown};
+pub use super::progress::Progress;
+use super::ranges::Ranges;
 use super::report::Report;
 use super::runs::responses_at;
 use super::scouts::scouted;
-use super::sequential::{Ranges, Stage};
+use super::sequential::Stage;
 use super::tolerance::KnownRig;
 use super::{ranges, start};
 use crate::formula::effect_of;
-use crate::geometry::{self, GeometryError};
+use crate::geometry;
 use crate::recording::Measured;
-use crate::swing::{MixedReadings, Swing, Window, one_kind};
+use crate::swing::{Swing, Window, one_kind};
 use shared::effect::Effect;
 use shared::parameters::{Parameters, base};
 use std::sync::atomic::AtomicUsize;
@@ -40,80 +43,6 @@ pub struct Options {
     pub method: Method,
     /// Ranges by symbol; the others come from rig and recording.
     pub ranges: Vec<(String, f64, f64)>,
-}
-
-/// What happens, for a progress display.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
-    /// Designs of a window, in seconds (rounded); 0 for the whole.
-    Surfaces(u32),
-    /// Growing windows.
-    Descent,
-    /// Ms and DV.
-    Stiction,
-    /// Uncertainties and checks.
-    Uncertainty,
-}
-
-impl std::fmt::Display for Progress {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Surfaces(0) => write!(out, "response surfaces over the whole swing"),
-            Self::Surfaces(seconds) => write!(out, "response surfaces over the first {seconds} s"),
-            Self::Descent => write!(out, "least squares"),
-            Self::Stiction => write!(out, "stiction"),
-            Self::Uncertainty => write!(out, "uncertainties"),
-        }
-    }
-}
-
-/// Why nothing could be identified.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum FitError {
-    /// No swing at all.
-    #[error("there is no swing to fit; give at least one recording")]
-    NoSwing,
-    /// A range for something that is not fitted.
-    #[error("there is no parameter {symbol} to give a range for; expected one of {known}")]
-    UnknownRange {
-        /// As given.
-        symbol: String,
-        /// What there is.
-        known: String,
-    },
-    /// A range that can't be used.
-    #[error(
-        "the range {low} … {high} of {symbol} can't be used; give two finite numbers, the smaller one first, not below {limit}"
-    )]
-    BadRange {
-        /// Whose.
-        symbol: String,
-        /// As given.
-        low: f64,
-        /// As given.
-        high: f64,
-        /// The least value with a meaning.
-        limit: f64,
-    },
-    /// Mass, length or inertia are not those of the pendulum that swung.
-    #[error(transparent)]
-    Geometry(#[from] GeometryError),
-    /// Angles and rates at once.
-    #[error(transparent)]
-    Mixed(#[from] MixedReadings),
-    /// The model never came near.
-    #[error(
-        "the model does not follow the swings at all: error {error:.3} {unit}; is the {name} in {unit}, zero where the \
-         pendulum hangs, and the geometry right? Did nothing touch or drive it (--from, --to)?",
-        unit = measured.unit(),
-        name = measured.name()
-    )]
-    Hopeless {
-        /// Root mean square error, in the unit of the readings.
-        error: f64,
-        /// What the readings are.
-        measured: Measured,
-    },
 }
 
 /// Identifies friction and inertia of a pendulum from its swings; `rig` gives geometry, first values and effects.

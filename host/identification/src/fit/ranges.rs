@@ -1,7 +1,6 @@
 //! Ranges for the first design, from the rig and the recording, where the user gives none.
 
 use super::problem::{Problem, Quantity, Unknown};
-use super::sequential::Ranges;
 use crate::swing::{Swing, Window};
 use shared::parameters::base;
 use std::f64::consts::PI;
@@ -20,6 +19,10 @@ const WIDEST_BAND: f64 = 0.06;
 
 /// And up to this share of what would hold a swing at its largest angle, or of its largest speed.
 const HELD_SHARE: f64 = 0.5;
+
+/// A range for each unknown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ranges(pub Vec<(f64, f64)>);
 
 /// How a swing decays over its lively part.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,15 +1,12 @@
 //! The one operation that makes a better model of a fitted one: from where it is, on which samples, with which freedom
 //! for Ms and DV, to which tolerance. On decimated swings it finds the way, on all of them it decides.
 
-use super::descent::{Tolerance, descend};
-use super::fitted::{Fitted, sort};
-use super::linear::Steps;
-use super::problem::{Problem, Unknown};
+use super::descended::best_on;
+use super::descent::Tolerance;
+use super::fitted::Fitted;
+use super::problem::Problem;
 use super::{stiction, stop_level};
 use crate::swing::Window;
-use rayon::prelude::*;
-use shared::effect::Effect;
-use shared::parameters::base;
 
 /// What becomes of Ms and DV.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,25 +37,6 @@ impl Fitted {
                 if self.has_band() { self.descended(on, Window::Whole, tolerance).better(searched) } else { searched }
             }
         }
-    }
-
-    /// Fitted within a window, Ms and DV as they are.
-    pub(super) fn descended(&self, on: &Problem, window: Window, tolerance: Tolerance) -> Self {
-        let (problem, point) = (self.problem(on), self.point());
-        let steps = self.steps.clone().unwrap_or_else(|| Steps::found(&problem, &point));
-        self.after(descend(&problem, &point, window, tolerance, steps))
-    }
-
-    /// Fitted with Ms and DV among the unknowns, then with the ones found.
-    pub(super) fn with_free_band(&self, on: &Problem, tolerance: Tolerance) -> Self {
-        let mut all = self.clone();
-        let stiction = Effect::by_id(base::STICTION);
-        all.unknowns.extend(stiction.into_iter().flat_map(|effect| Unknown::all_of_effect(effect, &self.parameters)));
-        all.steps = Some(Steps::new(&all.problem(on)));
-        let all = all.descended(on, Window::Whole, tolerance);
-        let found = Self { unknowns: self.unknowns.clone(), steps: None, ..all };
-        let steps = Some(Steps::new(&found.problem(on)));
-        Self { steps, ..found.with_stiction(found.stiction()) }.descended(on, Window::Whole, tolerance)
     }
 
     /// With its starts fitted and nothing else, the window growing: what the model is worth as it stands.
@@ -97,11 +75,4 @@ pub fn on_all(on: &Problem, levels: &[Fitted]) -> Fitted {
         return levels[0].refined(on, Band::Free, Tolerance::JUDGE);
     }
     best_on(on, levels, Tolerance::JUDGE)
-}
-
-/// The best of some models on the swings of a problem. There must be one.
-pub(super) fn best_on(on: &Problem, models: &[Fitted], tolerance: Tolerance) -> Fitted {
-    let mut all: Vec<Fitted> = models.par_iter().map(|model| model.refined(on, Band::Held, tolerance)).collect();
-    sort(&mut all);
-    all.swap_remove(0)
 }

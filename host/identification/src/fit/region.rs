@@ -7,7 +7,7 @@
 
 use super::problem::Unknown;
 use super::proposal::{curvature, positive};
-use super::sequential::Ranges;
+use super::ranges::Ranges;
 use crate::rsm::Surface;
 use nalgebra::{DMatrix, DVector};
 

@@ -1,9 +1,9 @@
 //! From where a method ended to numbers with uncertainties and warnings.
 
+use super::error::FitError;
 use super::fitted::Fitted;
 use super::found::{Fit, Identified, Verdict};
 use super::held_out::held_out_rmse;
-use super::identify::FitError;
 use super::problem::{Point, Problem, Quantity};
 use super::quality::Responses;
 use super::runs::responses_at;

@@ -11,6 +11,7 @@
 use super::problem::{Point, Problem, Start};
 use super::proposal::{promised_gain, proposals};
 use super::quality::Responses;
+use super::ranges::Ranges;
 use super::region::Region;
 use super::runs::{first_runs, runs};
 use super::windows::{CALMING, windows_s};
@@ -65,10 +66,6 @@ pub struct Stage {
     /// R² of the mseA surface, predicted by leaving runs out.
     pub r_squared_predicted: Option<f64>,
 }
-
-/// A range for each unknown.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ranges(pub Vec<(f64, f64)>);
 
 /// Where the sequence ended.
 #[derive(Clone, Debug)]

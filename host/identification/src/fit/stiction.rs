@@ -4,20 +4,17 @@
 //! smooth parameters have answered to it to first order (a frozen linearisation); the best few are then descended
 //! from in earnest. Ms alone, DV = 0, is the matter of [`super::stop_level`].
 
-use super::arrow::ArrowFactor;
+use super::answered::{MAX_ROUNDS, answered_costs};
+use super::descended::best_on;
 use super::descent::Tolerance;
 use super::fitted::{Fitted, Stiction};
-use super::levels;
-use super::linear::{Linear, Steps, SwingLinear, dot, linearise};
-use super::problem::{PER_SWING, Point, Problem, Start, Unknown};
-use super::refine::best_on;
+use super::linear::{Steps, linearise};
+use super::problem::Problem;
 use super::stop_level;
 use crate::pace;
 use crate::swing::Window;
-use nalgebra::DVector;
 use rayon::prelude::*;
-use shared::effect::Effect;
-use shared::parameters::{Parameters, base};
+use shared::parameters::base;
 
 /// Velocity bands that are tried at the usual pace, rad/s.
 const BANDS: [f64; 6] = [0.005, 0.012, 0.025, 0.04, 0.06, 0.09];
@@ -37,9 +34,6 @@ const EXCESS_WORTH_A_BAND: f64 = 0.005;
 /// A band is only kept when it lowers the cost by this many noise variances more than none.
 pub const GAIN_WORTH_A_BAND: f64 = 12.0;
 
-/// Rounds of search and descent.
-pub(super) const MAX_ROUNDS: usize = 3;
-
 /// So many times the noise variance is far enough from it to decide for or against a band on decimated swings.
 const FAR_FROM_NOISE: f64 = 2.0;
 
@@ -48,9 +42,6 @@ const WORTH_ANOTHER_ROUND: f64 = 0.5;
 
 /// So many bands are descended from.
 const PROMISING: usize = 3;
-
-/// Damping of first-order answers: enough to keep numbers without any effect in place.
-const ANSWER_DAMPING: f64 = 1e-6;
 
 /// Shares of the grid's reach: the valley has steps of a percent, on which a descent is held. With the first alone one of 24
 /// random rigs ends at 1.37 noises instead of 1.00.
@@ -88,54 +79,6 @@ pub(super) fn searched(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Fit
     }
     let band = with_band(&rough, near, tolerance).map(|found| found.with_free_band(on, tolerance));
     band.filter(|band| none.cost - band.cost > least_gain).unwrap_or(none)
-}
-
-/// Costs of pairs after the smooth parameters have answered to first order.
-pub(super) fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, tried: &[Stiction]) -> Vec<f64> {
-    let levels = problem.unknowns.iter().zip(&point.values).filter(|(unknown, _)| unknown.name == levels::NAME);
-    let (levels, at): (Vec<Unknown>, Vec<f64>) = levels.map(|(level, value)| (level.clone(), *value)).unzip();
-    let pair_problem = Problem {
-        unknowns: [stiction_unknowns(&problem.template), levels].concat(),
-        template: problem.parameters(&point.values),
-        ..problem.clone()
-    };
-    let pair = |pair: &Stiction| [&[pair.level_nm, pair.velocity_band], at.as_slice()].concat();
-    let pairs: Vec<Vec<f64>> = tried.iter().map(pair).collect();
-    let n_unknowns = problem.unknowns.len();
-    let of_swing = |swing_idx: usize, known: &SwingLinear| -> Vec<(f64, Vec<f64>)> {
-        let swing = &problem.swings[swing_idx];
-        let start = point.starts[swing_idx];
-        let guesses: Vec<(&[f64], Start)> = pairs.iter().map(|pair| (pair.as_slice(), start)).collect();
-        let predicted = pair_problem.predict(swing_idx, swing.len(), &guesses);
-        let judge = |column: &Vec<f64>| {
-            let residuals: Vec<f64> =
-                swing.angles_rad.iter().zip(column).map(|(m, p)| m - p - start.offset_rad).collect();
-            let slopes = known.columns.iter().map(|column| dot(column, &residuals)).collect();
-            (dot(&residuals, &residuals), slopes)
-        };
-        predicted.iter().map(judge).collect()
-    };
-    let per_swing = linear.each(of_swing);
-    let equations = &linear.equations;
-    let factor = ArrowFactor::new(&equations.normal, ANSWER_DAMPING, |_| true);
-    let answered = |pair_idx: usize| {
-        let mut gradient = DVector::zeros(equations.gradient.len());
-        let mut cost = 0.0;
-        for (swing_idx, judged) in per_swing.iter().enumerate() {
-            let (square, slopes) = &judged[pair_idx];
-            cost += square;
-            for (j, slope) in slopes.iter().enumerate() {
-                gradient[if j < n_unknowns { j } else { j + PER_SWING * swing_idx }] += slope;
-            }
-        }
-        cost - gradient.dot(&factor.solve(&gradient))
-    };
-    (0..tried.len()).map(answered).collect()
-}
-
-/// Ms and DV as unknowns.
-pub(super) fn stiction_unknowns(parameters: &Parameters<f64>) -> Vec<Unknown> {
-    Effect::by_id(base::STICTION).map_or(Vec::new(), |effect| Unknown::all_of_effect(effect, parameters))
 }
 
 fn lowest(costs: &[f64]) -> Option<usize> {

@@ -1,11 +1,11 @@
 //! Ms alone: with DV = 0 the error depends on it only through the turning points at which the pendulum stays, so that
 //! only the torques between two of them need be tried.
 
+use super::answered::{MAX_ROUNDS, answered_costs};
 use super::descent::Tolerance;
 use super::fitted::{Fitted, Stiction, sort};
 use super::linear::{Linear, Steps, linearise};
 use super::problem::{Point, Problem};
-use super::stiction::{MAX_ROUNDS, answered_costs};
 use crate::swing::{Swing, Window};
 use rayon::prelude::*;
 use shared::parameters::base;

@@ -2,9 +2,9 @@
 //! tolerances of mass and length too. Mass and length stand behind the others, where they have a tolerance.
 
 use super::fitted::Fitted;
+use super::number::{Number, Status, Uncertainty};
 use super::problem::{Problem, Quantity, Unknown};
 use super::tolerance::powers;
-use super::uncertainty::{Number, Status, Uncertainty};
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
 

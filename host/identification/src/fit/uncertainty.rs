@@ -5,57 +5,15 @@
 //! rest it has an upper bound only, and so has a DV that no swing shows: the value at which the error, profiled over
 //! the other numbers to first order, rises by `PROFILE_95`.
 
+use super::answered::{answered_costs, stiction_unknowns};
 use super::covariance::{Covariance, with_model_error};
 use super::fitted::{Fitted, Stiction};
 use super::linear::{Linear, Steps, SwingLinear, linearise};
+pub use super::number::{Number, Status, Uncertainty};
 use super::problem::{PER_SWING, Problem, Quantity, Unknown};
-use super::stiction::{answered_costs, stiction_unknowns};
 use super::stop_level;
 use super::tolerated::tolerated;
 use crate::swing::{Swing, Window};
-use serde::Serialize;
-
-/// How far a number may be trusted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Status {
-    /// The swings tell it, to its standard deviation.
-    Identified,
-    /// The swings only tell that it is not larger.
-    UpperBound,
-    /// It lies on the end of its range.
-    AtBound,
-    /// The swings do not tell it, or only together with another number.
-    NotIdentified,
-}
-
-/// A number of a fitted model.
-#[derive(Clone, Debug)]
-pub struct Number {
-    /// What it is.
-    pub unknown: Unknown,
-    /// Its value.
-    pub value: f64,
-    /// Standard deviation, if the swings give one.
-    pub std: Option<f64>,
-    /// How far it may be trusted.
-    pub status: Status,
-    /// With 95 % confidence it is not larger; where that is all the swings tell.
-    pub upper: Option<f64>,
-}
-
-/// All numbers of a fitted model.
-#[derive(Clone, Debug)]
-pub struct Uncertainty {
-    /// The unknowns of the model, then Ms and DV.
-    pub numbers: Vec<Number>,
-    /// Correlations in the same order; absent where the covariance says nothing.
-    pub correlations: Vec<Vec<Option<f64>>>,
-    /// Symbols of numbers that make up for each other, so that only what they do together is known.
-    pub alike: Vec<Vec<&'static str>>,
-    /// Are the residuals correlated in time? The standard deviations allow for it.
-    pub coloured: bool,
-}
 
 /// Numbers that are correlated beyond this, and uncertain by more than half their value, are only known together.
 const ALIKE_CORRELATION: f64 = 0.995;

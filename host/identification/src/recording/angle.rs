@@ -3,16 +3,14 @@
 //! Whatever is assumed or changed is noted; what would be wrong is refused with the option that cures it.
 
 use super::circle::Circle;
-use super::columns::AngleUnit;
 use super::error::Fault;
+use super::limits::LARGEST_UNSTATED_RAD;
+use super::options::ReadOptions;
 use super::plausible::{self, Scale, Swings};
-use super::read::ReadOptions;
 use super::ticks;
+use super::units::AngleUnit;
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, TAU};
-
-/// Angles of unstated unit beyond this are refused: a pendulum that only swings stays within a turn (2π), with margin.
-pub(super) const LARGEST_UNSTATED_RAD: f64 = 7.0;
 
 /// Angles of unstated unit beyond this leave a note: more than half a turn is rare.
 const NOTED_UNSTATED_RAD: f64 = 3.3;

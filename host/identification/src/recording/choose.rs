@@ -6,20 +6,22 @@ mod time;
 
 use super::angle::Angles;
 use super::circle::Circle;
-use super::columns::{AngleUnit, Columns, RateUnit};
+use super::clock;
+use super::columns::Columns;
 use super::error::Fault;
 use super::header::Header;
+use super::limits::MIN_SAMPLES;
 use super::measured::Measured;
 use super::number::{Cell, Numerals};
+use super::options::ReadOptions;
 use super::rate::Rates;
-use super::read::ReadOptions;
 use super::samples::{MOST_COLUMNS, Samples};
 use super::table::Table;
+use super::units::{AngleUnit, RateUnit};
 use super::words::{self, Meaning, is_size, meaning};
-use super::{MIN_SAMPLES, clock};
 use names::{all_best, ambiguous, bare_axes, example, find, no_angle, note_rivals, the_one};
 use std::f64::consts::FRAC_PI_2;
-pub(super) use time::{LONGEST_STEP_S, TimeSource};
+pub(super) use time::TimeSource;
 use time::{as_time, choose_time, plotted_axes, unit_in_cell, unnamed_time};
 
 /// Where each quantity comes from.

@@ -3,6 +3,7 @@
 //! By the words of the column names, in five languages (`words.rs`), or as told: `t=0,theta=2`, `t=time,theta=angle`,
 //! with units `t=0:ms,theta=2:deg`. A point on the pendulum, followed in a video, is told as `t=0,x=1,y=2`.
 
+use super::units::{AngleUnit, RateUnit, TimeUnit};
 use super::words::{self, angle_unit, time_unit};
 use std::str::FromStr;
 use thiserror::Error;
@@ -31,64 +32,6 @@ pub enum ColumnRef {
     Index(usize),
     /// As in the column header, upper or lower case.
     Name(String),
-}
-
-/// Unit of a time column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TimeUnit {
-    /// s
-    Seconds,
-    /// ms
-    Milliseconds,
-    /// µs
-    Microseconds,
-    /// min
-    Minutes,
-    /// ns
-    Nanoseconds,
-    /// days, as spreadsheets count them
-    Days,
-}
-
-/// Unit of an angle column.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum AngleUnit {
-    /// rad
-    Radians,
-    /// degrees
-    Degrees,
-    /// thousandths of a radian
-    Milliradians,
-    /// gon, 400 to a turn
-    Gradians,
-    /// turns
-    Turns,
-    /// so many radians: `4096/turn` of an encoder, `54.5deg` of a volt
-    Of(f64),
-}
-
-/// Unit of an angular velocity: an angle in a time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RateUnit {
-    /// So large an angle …
-    pub angle: AngleUnit,
-    /// … in this time.
-    pub time: TimeUnit,
-}
-
-impl RateUnit {
-    /// rad/s
-    pub const RADIANS_PER_SECOND: Self = Self::per_second(AngleUnit::Radians);
-
-    /// An angle a second.
-    pub const fn per_second(angle: AngleUnit) -> Self {
-        Self { angle, time: TimeUnit::Seconds }
-    }
-
-    /// How many rad/s one unit has.
-    pub fn rad_per_s(self) -> f64 {
-        self.angle.radians() / self.time.seconds()
-    }
 }
 
 /// What is wrong with a choice of columns.
@@ -124,34 +67,6 @@ pub enum ColumnsError {
         /// As written.
         unit: String,
     },
-}
-
-impl TimeUnit {
-    /// How many seconds one unit has.
-    pub fn seconds(self) -> f64 {
-        match self {
-            Self::Seconds => 1.0,
-            Self::Milliseconds => 1e-3,
-            Self::Microseconds => 1e-6,
-            Self::Minutes => 60.0,
-            Self::Nanoseconds => 1e-9,
-            Self::Days => 86_400.0,
-        }
-    }
-}
-
-impl AngleUnit {
-    /// How many radians one unit has.
-    pub fn radians(self) -> f64 {
-        match self {
-            Self::Radians => 1.0,
-            Self::Degrees => 1f64.to_radians(),
-            Self::Milliradians => 1e-3,
-            Self::Gradians => std::f64::consts::TAU / 400.0,
-            Self::Turns => std::f64::consts::TAU,
-            Self::Of(radians) => radians,
-        }
-    }
 }
 
 impl FromStr for Columns {

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::columns::ColumnsError;
-use super::header::{FORMAT_NAME, FORMAT_VERSION};
-use super::{LARGEST_RAD, MIN_SAMPLES, angle, choose, samples};
+use super::limits::{
+    FORMAT_NAME, FORMAT_VERSION, LARGEST_RAD, LARGEST_UNSTATED_RAD, LONGEST_STEP_S, MIN_SAMPLES, MOST_SAMPLES,
+};
 use crate::files::FileError;
 
 /// More rows of one time are no clock of few digits, which has some dozens in a tick.
@@ -224,7 +225,7 @@ pub enum Fault {
         "angles reach {largest}, expected at most {limit} rad for a pendulum; if they are degrees say --degrees, if they are \
          counts or volts say what one is worth, --columns t=0,theta=1:4096/turn or theta=1:54.5deg, if it really turned \
          over say --radians",
-        limit = angle::LARGEST_UNSTATED_RAD
+        limit = LARGEST_UNSTATED_RAD
     )]
     LooksLikeDegrees {
         /// Largest magnitude in the column.
@@ -240,7 +241,7 @@ pub enum Fault {
     #[error(
         "the median time step is {step} s, expected less than {limit} s for a pendulum; \
          if the column counts milliseconds, or is not the time, say so: --columns t=0:ms,theta=1 or t=1,theta=2",
-        limit = choose::LONGEST_STEP_S
+        limit = LONGEST_STEP_S
     )]
     StepTooLong {
         /// Median step as read, s.
@@ -344,7 +345,7 @@ pub enum Fault {
     /// More than one swing can be.
     #[error(
         "more than {} samples, which is more than a free swing has; cut the file, or thin it to 1000 samples a second",
-        samples::MOST_SAMPLES
+        MOST_SAMPLES
     )]
     TooManySamples,
     /// More bytes than any recording has.

@@ -19,14 +19,9 @@
 use std::fmt;
 
 use super::error::Fault;
+use super::limits::{FORMAT_NAME, FORMAT_VERSION};
 use super::measured::Measured;
 use shared::sensor::Sensor;
-
-/// The name in the `format` line.
-pub const FORMAT_NAME: &str = "pendulum-recording";
-
-/// The version this program writes, and the highest it reads.
-pub const FORMAT_VERSION: u32 = 1;
 
 /// Facts about how a recording was taken; what is not known is `None`.
 #[derive(Debug, Clone, Default, PartialEq)]

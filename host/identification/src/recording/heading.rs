@@ -2,7 +2,7 @@
 //! units in a line of their own or without.
 
 use super::number::is_missing;
-use super::table::{SEPARATORS, Separator, is_comment, n_numbers, split};
+use super::row::{SEPARATORS, Separator, is_comment, n_numbers, split};
 use super::words::{Meaning, is_unit, meaning};
 
 /// Names from the lines above the first row: the last line with as many cells, else one whose words are known.

@@ -84,7 +84,7 @@ pub enum Scale {
 impl Swings {
     /// Looks for swings in angles (rad) of a whole recording; `None` when there are not three turning points.
     pub fn of(times_s: &[f64], angles_rad: &[f64]) -> Option<Self> {
-        if times_s.len() < super::MIN_SAMPLES {
+        if times_s.len() < super::limits::MIN_SAMPLES {
             return None;
         }
         let every = times_s.len().div_ceil(MOST_SAMPLES);

@@ -3,7 +3,7 @@
 
 use super::heading;
 use super::number::{Cell, Numerals};
-use super::table::{Separator, is_comment, n_numbers, split};
+use super::row::{Separator, is_comment, n_numbers, split};
 
 /// So many rows alike show where the table begins; a file of fewer is no recording.
 const ROWS_ALIKE: usize = 10;

@@ -3,10 +3,10 @@
 //! They stay velocities: bias and scale of the sensor are numbers of the fit, which integrated rates would hide. Of
 //! several axes the one counts that moves most. Whatever is assumed is noted; what would be wrong is refused.
 
-use super::columns::{AngleUnit, RateUnit};
 use super::error::Fault;
+use super::options::ReadOptions;
 use super::plausible::{Scale, Swings};
-use super::read::ReadOptions;
+use super::units::{AngleUnit, RateUnit};
 
 /// A fall from upright ends with twice the angular frequency of small swings. The swings that are recorded may all be
 /// large and so slow that the frequency seems less than half of it.

@@ -10,35 +10,16 @@ use std::path::Path;
 
 use super::Recording;
 use super::choose::Sources;
-use super::columns::{AngleUnit, Columns};
 use super::error::{Fault, ReadError};
 use super::grid;
 use super::header::{Header, HeaderReader};
 use super::lost;
 use super::measured::Measured;
+use super::options::ReadOptions;
 use super::samples::Samples;
 use super::source::Lines;
 use super::table::Table;
 use super::words;
-
-/// What the user says about the file; what is left out is found.
-#[derive(Debug, Clone, Default)]
-pub struct ReadOptions {
-    /// `--columns`
-    pub columns: Option<Columns>,
-    /// `--rate`, Hz: for files without a time column; a time column is then ignored.
-    pub rate_hz: Option<f64>,
-    /// `--degrees` or `--radians`.
-    pub angle_unit: Option<AngleUnit>,
-    /// `--zero`: what the sensor reads while the pendulum hangs, in the file's unit; degrees for x and y.
-    pub zero: Option<f64>,
-    /// `--pivot`: where the pivot is, in the file's x and y.
-    pub pivot: Option<[f64; 2]>,
-    /// `--mirror`: it counts the other way, clockwise positive.
-    pub mirrored: bool,
-    /// What a file holds that does not say it.
-    pub measured: Option<Measured>,
-}
 
 /// Reads the recording at `path`.
 ///

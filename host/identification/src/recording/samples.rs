@@ -1,18 +1,16 @@
 //! The rows of a table, one after the other: numbers of the chosen columns, gaps, what was cut off.
 
-use super::choose::{LONGEST_STEP_S, Sources, TimeSource};
+use super::choose::{Sources, TimeSource};
 use super::clock;
 use super::error::{Fault, check_step};
 use super::grid;
+use super::limits::{LONGEST_STEP_S, MOST_SAMPLES};
 use super::median_step_s;
 use super::number::{Cell, Numerals};
 use super::order;
 use super::spikes;
 use super::table::Table;
 use super::ticks;
-
-/// More samples than a day's at 200 Hz, or ten hours' at 480 Hz, are not one swing.
-pub(super) const MOST_SAMPLES: usize = 17_280_000;
 
 /// A file names at most so many columns that are needed at once: three axes, and what else is called a rate.
 pub(super) const MOST_COLUMNS: usize = 8;

@@ -148,7 +148,7 @@ fn asked_range(recording: &Recording, options: &SegmentOptions) -> Result<Range<
     let start = recording.index_at(from_s);
     let end = recording.times_s().partition_point(|time_s| *time_s <= to_s);
     let n_samples = end.saturating_sub(start);
-    if n_samples < super::MIN_SAMPLES {
+    if n_samples < super::limits::MIN_SAMPLES {
         return Err(SegmentError::NothingBetween { from_s, to_s, n_samples, first_s, last_s });
     }
     Ok(start..end)

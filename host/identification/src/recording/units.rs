@@ -1,6 +1,90 @@
 //! Units of time, angle and angular velocity, in the words of many languages.
 
-use super::columns::{AngleUnit, RateUnit, TimeUnit};
+/// Unit of a time column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TimeUnit {
+    /// s
+    Seconds,
+    /// ms
+    Milliseconds,
+    /// µs
+    Microseconds,
+    /// min
+    Minutes,
+    /// ns
+    Nanoseconds,
+    /// days, as spreadsheets count them
+    Days,
+}
+
+/// Unit of an angle column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AngleUnit {
+    /// rad
+    Radians,
+    /// degrees
+    Degrees,
+    /// thousandths of a radian
+    Milliradians,
+    /// gon, 400 to a turn
+    Gradians,
+    /// turns
+    Turns,
+    /// so many radians: `4096/turn` of an encoder, `54.5deg` of a volt
+    Of(f64),
+}
+
+/// Unit of an angular velocity: an angle in a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RateUnit {
+    /// So large an angle …
+    pub angle: AngleUnit,
+    /// … in this time.
+    pub time: TimeUnit,
+}
+
+impl TimeUnit {
+    /// How many seconds one unit has.
+    pub fn seconds(self) -> f64 {
+        match self {
+            Self::Seconds => 1.0,
+            Self::Milliseconds => 1e-3,
+            Self::Microseconds => 1e-6,
+            Self::Minutes => 60.0,
+            Self::Nanoseconds => 1e-9,
+            Self::Days => 86_400.0,
+        }
+    }
+}
+
+impl AngleUnit {
+    /// How many radians one unit has.
+    pub fn radians(self) -> f64 {
+        match self {
+            Self::Radians => 1.0,
+            Self::Degrees => 1f64.to_radians(),
+            Self::Milliradians => 1e-3,
+            Self::Gradians => std::f64::consts::TAU / 400.0,
+            Self::Turns => std::f64::consts::TAU,
+            Self::Of(radians) => radians,
+        }
+    }
+}
+
+impl RateUnit {
+    /// rad/s
+    pub const RADIANS_PER_SECOND: Self = Self::per_second(AngleUnit::Radians);
+
+    /// An angle a second.
+    pub const fn per_second(angle: AngleUnit) -> Self {
+        Self { angle, time: TimeUnit::Seconds }
+    }
+
+    /// How many rad/s one unit has.
+    pub fn rad_per_s(self) -> f64 {
+        self.angle.radians() / self.time.seconds()
+    }
+}
 
 /// `s`, `sekunden`, `millis`, in lower case.
 pub(super) fn time_unit(word: &str) -> Option<TimeUnit> {

@@ -6,8 +6,7 @@
 
 mod sensors;
 
-use super::columns::{AngleUnit, RateUnit, TimeUnit};
-use super::units::rate_word;
+use super::units::{AngleUnit, RateUnit, TimeUnit, rate_word};
 pub(super) use super::units::{angle_unit, rate_unit, time_unit};
 use sensors::TURNS_OF_BODY;
 pub(super) use sensors::{is_acceleration, is_duration, is_gyroscope, is_quaternion, is_raw, is_turn_of_body};

@@ -8,7 +8,8 @@ use std::path::Path;
 
 use super::Recording;
 use super::error::WriteError;
-use super::header::{FORMAT_VERSION, Header};
+use super::header::Header;
+use super::limits::FORMAT_VERSION;
 use super::measured::Measured;
 use crate::files::{Existing, NewFile};
 

@@ -1,8 +1,8 @@
 //! A design made ready for surfaces.
 
 use super::design::Design;
+use super::error::FitError;
 use super::least_squares::{LeastSquares, rank};
-use super::surface::FitError;
 use super::term::Term;
 use nalgebra::DMatrix;
 use std::sync::Arc;

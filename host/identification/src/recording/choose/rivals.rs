@@ -2,7 +2,7 @@
 //! of the three angles of an orientation. Names can't tell that, and the first rows may be those of a pendulum at rest.
 
 use super::super::error::Fault;
-use super::super::read::ReadOptions;
+use super::super::options::ReadOptions;
 use super::super::samples::Samples;
 use super::super::table::Table;
 use super::super::words::is_turn_of_body;

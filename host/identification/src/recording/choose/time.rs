@@ -1,22 +1,21 @@
 //! Which column is the time, or what tells it; and in what unit it counts.
 
 use super::super::clock;
-use super::super::columns::{Columns, TimeUnit};
+use super::super::columns::Columns;
 use super::super::error::Fault;
 use super::super::header::Header;
+use super::super::limits::{LONGEST_STEP_S, MIN_SAMPLES};
 use super::super::number;
+use super::super::options::ReadOptions;
 use super::super::plausible::{LONGEST_PERIOD_S, SHORTEST_PERIOD_S, Swings};
-use super::super::read::ReadOptions;
 use super::super::samples::Samples;
 use super::super::table::Table;
 use super::super::ticks;
+use super::super::units::TimeUnit;
 use super::super::words::{self, Meaning, meaning};
-use super::super::{MIN_SAMPLES, median, median_step_s};
+use super::super::{median, median_step_s};
 use super::names::{all_best, ambiguous};
 use super::{find, the_one};
-
-/// Steps of unstated unit beyond this are refused: at 2 Hz a laboratory pendulum cannot be followed.
-pub(in crate::recording) const LONGEST_STEP_S: f64 = 0.5;
 
 /// Times of unstated unit beyond this many seconds count from 1970, in the unit that puts them within a century of it.
 const EPOCH_BEGINS_S: f64 = 1e8;

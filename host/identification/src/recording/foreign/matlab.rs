@@ -6,8 +6,8 @@
 
 use super::mat5::{Problem, Variable};
 use super::{mat4, mat5, refused, text_of};
-use crate::recording::MIN_SAMPLES;
 use crate::recording::error::Fault;
+use crate::recording::limits::MIN_SAMPLES;
 
 /// A matrix with more columns, and more rows, is a picture, not a table.
 const MOST_COLUMNS: usize = 64;

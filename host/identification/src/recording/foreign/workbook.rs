@@ -6,8 +6,8 @@
 
 use super::refused;
 use super::zipped::{only_one, unpacked};
-use crate::recording::MIN_SAMPLES;
 use crate::recording::error::Fault;
+use crate::recording::limits::MIN_SAMPLES;
 use std::io::Cursor;
 use zip::ZipArchive;
 

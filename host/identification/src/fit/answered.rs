@@ -1,0 +1,64 @@
+//! What pairs of Ms and DV cost once all smooth parameters have answered to them, to first order.
+
+use super::arrow::ArrowFactor;
+use super::fitted::Stiction;
+use super::levels;
+use super::linear::{Linear, SwingLinear, dot};
+use super::problem::{PER_SWING, Point, Problem, Start, Unknown};
+use nalgebra::DVector;
+use shared::effect::Effect;
+use shared::parameters::{Parameters, base};
+
+/// Rounds of search and descent.
+pub(super) const MAX_ROUNDS: usize = 3;
+
+/// Damping of first-order answers: enough to keep numbers without any effect in place.
+const ANSWER_DAMPING: f64 = 1e-6;
+
+/// Costs of pairs after the smooth parameters have answered to first order.
+pub(super) fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, tried: &[Stiction]) -> Vec<f64> {
+    let levels = problem.unknowns.iter().zip(&point.values).filter(|(unknown, _)| unknown.name == levels::NAME);
+    let (levels, at): (Vec<Unknown>, Vec<f64>) = levels.map(|(level, value)| (level.clone(), *value)).unzip();
+    let pair_problem = Problem {
+        unknowns: [stiction_unknowns(&problem.template), levels].concat(),
+        template: problem.parameters(&point.values),
+        ..problem.clone()
+    };
+    let pair = |pair: &Stiction| [&[pair.level_nm, pair.velocity_band], at.as_slice()].concat();
+    let pairs: Vec<Vec<f64>> = tried.iter().map(pair).collect();
+    let n_unknowns = problem.unknowns.len();
+    let of_swing = |swing_idx: usize, known: &SwingLinear| -> Vec<(f64, Vec<f64>)> {
+        let swing = &problem.swings[swing_idx];
+        let start = point.starts[swing_idx];
+        let guesses: Vec<(&[f64], Start)> = pairs.iter().map(|pair| (pair.as_slice(), start)).collect();
+        let predicted = pair_problem.predict(swing_idx, swing.len(), &guesses);
+        let judge = |column: &Vec<f64>| {
+            let residuals: Vec<f64> =
+                swing.angles_rad.iter().zip(column).map(|(m, p)| m - p - start.offset_rad).collect();
+            let slopes = known.columns.iter().map(|column| dot(column, &residuals)).collect();
+            (dot(&residuals, &residuals), slopes)
+        };
+        predicted.iter().map(judge).collect()
+    };
+    let per_swing = linear.each(of_swing);
+    let equations = &linear.equations;
+    let factor = ArrowFactor::new(&equations.normal, ANSWER_DAMPING, |_| true);
+    let answered = |pair_idx: usize| {
+        let mut gradient = DVector::zeros(equations.gradient.len());
+        let mut cost = 0.0;
+        for (swing_idx, judged) in per_swing.iter().enumerate() {
+            let (square, slopes) = &judged[pair_idx];
+            cost += square;
+            for (j, slope) in slopes.iter().enumerate() {
+                gradient[if j < n_unknowns { j } else { j + PER_SWING * swing_idx }] += slope;
+            }
+        }
+        cost - gradient.dot(&factor.solve(&gradient))
+    };
+    (0..tried.len()).map(answered).collect()
+}
+
+/// Ms and DV as unknowns.
+pub(super) fn stiction_unknowns(parameters: &Parameters<f64>) -> Vec<Unknown> {
+    Effect::by_id(base::STICTION).map_or(Vec::new(), |effect| Unknown::all_of_effect(effect, parameters))
+}

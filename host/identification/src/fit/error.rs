@@ -1,0 +1,54 @@
+//! Why a fit ends without numbers.
+
+use crate::geometry::GeometryError;
+use crate::recording::Measured;
+use crate::swing::MixedReadings;
+
+/// Why nothing could be identified.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FitError {
+    /// No swing at all.
+    #[error("there is no swing to fit; give at least one recording")]
+    NoSwing,
+    /// A range for something that is not fitted.
+    #[error("there is no parameter {symbol} to give a range for; expected one of {known}")]
+    UnknownRange {
+        /// As given.
+        symbol: String,
+        /// What there is.
+        known: String,
+    },
+    /// A range that can't be used.
+    #[error(
+        "the range {low} … {high} of {symbol} can't be used; give two finite numbers, the smaller one first, not below {limit}"
+    )]
+    BadRange {
+        /// Whose.
+        symbol: String,
+        /// As given.
+        low: f64,
+        /// As given.
+        high: f64,
+        /// The least value with a meaning.
+        limit: f64,
+    },
+    /// Mass, length or inertia are not those of the pendulum that swung.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// Angles and rates at once.
+    #[error(transparent)]
+    Mixed(#[from] MixedReadings),
+    /// The model never came near.
+    #[error(
+        "the model does not follow the swings at all: error {error:.3} {unit}; is the {name} in {unit}, zero where the \
+         pendulum hangs, and the geometry right? Did nothing touch or drive it (--from, --to)?",
+        unit = measured.unit(),
+        name = measured.name()
+    )]
+    Hopeless {
+        /// Root mean square error, in the unit of the readings.
+        error: f64,
+        /// What the readings are.
+        measured: Measured,
+    },
+}

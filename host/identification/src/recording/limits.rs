@@ -1,0 +1,22 @@
+//! What a recording may be at most and at least, and what its own format is called: errors name these too.
+
+/// Fewer samples than this cannot show a swing: refused when read.
+pub const MIN_SAMPLES: usize = 16;
+
+/// The model's sine serves angles up to here: 1,500 turns.
+pub(super) const LARGEST_RAD: f64 = 1e4;
+
+/// More samples than a day's at 200 Hz, or ten hours' at 480 Hz, are not one swing.
+pub(super) const MOST_SAMPLES: usize = 17_280_000;
+
+/// Angles of unstated unit beyond this are refused: a pendulum that only swings stays within a turn (2π), with margin.
+pub(super) const LARGEST_UNSTATED_RAD: f64 = 7.0;
+
+/// Steps of unstated unit beyond this are refused: at 2 Hz a laboratory pendulum cannot be followed.
+pub(super) const LONGEST_STEP_S: f64 = 0.5;
+
+/// The name in the `format` line.
+pub const FORMAT_NAME: &str = "pendulum-recording";
+
+/// The version this program writes, and the highest it reads.
+pub const FORMAT_VERSION: u32 = 1;

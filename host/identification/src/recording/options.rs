@@ -1,0 +1,24 @@
+//! What is said of a file beside the file.
+
+use super::columns::Columns;
+use super::measured::Measured;
+use super::units::AngleUnit;
+
+/// What the user says about the file; what is left out is found.
+#[derive(Debug, Clone, Default)]
+pub struct ReadOptions {
+    /// `--columns`
+    pub columns: Option<Columns>,
+    /// `--rate`, Hz: for files without a time column; a time column is then ignored.
+    pub rate_hz: Option<f64>,
+    /// `--degrees` or `--radians`.
+    pub angle_unit: Option<AngleUnit>,
+    /// `--zero`: what the sensor reads while the pendulum hangs, in the file's unit; degrees for x and y.
+    pub zero: Option<f64>,
+    /// `--pivot`: where the pivot is, in the file's x and y.
+    pub pivot: Option<[f64; 2]>,
+    /// `--mirror`: it counts the other way, clockwise positive.
+    pub mirrored: bool,
+    /// What a file holds that does not say it.
+    pub measured: Option<Measured>,
+}
