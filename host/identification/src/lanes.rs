@@ -160,9 +160,11 @@ impl<const N: usize> Real for Lanes<N> {
     fn abs(self) -> Self {
         self.map(f64::abs)
     }
+    /// The processor's own, which takes lanes at once; that of a `no_std` number takes them one by one, and where the rest
+    /// is AVX it waits for each.
     #[inline(always)]
     fn sqrt(self) -> Self {
-        self.map(Real::sqrt)
+        self.map(f64::sqrt)
     }
     #[inline(always)]
     fn sin(self) -> Self {
