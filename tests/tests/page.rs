@@ -179,6 +179,41 @@ fn a_slider_shows_what_a_number_does_and_the_fit_tells_its_story() {
     });
 }
 
+/// A rod in air from a large angle: one release of it proves no law.
+#[test]
+fn what_no_law_explains_is_drawn_as_a_friction_curve_that_can_be_added_and_taken_out_again() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let swing = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/data/recordings/real/more/pendulepi_release_a.csv");
+    host(folder.path(), "init --unknown-geometry").succeeded();
+    let server = Server::start(folder.path(), &format!("--rig rig.toml {}", swing.display()));
+    block_on(async {
+        let browser = Browser::open(&server.url, 1280, 720).await;
+        browser.wait_for("document.querySelector('#verdict.bad')").await;
+        browser.wait_for(IDLE).await;
+        let before = browser.number("#ratio").await.unwrap();
+        browser.click("#diagnose").await;
+        browser.wait_for("document.querySelector('#friction-curve .main-svg')").await;
+        browser.wait_for(IDLE).await;
+        let words = browser.text("#diagnosis-words").await;
+        assert!(words.contains("Likely, but not proven: quadratic-drag"), "{words}");
+        let words = browser.text("#curve-words").await;
+        assert!(words.contains("a free friction curve") && words.contains("It resembles power-law-drag"), "{words}");
+        browser.run("document.getElementById('friction-curve').scrollIntoView()").await;
+        browser.keep_picture("20-friction-curve").await;
+
+        browser.click("#curve-add").await;
+        browser.wait_for("document.querySelector('#curve-add').innerText === 'Remove it'").await;
+        browser.wait_for(IDLE).await;
+        let after = browser.number("#ratio").await.unwrap();
+        assert!(after < 0.1 * before, "{after} of {before}");
+        browser.keep_picture("21-friction-curve-added").await;
+        browser.click("#curve-add").await;
+        browser.wait_for("document.querySelector('#curve-add').innerText === 'Add it'").await;
+        browser.close().await;
+    });
+}
+
 #[test]
 fn a_wrong_file_is_named_and_the_page_goes_on() {
     let _alone = alone();

@@ -12,6 +12,7 @@
 mod budget;
 mod conclusion;
 pub mod curve;
+mod curve_words;
 mod doubt;
 pub mod evidence;
 mod extension;

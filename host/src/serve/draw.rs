@@ -2,10 +2,13 @@
 
 use super::app::App;
 use crate::compare::pictures::pictures;
+use crate::diagnose::Diagnosis;
 use crate::error::Failure;
 use crate::plot::decimate::decimated;
+use crate::plot::friction::friction;
 use crate::plot::{Content, Picture, Style};
 use serde::{Deserialize, Serialize};
+use shared::effect::CURVE_NAME;
 
 /// Points of a curve at most.
 const MOST_POINTS: usize = 6000;
@@ -95,12 +98,20 @@ fn starts_with_number(key: &str) -> bool {
     key.strip_prefix("residual-").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
 }
 
-/// One picture of the comparison.
+/// One picture of the comparison, or that of the friction curve which the diagnosis offers.
 pub(super) fn picture(app: &App, key: &str) -> Result<Picture, Failure> {
     let missing = || Failure::wrong_use(format!("there is no picture {key}")).next("compare recordings first");
+    if key == CURVE_NAME {
+        return app.read(|state| state.diagnosis.clone()).and_then(|found| of_curve(&found)).ok_or_else(missing);
+    }
     let comparison = app.read(|state| state.comparison.clone()).ok_or_else(missing)?;
     let found = pictures(&comparison).into_iter().find(|picture| picture.key == key);
     found.map(thinned).ok_or_else(missing)
+}
+
+fn of_curve(diagnosis: &Diagnosis) -> Option<Picture> {
+    let curve = diagnosis.curve.as_ref()?;
+    friction(&curve.parameters, &curve.stds)
 }
 
 fn thinned(mut picture: Picture) -> Picture {

@@ -5,7 +5,7 @@ use super::simulate::{Values, named, with};
 use super::state::{Numbers, State};
 use super::work;
 use crate::error::Failure;
-use crate::formula::{self, effect_of};
+use crate::formula::{self, FRICTION_CURVE, effect_of};
 use crate::improve::Change;
 use crate::rigfile::{Knowledge, RigFile, Source};
 use serde::Deserialize;
@@ -83,7 +83,8 @@ pub(super) fn effects(app: &App, changes: &Changes) -> Result<(), Failure> {
     let custom = app.model().ok().and_then(|named| effect_of(named.file.parameters(), CUSTOM_FORMULA_ID));
     let effect = |name: &String| {
         let missing = || Failure::wrong_use(format!("there is no effect called {name}")).next("choose one of the list");
-        Effect::<f64>::by_name(name).or(custom.filter(|custom| custom.name == name)).ok_or_else(missing)
+        let own = [custom, Some(&FRICTION_CURVE)].into_iter().flatten().find(|own| own.name == name);
+        Effect::<f64>::by_name(name).or(own).ok_or_else(missing)
     };
     let added = changes.add.iter().map(|name| effect(name).map(Change::Add));
     let removed = changes.remove.iter().map(|name| effect(name).map(Change::Remove));

@@ -15,7 +15,7 @@ use crate::improve::Step;
 use crate::recording::Measured;
 use crate::rigfile::{Quantity, RigFile};
 use serde::Serialize;
-use shared::effect::Effect;
+use shared::effect::{CURVE_NAME, Effect};
 use shared::parameters::Parameters;
 use std::sync::Arc;
 
@@ -30,6 +30,8 @@ pub(super) struct View {
     staircase: Vec<Step>,
     undos: usize,
     diagnosis: Option<Diagnosis>,
+    /// What the diagnosis says of a friction curve, if it offers one.
+    curve_words: Option<String>,
     fit: Option<FitView>,
     failure: Option<FailureView>,
     rig: RigView,
@@ -101,6 +103,7 @@ pub(super) fn view(app: &App) -> View {
         staircase: state.staircase.clone(),
         undos: state.history.len(),
         diagnosis: state.diagnosis.as_deref().cloned(),
+        curve_words: state.diagnosis.as_deref().and_then(curve_words),
         fit: fit(state),
         failure: state.failure.as_ref().map(FailureView::from),
         rig: state.rig.clone(),
@@ -110,14 +113,19 @@ pub(super) fn view(app: &App) -> View {
     })
 }
 
+fn curve_words(diagnosis: &Diagnosis) -> Option<String> {
+    diagnosis.curve.as_ref().map(|curve| curve.in_words(diagnosis))
+}
+
 fn model_view(file: &RigFile, origin: &str) -> ModelView {
     let parameters = file.parameters();
     let names = parameters.effects.iter().filter_map(|effect| effect_of(parameters, effect.id));
+    let curve = parameters.curve.as_ref().map(|_| CURVE_NAME);
     ModelView {
         origin: origin.to_owned(),
         fresh: file.is_fresh(),
         normalised: file.is_normalised(),
-        effects: names.map(|effect| effect.name).collect(),
+        effects: names.map(|effect| effect.name).chain(curve).collect(),
         sliders: sliders(parameters, |quantity| file.knowledge(quantity).and_then(|knowledge| knowledge.std)),
     }
 }

@@ -98,6 +98,8 @@ pub struct Diagnosis {
     /// Effects that would lower the error, but are not claimed: single parts of the swings carry them, or there are too few
     /// parts to say.
     pub unproven: Vec<Holding>,
+    /// That of them which would explain most of what is left: likely the cause, though other releases must show it.
+    pub suspect: Option<&'static str>,
     /// On which parts of the swings each claimed effect is seen.
     pub holds_on: Vec<Holding>,
     /// That the friction level differs between releases, where it does.
@@ -163,13 +165,17 @@ impl Diagnosis {
         self.staircase.len() == 1
     }
 
-    /// The unproven claim that would explain most of what is left: likely the cause, though other releases must show
-    /// it.
+    /// The claim of the suspect.
     pub fn suspect(&self) -> Option<&Holding> {
-        let excess = |rmse: f64| rmse.powi(2) - self.noise.powi(2);
-        let lowest = self.unproven.iter().min_by(|a, b| a.rmse.total_cmp(&b.rmse))?;
-        (excess(lowest.rmse) < (1.0 - SUSPECTED_SHARE) * excess(self.rmse_after)).then_some(lowest)
+        self.unproven.iter().find(|claim| Some(claim.effect) == self.suspect)
     }
+}
+
+/// The unproven claim that would remove nearly all that is left beyond the noise.
+fn suspect(unproven: &[Holding], rmse_after: f64, noise: f64) -> Option<&'static str> {
+    let excess = |rmse: f64| rmse.powi(2) - noise.powi(2);
+    let lowest = unproven.iter().min_by(|a, b| a.rmse.total_cmp(&b.rmse))?;
+    (excess(lowest.rmse) < (1.0 - SUSPECTED_SHARE) * excess(rmse_after)).then_some(lowest.effect)
 }
 
 /// One step of the staircase of errors.
@@ -245,6 +251,7 @@ impl Summary<'_, '_, '_> {
             undecided: self.undecided,
             not_tried: self.not_tried,
             vetoed: self.vetoed,
+            suspect: suspect(&self.unproven, rmse_after, noise),
             unproven: self.unproven,
             holds_on: self.holds_on,
             levels: levels(problem, &self.claimed),

@@ -1,7 +1,10 @@
 // Which effect is missing: candidates as bars, their evidence, one click to add, and the staircase of errors.
 
 import { byId, element, mrad, number, times } from './numbers.js';
-import { post } from './server.js';
+import { draw, pictureOf } from './plots.js';
+import { get, post } from './server.js';
+
+const CURVE = 'friction-curve';
 
 let effects = new Map();
 let state = null;
@@ -17,6 +20,7 @@ export function begin(report, all) {
     if (formula) done(post('api/formula', { formula }));
   });
   byId('diagnose').addEventListener('click', () => done(post('api/diagnose')));
+  byId('curve-add').addEventListener('click', () => done(post('api/change', { [hasCurve() ? 'remove' : 'add']: [CURVE] })));
 }
 
 export function show(now) {
@@ -25,6 +29,7 @@ export function show(now) {
   showWords();
   showCandidates();
   byId('formula-add').disabled = byId('diagnose').disabled;
+  showCurve();
   showSuggestions();
   showExplanation();
   showStaircase();
@@ -38,7 +43,10 @@ function showWords() {
   const split = found.of_state ? ` ${found.of_state.words}` : '';
   const rest = (found.unexplained ? ' What remains is not explained by any candidate.' : '') + split;
   const why = (claim) => (claim.standing === 'too-short' ? 'there are too few periods to check it on' : 'not on every part of the swings');
-  const dropped = found.unproven.map((claim) => ` Not claimed: ${claim.effect}. It lowers the error to ${mrad(claim.rmse)}, but ${why(claim)}.`).join('');
+  const doubt = (claim) => (claim.effect === found.suspect
+    ? ` Likely, but not proven: ${claim.effect}. With it the error would fall to ${mrad(claim.rmse)}, but ${why(claim)}; another release can tell.`
+    : ` Not claimed: ${claim.effect}. It lowers the error to ${mrad(claim.rmse)}, but ${why(claim)}.`);
+  const dropped = found.unproven.map(doubt).join('');
   const tie = found.family ? ` It is ${found.family.words}; its shape is undecided between ${found.family.members.join(' and ')}.` : found.undecided.length ? ` These swings cannot tell it from ${found.undecided.join(', ')}.` : '';
   const zero = found.verdict.length ? ` With the sensor's zero put right (${names}) it leaves ${mrad(found.rmse_after)}.` : '';
   const hasNoLaw = found.staircase.length === 1;
@@ -48,7 +56,24 @@ function showWords() {
   const levels = found.levels ? `${found.levels.words}. ` : '';
   words.textContent = driven + levels + (hasNoLaw && found.unexplained
     ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left, but no effect of the list brings it down to the noise.${dropped}${split}`
-    : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `Missing: ${names}. With it the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
+    : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `Missing: ${names}. With ${found.verdict.length > 1 ? 'them' : 'it'} the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
+}
+
+const hasCurve = () => Boolean(state.model?.effects.includes(CURVE));
+
+/** Friction as a free curve of the speed, where no law explains the swings. */
+function showCurve() {
+  const box = byId('friction-curve');
+  const words = state.curve_words;
+  box.hidden = words === null;
+  byId('curve-add').textContent = hasCurve() ? 'Remove it' : 'Add it';
+  if (words === null || box.dataset.words === words) return;
+  box.dataset.words = words;
+  byId('curve-words').textContent = words;
+  get(`api/pictures/${CURVE}`).then((picture) => {
+    box.querySelector('figcaption').textContent = picture.explanation;
+    return draw(box.querySelector('.plot'), () => pictureOf(picture));
+  }).catch(() => {});
 }
 
 /** Small formulas for what no effect explains. */
