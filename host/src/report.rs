@@ -1,5 +1,6 @@
-//! The report of a comparison: one HTML file that needs nothing else, neither network nor other files.
+//! Reports of a comparison and of a diagnosis: one HTML file each that needs nothing else, neither network nor other files.
 
+pub mod diagnosis;
 mod tables;
 
 use crate::compare::Comparison;
@@ -9,25 +10,32 @@ use crate::plot::Picture;
 use crate::web;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// The whole page.
+/// The whole page of a comparison.
 pub fn report(comparison: &Comparison) -> String {
+    let body = html! {
+        (verdict(comparison))
+        (tables::recordings(comparison))
+        (tables::parameters(comparison))
+        @for picture in &pictures(comparison) { (figure(picture)) }
+        (tables::swings(comparison))
+    };
+    page("Where does the model fail?", &body)
+}
+
+fn page(title: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Where does the model fail?" }
+                title { (title) }
                 style { (PreEscaped(STYLE)) }
                 (PreEscaped(web::script()))
             }
             body {
-                h1 { "Where does the model fail?" }
-                (verdict(comparison))
-                (tables::recordings(comparison))
-                (tables::parameters(comparison))
-                @for picture in &pictures(comparison) { (figure(picture)) }
-                (tables::swings(comparison))
+                h1 { (title) }
+                (body)
             }
         }
     };
@@ -72,7 +80,7 @@ const STYLE: &str = "
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
 h1 { font-size: 1.6rem; } h2 { font-size: 1.15rem; margin: 0 0 .3rem; }
 .verdict { border-left: .4rem solid; padding: .2rem 1rem; background: #f6f6f6; font-size: 1.1rem; }
-.verdict p { margin: .4rem 0; } .good { border-color: #009e73; } .unsure { border-color: #e69f00; } .bad { border-color: #d55e00; }
+.verdict p { margin: .4rem 0; } code { font-size: 1.05rem; } section.effect { margin: 2rem 0; } .good { border-color: #009e73; } .unsure { border-color: #e69f00; } .bad { border-color: #d55e00; }
 figure { margin: 2.5rem 0; } .plot { height: 440px; } figcaption { color: #444; max-width: 50rem; }
 table { border-collapse: collapse; margin: 1rem 0; } th, td { padding: .2rem .7rem; text-align: right; border-bottom: 1px solid #ddd; }
 th:first-child, td:first-child { text-align: left; } details { margin: 1rem 0; }

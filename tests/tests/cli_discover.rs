@@ -45,6 +45,20 @@ fn a_hidden_drag_is_named_added_and_the_error_falls_to_the_noise() {
 }
 
 #[test]
+fn a_report_says_what_is_missing_and_on_which_parts_it_holds() {
+    let folder = bench("mystery-1");
+    let run = host(folder.path(), "diagnose one.csv two.csv --report missing.html");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let page = std::fs::read_to_string(folder.path().join("missing.html")).unwrap();
+    let parts = ["<td>left</td>", "<td>right</td>", "<td>one.csv</td>", "<td>two.csv</td>"];
+    for expected in ["Missing: quadratic-drag.", "<td>Cq</td>", "Error after each step"].iter().chain(&parts) {
+        assert!(page.contains(expected), "{expected}");
+    }
+    let again = host(folder.path(), "diagnose one.csv two.csv --report missing.html");
+    assert!(again.code == 2 && !again.stderr.contains("first look"), "{}", again.stderr);
+}
+
+#[test]
 fn an_innocent_rig_is_not_accused() {
     let folder = bench("mystery-4");
     let found = json(folder.path(), "diagnose one.csv two.csv --json");

@@ -2,7 +2,7 @@
 
 use super::given::Given;
 use super::values::custom_effect;
-use super::{evidence, output};
+use super::{evidence, output, rig};
 use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
 use crate::error::Failure;
 use crate::look::{Look, at_first_look};
@@ -10,9 +10,10 @@ use crate::operations::diagnose::Fields;
 use crate::operations::json::all_named;
 use crate::plot::friction::friction;
 use crate::plot::svg::svg;
+use crate::report::diagnosis::report;
 use clap::Args;
 use shared::effect::Effect;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Find out which physical effect is missing: fit the base model, then try every effect there is.
 #[derive(Debug, Args)]
@@ -32,7 +33,10 @@ pub(super) struct Options {
     /// Draw the friction curve here, where no law explains the swings (SVG)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Replace the drawing if it exists
+    /// Write a report for the browser, one file that needs no network
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Replace a drawing and a report that exist there
     #[arg(long)]
     force: bool,
 }
@@ -41,10 +45,12 @@ const EXAMPLE: &str = "\
 Example:
   host diagnose swing1.csv swing2.csv swing3.csv --rig rig.toml
   host diagnose swing*.csv --hold-out other.csv --json
+  host diagnose swing*.csv --report missing.html
   host diagnose swing*.csv --formulas
   host diagnose swing*.csv --effect 'torque = -k*omega^3; k in 0..1e-4 N·m·s³'";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    check_outputs(options)?;
     let model = options.given.model()?;
     let swings = options.given.swings(&model)?;
     let held_out = options.given.held_out(&model, &options.hold_out, &swings)?;
@@ -56,7 +62,19 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     } else {
         output::result(&evidence::in_words(&diagnosis));
     }
-    draw(options, &diagnosis)
+    draw(options, &diagnosis)?;
+    let Some(path) = &options.report else { return Ok(()) };
+    let page = report(&diagnosis, &evidence::sentences(&diagnosis), &evidence::treads(&diagnosis));
+    output::write(path, &page, options.force)
+}
+
+/// Neither what is read nor an earlier drawing or report is replaced, which is said before the search.
+fn check_outputs(options: &Options) -> Result<(), Failure> {
+    let given = &options.given;
+    let rig = rig::chosen_path(given.rig.as_deref());
+    let read: Vec<&Path> = given.recordings.iter().chain(&options.hold_out).chain(&rig).map(PathBuf::as_path).collect();
+    let new: Vec<&Path> = options.plot.iter().chain(&options.report).map(PathBuf::as_path).collect();
+    output::check(&new, &read, options.force)
 }
 
 fn first_look(look: &Look) {

@@ -2,6 +2,7 @@
 
 use super::curve_words;
 use super::table::wrapped;
+use crate::compare::pictures::short_name;
 use crate::diagnose::holds::ALPHA;
 use crate::diagnose::{Candidate, Diagnosis, Holding, NotTried, Standing, Step, Suggestion, Value};
 use crate::fit::identify::Carries;
@@ -16,10 +17,40 @@ const HINT: &str = "With --formulas small formulas are searched for what remains
 
 /// The whole diagnosis for a person.
 pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
+    let mut parts = said(diagnosis);
+    parts.extend(diagnosis.verdict.iter().filter_map(|name| claimed(diagnosis, name)));
+    parts.extend(doubts(diagnosis));
+    if diagnosis.verdict.is_empty() && !diagnosis.unexplained {
+        return parts.join("\n\n");
+    }
+    parts.extend(diagnosis.curve.as_ref().map(|curve| curve_words::in_words(diagnosis, curve)));
+    parts.extend(diagnosis.of_state.as_ref().map(|split| wrapped(&split.words, 0)));
+    parts.extend(left_out(diagnosis));
+    parts.extend(formulas(diagnosis));
+    parts.push(staircase(diagnosis));
+    parts.push(ranking(diagnosis));
+    parts.join("\n\n")
+}
+
+/// What is missing, and what speaks against each claim, a sentence or a few each, not broken into lines.
+pub(super) fn sentences(diagnosis: &Diagnosis) -> Vec<String> {
+    let mut parts = [said(diagnosis), doubts(diagnosis)].concat();
+    parts.extend(diagnosis.of_state.as_ref().map(|split| split.words.clone()));
+    parts.extend(left_out(diagnosis));
+    parts.iter().map(|part| part.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
+}
+
+/// What is missing, or likely missing.
+fn said(diagnosis: &Diagnosis) -> Vec<String> {
     let mut parts: Vec<String> = driven(diagnosis).into_iter().chain([verdict(diagnosis)]).collect();
     parts.extend(diagnosis.levels.as_ref().map(|levels| wrapped(&format!("{}.", levels.words), 0)));
     parts.extend(diagnosis.suspect().map(|claim| suspected(diagnosis, claim)));
-    parts.extend(diagnosis.verdict.iter().filter_map(|name| claimed(diagnosis, name)));
+    parts
+}
+
+/// What can't be told apart, was not claimed, or was not tried.
+fn doubts(diagnosis: &Diagnosis) -> Vec<String> {
+    let mut parts = Vec::new();
     if let Some(family) = &diagnosis.family {
         let words = format!(
             "It is {}; its shape is undecided between {}. A release from a larger angle may tell.",
@@ -45,16 +76,7 @@ pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
     parts.extend(diagnosis.unproven.iter().filter(|claim| Some(claim.effect) != suspect).map(unproven));
     parts.extend(held_out(diagnosis));
     parts.extend(not_tried(diagnosis));
-    if diagnosis.verdict.is_empty() && !diagnosis.unexplained {
-        return parts.join("\n\n");
-    }
-    parts.extend(diagnosis.curve.as_ref().map(|curve| curve_words::in_words(diagnosis, curve)));
-    parts.extend(diagnosis.of_state.as_ref().map(|split| wrapped(&split.words, 0)));
-    parts.extend(left_out(diagnosis));
-    parts.extend(formulas(diagnosis));
-    parts.push(staircase(diagnosis));
-    parts.push(ranking(diagnosis));
-    parts.join("\n\n")
+    parts
 }
 
 /// That a motor or a hand drives the swings.
@@ -155,7 +177,7 @@ fn probability(p: f64) -> String {
 fn seen_on(claim: &Holding) -> String {
     let named = |seen: Option<bool>| {
         let names: Vec<&str> =
-            claim.parts.iter().filter(|part| part.seen == seen).map(|part| part.name.as_str()).collect();
+            claim.parts.iter().filter(|part| part.seen == seen).map(|part| short_name(&part.name)).collect();
         (!names.is_empty()).then(|| names.join(", "))
     };
     let mut words = match named(Some(true)) {

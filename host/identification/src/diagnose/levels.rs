@@ -141,7 +141,7 @@ fn words(parts: &[PartLevels]) -> String {
     let told: Vec<&PartLevels> = parts.iter().filter(|part| part.differs).collect();
     let change = told.iter().map(|part| part.change).fold(0.0, f64::max);
     let of_part = |part: &&PartLevels| {
-        let name = if part.part == Part::Dry { "dry friction" } else { "what grows with the speed" };
+        let name = part.part.words();
         let levels: Vec<String> = part.releases.iter().map(of_release).collect();
         format!("{name} {}", levels.join(", "))
     };

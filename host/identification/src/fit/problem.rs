@@ -58,6 +58,16 @@ pub enum Part {
 }
 
 impl Part {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Dry => "dry friction",
+            Self::Speed => "what grows with the speed",
+        }
+    }
+}
+
+impl Part {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Dry, Self::Speed];
 }

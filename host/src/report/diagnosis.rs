@@ -1,0 +1,137 @@
+//! The report of a diagnosis: what is missing, on which parts of the swings each claim holds, and what was tried.
+
+use super::{figure, page};
+use crate::compare::pictures::short_name;
+use crate::diagnose::levels::Levels;
+use crate::diagnose::{Candidate, Diagnosis, Holding, Suggestion, Value};
+use crate::formula::effect_of;
+use crate::number::{noises, with_spread};
+use crate::plot::friction::friction;
+use crate::plot::staircase::{Tread, staircase};
+use crate::verdict::Left;
+use maud::{Markup, html};
+use shared::effect::Effect;
+
+/// The whole page; the sentences say what the tables and pictures show.
+pub fn report(diagnosis: &Diagnosis, sentences: &[String], treads: &[Tread]) -> String {
+    let class = match diagnosis.left {
+        Left::Noise => "good",
+        Left::Nearly => "unsure",
+        Left::Missing => "bad",
+    };
+    let body = html! {
+        section.verdict.(class) { @for sentence in sentences { p { (sentence) } } }
+        (figure(&staircase(treads, diagnosis.noise)))
+        @for name in &diagnosis.verdict { (claimed(diagnosis, name)) }
+        @if let Some(levels) = &diagnosis.levels { (levels_of_releases(levels)) }
+        (curve(diagnosis))
+        (formulas(diagnosis))
+        (tried(diagnosis))
+    };
+    page("Which physical effect is missing?", &body)
+}
+
+/// One claimed effect: what it is, its numbers, what it does, and where it is seen.
+fn claimed(diagnosis: &Diagnosis, name: &str) -> Markup {
+    let in_model = diagnosis.parameters.effects.iter();
+    let in_model = in_model.filter_map(|present| effect_of(&diagnosis.parameters, present.id));
+    let effect = in_model.chain(Effect::by_name(name)).find(|effect| effect.name == name);
+    let evidence = diagnosis.evidence.iter().find(|evidence| evidence.effect == name);
+    let holding = diagnosis.holds_on.iter().find(|claim| claim.effect == name);
+    let values: Vec<&Value> = diagnosis.values.iter().filter(|value| value.effect == name).collect();
+    html! {
+        section.effect {
+            h2 { (name) }
+            @if let Some(effect) = effect {
+                p { (effect.summary) }
+                p { code { (effect.formula) } }
+            }
+            @if !values.is_empty() { table { @for value in values { (number(value)) } } }
+            @if let Some(evidence) = evidence { p { (evidence.words) } }
+            @if let Some(holding) = holding { (holds_on(holding)) }
+            @if let Some(effect) = effect { p { "Shows best: " (effect.experiment) " Source: " (effect.source) "." } }
+        }
+    }
+}
+
+fn number(value: &Value) -> Markup {
+    let unit = if value.unit == "1" { "" } else { value.unit };
+    html! { tr { td { (value.symbol) } td { (with_spread(value.value, value.std)) } td { (unit) } } }
+}
+
+fn holds_on(claim: &Holding) -> Markup {
+    let seen = |seen: Option<bool>| match seen {
+        Some(true) => "seen",
+        Some(false) => "not seen",
+        None => "can't be told",
+    };
+    let p = claim.p.map(|p| format!("; chance alone looks like this in {p:.0e} of the cases"));
+    html! {
+        p { "Tested on " (claim.windows) " windows of the swings" (p.unwrap_or_default()) "." }
+        table {
+            tr { th { "part of the swings" } th { "strength there" } th { } }
+            @for part in &claim.parts {
+                tr { td { (short_name(&part.name)) } td { (with_spread(part.value, part.std)) } td { (seen(part.seen)) } }
+            }
+        }
+    }
+}
+
+fn levels_of_releases(levels: &Levels) -> Markup {
+    html! {
+        section.effect {
+            h2 { "Friction levels of the releases" }
+            p { (levels.words) "." }
+            table {
+                tr { th { "recording" } th { "part of the friction" } th { "share of the mean" } }
+                @for part in &levels.parts {
+                    @for release in &part.releases {
+                        tr { td { (short_name(&release.recording)) } td { (part.part.words()) } td { (with_spread(release.value, release.std)) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Friction as a free curve, where no law explains the swings.
+fn curve(diagnosis: &Diagnosis) -> Markup {
+    let Some(curve) = &diagnosis.curve else { return html! {} };
+    html! {
+        section.effect { h2 { "Friction as a free curve" } p { (curve.in_words(diagnosis)) } }
+        @if let Some(picture) = friction(&curve.parameters, &curve.stds) { (figure(&picture)) }
+    }
+}
+
+fn formulas(diagnosis: &Diagnosis) -> Markup {
+    let row = |found: &Suggestion| {
+        let left = noises(found.rmse / diagnosis.noise);
+        html! { tr { td { code { "torque = " (found.words) } } td { (milli(found.rmse)) } td { (left) } } }
+    };
+    html! {
+        @if !diagnosis.formulas.is_empty() {
+            h2 { "Formulas for what remains" }
+            table { (head("formula", diagnosis)) @for found in &diagnosis.formulas { (row(found)) } }
+        }
+    }
+}
+
+fn tried(diagnosis: &Diagnosis) -> Markup {
+    let row = |candidate: &Candidate| {
+        let name = if candidate.name == "none" { "the base model" } else { &candidate.name };
+        let left = noises(candidate.rmse / diagnosis.noise);
+        html! { tr { td { (name) } td { (milli(candidate.rmse)) } td { (left) } } }
+    };
+    html! {
+        h2 { "What was tried" }
+        table { (head("model", diagnosis)) @for candidate in &diagnosis.candidates { (row(candidate)) } }
+    }
+}
+
+fn head(what: &str, diagnosis: &Diagnosis) -> Markup {
+    html! { tr { th { (what) } th { (diagnosis.measured.milli_unit()) } th { "noises" } } }
+}
+
+fn milli(value: f64) -> String {
+    format!("{:.2}", 1e3 * value)
+}
