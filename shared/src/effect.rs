@@ -46,6 +46,7 @@ effects! {
     stribeck,
     general_stribeck,
     load_dependent_coulomb,
+    gear_load,
     asymmetric_coulomb,
     angle_dependent_friction,
     eddy_brake,

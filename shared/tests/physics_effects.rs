@@ -134,13 +134,14 @@ fn each_effect_changes_what_is_read() {
 
 #[test]
 fn added_frictions_agree_with_an_independent_integration() {
-    let laws: [(&str, &[f64], Law); 6] = [
+    let laws: [(&str, &[f64], Law); 7] = [
         ("quadratic-drag", &[4e-5], |_, v, _| -4e-5 * v * v.abs()),
         ("power-law-drag", &[4e-5, 2.5], |_, v, _| -4e-5 * v.abs().powf(2.5) * v.signum()),
         ("stribeck", &[3e-4, 0.5], |_, v, s| -3e-4 * (-(v / 0.5).powi(2)).exp() * s),
         ("load-dependent-coulomb", &[1e-4], |a, v, s| {
             -1e-4 * (0.146_608_4 * (9.81 * a.cos() + 0.156_217_7 * v * v)).abs() * s
         }),
+        ("gear-load", &[2e-3], |a, _, s| -2e-3 * (0.146_608_4 * 9.81 * 0.156_217_7 * a.sin()).abs() * s),
         ("asymmetric-coulomb", &[2e-4], |_, _, s| -2e-4 * s.abs()),
         ("eddy-brake", &[1e-3, 0.3, 0.2], |a, v, _| -1e-3 * v * (-((a - 0.3) / 0.2).powi(2)).exp()),
     ];

@@ -158,6 +158,7 @@ impl Hidden {
             "power-law-drag" => (3e-5, [random.pick(&[1.6, 2.5, 3.0]), 0.0], 1e-3),
             "stribeck" => (4e-4, [random.log_between(0.15, 1.0), 0.0], 5e-3),
             "load-dependent-coulomb" => (8e-4, [0.0; 2], 3e-3),
+            "gear-load" => (0.01, [0.0; 2], 0.3),
             "asymmetric-coulomb" => (sign * 2e-4, [0.0; 2], 0.7 * coulomb_nm),
             "angle-dependent-friction" => (2e-4, [random.pick(&[1.0, 2.0, 3.0, 4.0]), phase], 0.8 * coulomb_nm),
             "eddy-brake" => (5e-4, [side, random.log_between(0.08, 0.3)], 2e-2),

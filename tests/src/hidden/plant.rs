@@ -69,6 +69,7 @@ struct Laws {
     power: [f64; 2],
     stribeck: [f64; 2],
     load: f64,
+    gears: f64,
     asymmetric: f64,
     angle_friction: [f64; 3],
     brake: [f64; 3],
@@ -90,6 +91,7 @@ impl Laws {
             power: two("power-law-drag"),
             stribeck: two("stribeck"),
             load: one("load-dependent-coulomb"),
+            gears: one("gear-load"),
             asymmetric: one("asymmetric-coulomb"),
             angle_friction: three("angle-dependent-friction"),
             brake: three("eddy-brake"),
@@ -247,6 +249,8 @@ impl<'a> Plant<'a> {
         if law.load != 0.0 {
             dry += law.load * rig.mass_kg * (rig.gravity_m_s2 * angle.cos() + rig.length_m * velocity * velocity).abs();
         }
+        // What gravity turns a gear train with is the load of its teeth.
+        dry += law.gears * self.gravity_nm * angle.sin().abs();
         if law.angle_friction[0] != 0.0 {
             dry += law.angle_friction[0] * (law.angle_friction[1] * angle + law.angle_friction[2]).cos();
         }

@@ -8,7 +8,7 @@ pub const SHAPES: [(&str, &[&str]); 8] = [
     ("slow-stribeck", &["stribeck", "general-stribeck"]),
     ("ageing-friction", &["drifting-friction", "general-drift"]),
     ("wide-brake", &["eddy-brake", "general-brake"]),
-    ("lever-load", &["load-dependent-coulomb", "angle-dependent-friction"]),
+    ("lever-load", &["gear-load"]),
     ("hard-bristle", &["presliding", "general-presliding"]),
     ("hard-spring", &["torsional-spring", "general-spring"]),
     ("eccentric", &["sensor-nonlinearity", "sensor-gain"]),
@@ -17,6 +17,11 @@ pub const SHAPES: [(&str, &[&str]); 8] = [
 
 /// Drag grows with the square of the speed below this one, in proportion to it above, rad/s.
 const DRAG_TURNS_RAD_S: f64 = 4.0;
+
+/// The friction of teeth grows with this power of their load, and falls with its excess over one of their speed: µ is as
+/// (load/speed)^0.2 by ISO/TR 14179-2 (2001). It is capped below the speed, rad/s.
+const LOAD_EXPONENT: f64 = 1.2;
+const SLOWEST_TEETH_RAD_S: f64 = 0.1;
 
 /// Size, shape and largest size of a law of this file.
 pub(super) fn form(name: &str, random: &mut Random) -> Option<(f64, [f64; 2], f64)> {
@@ -27,7 +32,7 @@ pub(super) fn form(name: &str, random: &mut Random) -> Option<(f64, [f64; 2], f6
             (sign * 0.3, [random.log_between(4.0, 30.0), random.pick(&[-1.0, 1.0])], if sign < 0.0 { 0.7 } else { 3.0 })
         }
         "wide-brake" => (5e-4, [random.between(-0.8, 0.8), random.log_between(0.08, 0.3)], 2e-2),
-        "lever-load" => (2e-3, [0.0; 2], 0.02),
+        "lever-load" => (0.01, [0.0; 2], 0.3),
         "hard-bristle" => (5e-3, [random.pick(&[0.5, 2.0]), 0.0], 0.06),
         "hard-spring" => (2e-3, [0.0; 2], 0.05),
         "eccentric" => (5e-3, [random.between(-3.1, 3.1), 0.0], 0.1),
@@ -76,7 +81,9 @@ impl Shapes {
         let [extra, speed, delta] = self.slow;
         let slow = if extra == 0.0 { 0.0 } else { extra * (-(velocity.abs() / speed).powf(delta)).exp() };
         // The load of a gear train: what gravity turns it with.
-        slow + self.coulomb_nm * self.aged(time_s) + self.lever * self.weight_nm * angle.sin().abs()
+        let sheared = velocity.abs().max(SLOWEST_TEETH_RAD_S).powf(1.0 - LOAD_EXPONENT);
+        let lever = self.lever * self.weight_nm * angle.sin().abs().powf(LOAD_EXPONENT) * sheared;
+        slow + self.coulomb_nm * self.aged(time_s) + lever
     }
 
     /// Friction that vanishes at rest, N·m.
