@@ -1,10 +1,14 @@
-//! Mass, length and inertia that are known to tolerances: what a fit and a diagnosis make of them, on swings of the
-//! independent plant.
+//! Mass, length and inertia that are known to tolerances: what a fit, a diagnosis, a comparison and a study make of them,
+//! on swings of the independent plant.
 
+use host::compare::measurement::Measurement;
+use host::compare::verdict::Answer;
+use host::compare::{self, Comparison, compare};
 use host::diagnose::diagnose;
 use host::fit::identify::{Identified, Method, Options, fit};
 use host::fit::tolerance::{Known, KnownRig, Tolerances};
 use host::rigfile::RigFile;
+use host::swing::Swing;
 use host::verdict::Left;
 use shared::parameters::Parameters;
 use tests::hidden::Rig;
@@ -159,6 +163,86 @@ fn the_file_keeps_what_was_measured_and_the_next_fit_counts_no_swing_twice() {
     }
     let model = RigFile::load(&path).unwrap();
     assert_eq!(model.parameters().pendulum.inertia_kg_m2, 0.0);
+}
+
+fn compared(rig: KnownRig, swings: &[Swing], fit_first: bool) -> Comparison {
+    let measurements: Vec<Measurement> = swings.iter().cloned().map(Measurement::of_swing).collect();
+    compare(rig, &measurements, &[], &compare::Options { fit_first, question_numbers: true }).unwrap()
+}
+
+#[test]
+fn a_comparison_fits_as_a_fit_does() {
+    let rig = bob();
+    let (swings, known) = (rig.swings(), measured(&rig));
+    let rigs = KnownRig { parameters: &known, tolerances: tolerances(&known, 5e-3, 6e-3) };
+    assert_ne!(compared((&known).into(), &swings, true).answer, Answer::NothingMissing);
+    let fresh = compared(rigs, &swings, true);
+    assert_eq!(fresh.answer, Answer::NothingMissing, "{:?}", fresh.verdict);
+    let options = Options { method: Method::LeastSquares, ranges: Vec::new() };
+    let fit = fit(&swings, &[], rigs, &options, &|_| ()).unwrap();
+    assert_eq!(fresh.parameters, fit.parameters);
+    let seen = &fresh.knowledge.as_ref().unwrap().parameters;
+    assert_eq!(seen.len(), fit.identified.len() - 2, "all but Ms and DV");
+    for found in seen {
+        let Identified { value, std, .. } = *of(&fit.identified, found.symbol);
+        println!("{}: {:?} in {}, {value} ± {std:?}", found.symbol, found.chosen, found.given);
+        let scale = std.unwrap();
+        assert!((found.chosen.value - value).abs() < 0.05 * scale && (found.given - value).abs() < 0.05 * scale);
+        assert!((found.chosen.std.unwrap() / scale - 1.0).abs() < 0.05, "{:?} {std:?}", found.chosen);
+    }
+    // Asked whether its numbers or physics are to blame, it gives the geometry the same freedom.
+    let [exact, tolerant] = [(&known).into(), rigs].map(|rig| compared(rig, &swings, false).refit.unwrap().left);
+    assert!(exact != Left::Noise && tolerant == Left::Noise, "{exact:?} {tolerant:?}");
+}
+
+#[test]
+fn no_tolerance_excuses_recordings_that_do_not_agree() {
+    let rig = Rig { rate_hz: 100.0, releases_rad: vec![1.2, -0.7], friction_change: 0.1, ..Rig::random(5) };
+    let (swings, known) = (rig.swings(), rig.known());
+    let rigs = KnownRig { parameters: &known, tolerances: tolerances(&known, 0.2, 6e-3) };
+    let [exact, tolerant] =
+        [(&known).into(), rigs].map(|rig| compared(rig, &swings, true).knowledge.unwrap().parameters);
+    for (exact, tolerant) in exact.iter().zip(&tolerant).filter(|(exact, _)| exact.unit.starts_with("N·m")) {
+        println!("{}: {:?}, {:?} {:?}", exact.symbol, exact.alone, exact.chosen, tolerant.chosen);
+        assert!((exact.agreement.unwrap() - tolerant.agreement.unwrap()).abs() < 1e-3);
+        let expected = exact.chosen.std.unwrap().hypot(0.2_f64.hypot(6e-3) * exact.chosen.value);
+        assert!((tolerant.chosen.std.unwrap() / expected - 1.0).abs() < 1e-3, "{:?} {expected}", tolerant.chosen);
+    }
+}
+
+/// The columns of a study's table by name, a text a recording.
+fn studied(bench: &Workbench, column: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(bench.folder().join("table.csv")).unwrap();
+    let mut rows = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+    let place = rows.next().unwrap().iter().position(|name| name == column).unwrap_or_else(|| panic!("{column}"));
+    rows.map(|row| row[place].clone()).collect()
+}
+
+#[test]
+fn a_study_takes_the_tolerances_of_its_rigs() {
+    let rig = bob();
+    let (bench, names) = Workbench::with_recordings(&rig);
+    let Rig { mass_kg, drawn_inertia_kg_m2, .. } = rig;
+    let (length_m, [of_mass, of_length]) = (TOO_LONG * rig.length_m, [5e-3, 6e-3]);
+    let study = |stds: &str| {
+        let init = format!("init --mass {mass_kg} --length {length_m} --inertia {drawn_inertia_kg_m2} {stds} --force");
+        host(bench.folder(), &init).succeeded();
+        bench.json("study . --no-diagnosis --csv table.csv --force")
+    };
+    study("");
+    let left = studied(&bench, "left_over");
+    assert!(left.len() == names.split(' ').count() && left.iter().all(|left| left != "noise"), "{left:?}");
+    let said = study(&format!("--mass-std {} --length-std {}", of_mass * mass_kg, of_length * length_m));
+    let left = studied(&bench, "left_over");
+    assert!(left.iter().all(|left| left == "noise"), "{left:?}");
+    for length in studied(&bench, "l") {
+        assert!((length.parse::<f64>().unwrap() / rig.length_m - 1.0).abs() < 1e-3, "{length}");
+    }
+    // Two swings scatter by less than the weight is uncertain that both have.
+    let dry = said["rigs"][0]["friction"].as_array().unwrap().iter().find(|it| it["symbol"] == "Mc").unwrap();
+    let (value, std) = (number(dry, "value"), number(dry, "std_error"));
+    assert!(std > 0.99 * of_mass.hypot(of_length) * value && std < 0.05 * value, "{value} ± {std}");
+    assert!((value - rig.coulomb_nm).abs() < 3.0 * std, "{value} ± {std}");
 }
 
 #[test]

@@ -27,6 +27,7 @@ pub mod verdict;
 pub mod weak;
 
 use crate::fit::identify::FitError;
+use crate::fit::tolerance::KnownRig;
 use crate::geometry::{self, GeometryError};
 use crate::recording::Measured;
 use crate::swing::{MixedReadings, Swing, one_kind};
@@ -112,12 +113,13 @@ pub struct Comparison {
     pub limits: Vec<String>,
 }
 
-/// Compares a model with recordings.
+/// Compares a model with recordings. What is fitted knows the geometry as surely as the rig says; the model itself, and
+/// the starts that let it run, need no tolerance: they take the numbers as they are.
 ///
 /// # Errors
 /// No recording, or a first fit that failed.
-pub fn compare(
-    rig: &Parameters<f64>,
+pub fn compare<'r>(
+    rig: impl Into<KnownRig<'r>>,
     measurements: &[Measurement],
     held_out: &[Measurement],
     options: &Options,
@@ -127,15 +129,18 @@ pub fn compare(
     }
     let swings: Vec<Swing> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
     let measured = one_kind(swings.iter().chain(held_out.iter().map(|measurement| &measurement.swing)))?;
-    geometry::check(rig, &swings)?;
-    let parameters = if options.fit_first { numbers::least_squares(&swings, rig)?.parameters } else { rig.clone() };
+    let rig = rig.into();
+    geometry::check(rig.parameters, &swings)?;
+    let fitted = options.fit_first.then(|| numbers::least_squares(&swings, rig)).transpose()?;
+    let parameters = fitted.map_or_else(|| rig.parameters.clone(), |fit| fit.parameters);
+    let rig = KnownRig { parameters: &parameters, ..rig };
     let judge_all = |all: &[Measurement], follow: Follow| -> Vec<Judged> {
         let judge = |m: &Measurement| recording::judge(m, &parameters, follow(&m.swing, &parameters));
         all.par_iter().map(judge).collect()
     };
     let as_fitted = judge_all(measurements, follow::follow);
     let is_asked = options.question_numbers && !options.fit_first;
-    let refit = if is_asked { refit(&swings, &as_fitted, &parameters) } else { None };
+    let refit = if is_asked { refit(&swings, &as_fitted, rig) } else { None };
     // The numbers of another pendulum get no help from the start.
     let is_foreign = refit.is_some_and(|refit| refit.blames_the_numbers(Totals::of(&as_fitted).ratio));
     let follow: Follow = if is_foreign { follow::follow_from_the_beginning } else { follow::follow };
@@ -146,7 +151,7 @@ pub fn compare(
     let held_out_totals = (!held_out.is_empty()).then(|| Totals::of(&held_out));
     let knowledge = mismatches.is_empty().then(|| {
         let followed: Vec<_> = recordings.iter().map(Judged::followed).collect();
-        knowledge::knowledge(&swings, &parameters, &followed)
+        knowledge::knowledge(&swings, rig, &followed)
     });
     let tables: Vec<_> = recordings.iter().map(|r| (r.swings.as_slice(), r.stop_angles_rad.is_some())).collect();
     let places = per_swing::places(&tables);
@@ -192,9 +197,9 @@ pub fn compare(
 type Follow = fn(&Swing, &Parameters<f64>) -> follow::Followed;
 
 /// Asked only where more than noise is left.
-fn refit(swings: &[Swing], recordings: &[Judged], parameters: &Parameters<f64>) -> Option<Refit> {
+fn refit(swings: &[Swing], recordings: &[Judged], rig: KnownRig) -> Option<Refit> {
     let is_needed = recordings.iter().any(|recording| recording.verdict.more_than_noise);
-    if is_needed { Refit::of(swings, parameters, Totals::of(recordings).noise_rad) } else { None }
+    if is_needed { Refit::of(swings, rig, Totals::of(recordings).noise_rad) } else { None }
 }
 
 fn mismatches(swings: &[Swing], recordings: &[Judged], parameters: &Parameters<f64>) -> Vec<Mismatch> {

@@ -44,7 +44,7 @@ pub mod state_grid;
 pub mod stiction;
 pub mod stop_level;
 pub mod tolerance;
-mod tolerated;
+pub mod tolerated;
 pub mod uncertainty;
 pub mod windows;
 

@@ -141,7 +141,7 @@ pub(crate) fn compare(
         let swings: Vec<Swing> = measured.iter().map(|measurement| measurement.swing.clone()).collect();
         let notes = doubts(file.parameters(), &swings)?;
         let settings = CompareOptions { fit_first: file.is_fresh(), question_numbers: true };
-        let comparison = compare_with(file.parameters(), &measured, &held_out, &settings).map_err(Failure::failed)?;
+        let comparison = compare_with(file.known(), &measured, &held_out, &settings).map_err(Failure::failed)?;
         let starts = comparison.recordings.iter().map(|judged| judged.start).collect();
         let curves = Curves { swings, starts, parameters: comparison.parameters.clone() };
         Ok((text("compare", &comparison)?, curves, notes))

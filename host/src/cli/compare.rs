@@ -53,7 +53,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let swings: Vec<_> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
     check_geometry(model.parameters(), &swings)?;
     let settings = compare::Options { fit_first: model.is_fresh(), question_numbers: true };
-    let comparison = compare(model.parameters(), &measurements, &held_out, &settings).map_err(Failure::failed)?;
+    let comparison = compare(model.known(), &measurements, &held_out, &settings).map_err(Failure::failed)?;
     if let Some(folder) = &options.plot {
         draw(folder, &comparison, options.force)?;
     }

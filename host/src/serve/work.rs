@@ -153,7 +153,7 @@ fn compared(data: &Data, progress: &Progress) -> Result<Comparison, Failure> {
     progress.say("looking where the model fails", Some(0.5));
     let (measurements, held_out) = (data.measurements(false), data.measurements(true));
     let options = compare::Options { fit_first: false, question_numbers: data.numbers != data.fitted() };
-    compare(data.parameters(), &measurements, &held_out, &options).map_err(Failure::failed)
+    compare(data.model.known(), &measurements, &held_out, &options).map_err(Failure::failed)
 }
 
 fn forget_comparison(state: &mut State) {

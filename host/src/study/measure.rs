@@ -3,6 +3,8 @@
 //! Each is fitted alone, by least squares (where that leaves more than noise, also from response surfaces), so that a
 //! row depends on nothing but its file, the model and the options. All of it runs on one thread: sums then have one
 //! order, and the numbers are the same to the bit on every machine with the same arithmetic, whatever runs beside.
+//!
+//! The rig's geometry is as sure as its model file says, so that the ± of a row hold its tolerances, as those of any fit do.
 
 use super::folder::{Rig, path_of};
 use super::row::{Key, Number, Origin, Outcome, Row, word};
@@ -67,8 +69,8 @@ pub fn measure(folder: &Path, rig: &Rig, key: &Key, origin: Origin, reading: &Re
 
 fn fitted(rig: &Rig, swing: Swing, mut notes: Vec<String>) -> Result<Outcome, String> {
     let swings = [swing];
-    let model = rig.model.parameters();
-    notes.extend(geometry::check(model, &swings).map_err(|error| error.to_string())?);
+    let model = rig.model.known();
+    notes.extend(geometry::check(model.parameters, &swings).map_err(|error| error.to_string())?);
     let by = |method| {
         let options = identify::Options { method, ranges: Vec::new() };
         identify::fit(&swings, &[], model, &options, &|_| ())

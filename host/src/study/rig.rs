@@ -6,7 +6,7 @@ use super::chart::{self, Alarm, Chart, FALSE_ALARMS, Kind, Limits};
 use super::order::in_order;
 use super::outlier::{Side, outliers};
 use super::percent::percent;
-use super::row::Row;
+use super::row::{Outcome, Row};
 use serde::Serialize;
 
 /// What is charted: dry friction and viscous friction. Wear changes one of them.
@@ -82,7 +82,8 @@ pub struct Mean {
     pub n: usize,
     /// The mean.
     pub value: f64,
-    /// Its standard error, from how the swings scatter; of a single swing that of its fit.
+    /// Its standard error, from how the swings scatter and how surely mass and length are known, which all of them share;
+    /// of a single swing that of its fit.
     pub std_error: Option<f64>,
     /// Standard deviation from swing to swing.
     pub spread: Option<f64>,
@@ -223,17 +224,26 @@ fn friction(rows: &[Row], steady: &[usize], charted: &Charted) -> Option<Frictio
     let values: Vec<f64> = of.iter().filter_map(number).map(|number| number.value).collect();
     let stds: Vec<Option<f64>> = of.iter().filter_map(number).map(|number| number.std).collect();
     let chart = chart::chart(&values, Limits::of(false_alarms));
-    let mean = Mean::of(&values, &stds);
+    let weight_share = of.last().and_then(|idx| rows[*idx].found()).map_or(0.0, weight_share);
+    let mean = Mean::of(&values, &stds, weight_share);
     Some(Friction { symbol, name, unit, of, values, stds, chart, mean })
 }
 
+/// How surely the rig's m·l is known, as a share: every torque of a swing is a share of m·g·l, and no number of swings tells
+/// that better. What a tolerance of the inertia lets mass and length have in common is left out.
+fn weight_share(found: &Outcome) -> f64 {
+    let share = |symbol: &str| found.number(symbol).and_then(|number| Some(number.std? / number.value));
+    share("m").unwrap_or(0.0).hypot(share("l").unwrap_or(0.0))
+}
+
 impl Mean {
-    fn of(values: &[f64], stds: &[Option<f64>]) -> Self {
+    fn of(values: &[f64], stds: &[Option<f64>], weight_share: f64) -> Self {
         let n = values.len();
         let value = values.iter().sum::<f64>() / n as f64;
         let squares: f64 = values.iter().map(|each| (each - value).powi(2)).sum();
         let spread = (n > 1).then(|| (squares / (n - 1) as f64).sqrt());
-        let std_error = spread.map(|spread| spread / (n as f64).sqrt()).or(stds.first().copied().flatten());
+        let of_scatter = spread.map(|spread| (spread / (n as f64).sqrt()).hypot(weight_share * value));
+        let std_error = of_scatter.or(stds.first().copied().flatten());
         Self { n, value, std_error, spread }
     }
 }

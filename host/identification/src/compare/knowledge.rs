@@ -3,19 +3,26 @@
 //!
 //! All parameters move together from the given ones to where the squared error is least; Ms and DV stay, because the
 //! error is not smooth in them. A recording alone is answered to first order at the common values.
+//!
+//! A geometry that is known to tolerances is what a fit makes of it: the likeliest one, whose tolerances every ± holds. What
+//! one recording alone would choose has the ± of its swings only: all have the same mass and length, so that no
+//! tolerance excuses recordings that contradict each other.
 
 use super::follow::Followed;
-use crate::fit::covariance::with_model_error;
+use crate::fit::covariance::{Covariance, with_model_error};
 use crate::fit::descent::{Tolerance, descend};
+use crate::fit::fitted::Fitted;
 use crate::fit::identify::problem_of;
 use crate::fit::linear::{Linear, Steps, SwingLinear, dot, linearise};
 use crate::fit::problem::{PER_SWING, Point, Problem, Quantity, Unknown};
 use crate::fit::solve::solve_damped;
+use crate::fit::tolerance::KnownRig;
+use crate::fit::tolerated::tolerated;
+use crate::fit::uncertainty::{Number, Status, Uncertainty};
 use crate::formula::{FRICTION_CURVE, effect_of};
 use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
-use shared::parameters::Parameters;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::sync::atomic::AtomicUsize;
 
@@ -113,7 +120,7 @@ impl Known {
 /// What is known about all parameters.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Knowledge {
-    /// One a parameter, stiction left out.
+    /// One a parameter, stiction left out; then mass and length, where they have a tolerance.
     pub parameters: Vec<Known>,
     /// Correlations, in the same order.
     pub correlations: Vec<Vec<f64>>,
@@ -122,53 +129,74 @@ pub struct Knowledge {
 }
 
 /// Asks the recordings for the parameters; `followed` tells how each began.
-pub fn knowledge(swings: &[Swing], rig: &Parameters<f64>, followed: &[Followed]) -> Knowledge {
+pub fn knowledge(swings: &[Swing], rig: KnownRig, followed: &[Followed]) -> Knowledge {
     let count = AtomicUsize::new(0);
     let problem = problem_of(swings, rig, &count).without_stiction();
     let starts = followed.iter().map(|followed| followed.start).collect();
-    let given = problem.template_values();
-    let first = Point { values: given.clone(), starts };
-    let end = descend(&problem, &first, Window::Whole, Tolerance::FINE, Steps::new(&problem));
+    let first = Point { values: problem.template_values(), starts };
+    let end = descend(&problem, &first, Window::Whole, Tolerance::FINE, Steps::new(&problem)).point;
     // A value at its bound is known to be there and takes no part.
-    let inside =
-        |j: &usize| end.point.values[*j] > problem.unknowns[*j].low && end.point.values[*j] < problem.unknowns[*j].high;
-    let free: Vec<usize> = (0..given.len()).filter(inside).collect();
-    let (part, point) = restricted(&problem, &end.point, &free);
+    let inside = |j: &usize| end.values[*j] > problem.unknowns[*j].low && end.values[*j] < problem.unknowns[*j].high;
+    let free: Vec<usize> = (0..end.values.len()).filter(inside).collect();
+    let (part, point) = restricted(&problem, &end, &free);
     let mut steps = Steps::new(&part);
     linearise(&part, &point, Window::Whole, &mut steps);
     let linear = linearise(&part, &point, Window::Whole, &mut steps);
     let together = with_model_error(&part, &linear, &point.starts);
     let alone = linear.each(|swing_idx, swing| alone(&part, swing_idx, swing, &point));
 
-    let known = |(j, unknown): (usize, &Unknown)| {
+    let found = found(&problem, &end, &free, together.as_ref());
+    let found = tolerated(&problem, &Fitted::at(&problem, &end), found);
+    let given = problem.tolerances.settled(&problem.parameters(&first.values));
+    let known = |(j, number): (usize, &Number)| {
         let column = free.iter().position(|k| *k == j);
-        let std = column.and_then(|column| together.as_ref()?.std(column));
-        let chosen = Estimate { value: end.point.values[j], std };
-        let alone: Vec<Estimate> = alone.iter().filter_map(|alone| alone.estimates.get(column?).copied()).collect();
-        let verdict = verdict(unknown, &problem, &chosen, column.is_none());
+        let alone =
+            alone.iter().filter_map(|alone| Some(settled(number, *end.values.get(j)?, alone.estimates.get(column?)?)));
+        let alone: Vec<Estimate> = alone.collect();
+        let verdict = verdict(number, &problem);
         Known {
-            symbol: unknown.symbol,
-            name: unknown.name,
-            unit: unknown.unit,
-            given: given[j],
+            symbol: number.unknown.symbol,
+            name: number.unknown.name,
+            unit: number.unknown.unit,
+            given: number.unknown.get(&given),
             agreement: agreement(&alone),
-            advice: advice(unknown, &problem, verdict),
-            chosen,
+            advice: advice(&number.unknown, &problem, verdict),
+            chosen: Estimate { value: number.value, std: number.std },
             verdict,
             alone,
         }
     };
-    let correlation = |i: usize, j: usize| match (free.iter().position(|k| *k == i), free.iter().position(|k| *k == j))
-    {
-        (Some(i), Some(j)) => together.as_ref().and_then(|covariance| covariance.correlation(i, j)).unwrap_or(0.0),
-        _ => 0.0,
-    };
-    let n = given.len();
+    let row = |row: &Vec<Option<f64>>| row.iter().map(|correlation| correlation.unwrap_or(0.0)).collect();
     Knowledge {
-        parameters: problem.unknowns.iter().enumerate().map(known).collect(),
-        correlations: (0..n).map(|i| (0..n).map(|j| correlation(i, j)).collect()).collect(),
-        coloured: together.as_ref().is_some_and(|covariance| covariance.coloured),
+        parameters: found.numbers.iter().enumerate().map(known).collect(),
+        correlations: found.correlations.iter().map(row).collect(),
+        coloured: found.coloured,
     }
+}
+
+/// What all recordings say together, at the mass and length that were measured.
+fn found(problem: &Problem, point: &Point, free: &[usize], together: Option<&Covariance>) -> Uncertainty {
+    let column = |j: usize| free.iter().position(|k| *k == j);
+    let number = |(j, unknown): (usize, &Unknown)| {
+        let std = column(j).and_then(|column| together?.std(column));
+        let status = if column(j).is_some() { Status::Identified } else { Status::AtBound };
+        Number { unknown: unknown.clone(), value: point.values[j], std, status, upper: None }
+    };
+    let correlation = |i: usize, j: usize| together?.correlation(column(i)?, column(j)?);
+    let row = |i: usize| (0..point.values.len()).map(|j| correlation(i, j)).collect();
+    Uncertainty {
+        numbers: problem.unknowns.iter().enumerate().map(number).collect(),
+        correlations: (0..point.values.len()).map(row).collect(),
+        alike: Vec::new(),
+        coloured: together.is_some_and(|covariance| covariance.coloured),
+    }
+}
+
+/// What one recording alone would choose, in the geometry of a number that was found at another mass and length.
+fn settled(number: &Number, found: f64, alone: &Estimate) -> Estimate {
+    let is_scaled = found != 0.0 && number.unknown.quantity != Quantity::Inertia;
+    let scale = if is_scaled { number.value / found } else { 1.0 };
+    Estimate { value: number.value + scale * (alone.value - found), std: alone.std.map(|std| scale * std) }
 }
 
 /// The problem with some unknowns only; the others keep their values.
@@ -219,16 +247,16 @@ fn agreement(alone: &[Estimate]) -> Option<f64> {
     Some(distribution.sf(square))
 }
 
-fn verdict(unknown: &Unknown, problem: &Problem, chosen: &Estimate, at_bound: bool) -> Identifiability {
-    if at_bound {
+fn verdict(number: &Number, problem: &Problem) -> Identifiability {
+    if number.status == Status::AtBound {
         return Identifiability::Zero;
     }
     // The inertia about the centre is a small part of the one about the pivot, which the period tells.
-    let size = match unknown.quantity {
+    let size = match number.unknown.quantity {
         Quantity::Inertia => problem.template.pendulum.pivot_inertia_kg_m2(),
-        _ => chosen.value,
+        _ => number.value,
     };
-    match chosen.std.map(|std| std / size.abs()) {
+    match number.std.map(|std| std / size.abs()) {
         Some(relative) if relative < 0.1 => Identifiability::Identified,
         Some(relative) if relative < 0.5 => Identifiability::Weak,
         _ => Identifiability::Not,

@@ -2,10 +2,10 @@
 //! what the fit takes away was the numbers' fault.
 
 use crate::fit::identify::{self, FitError, Method};
+use crate::fit::tolerance::KnownRig;
 use crate::swing::Swing;
 use crate::verdict::{ChiSquare, Left};
 use serde::Serialize;
-use shared::parameters::Parameters;
 
 /// The numbers are to blame when a fit removes at least this share of the variance beyond the noise: most of it. What
 /// missing physics leaves of a wrong model, the numbers can hide by this share only by being wrong themselves.
@@ -24,7 +24,7 @@ pub struct Refit {
 
 impl Refit {
     /// Fits the model to the swings and looks at what is left beside this noise (rad); `None` if no fit succeeds.
-    pub fn of(swings: &[Swing], rig: &Parameters<f64>, noise_rad: f64) -> Option<Self> {
+    pub fn of(swings: &[Swing], rig: KnownRig, noise_rad: f64) -> Option<Self> {
         let fit = least_squares(swings, rig).ok()?;
         let n_samples = swings.iter().map(Swing::len).sum::<usize>() as f64;
         let left = ChiSquare::of_rms(fit.rmse_rad, noise_rad, n_samples).left();
@@ -39,7 +39,7 @@ impl Refit {
 }
 
 /// The numbers that these swings want.
-pub(super) fn least_squares(swings: &[Swing], rig: &Parameters<f64>) -> Result<identify::Fit, FitError> {
+pub(super) fn least_squares(swings: &[Swing], rig: KnownRig) -> Result<identify::Fit, FitError> {
     let options = identify::Options { method: Method::LeastSquares, ranges: Vec::new() };
     identify::fit(swings, &[], rig, &options, &|_| ())
 }

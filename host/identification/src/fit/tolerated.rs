@@ -12,7 +12,7 @@ use shared::parameters::Parameters;
 type Slopes = [f64; 2];
 
 /// What the swings say of the numbers of a model, with what is known of its geometry.
-pub(super) fn tolerated(on: &Problem, model: &Fitted, found: Uncertainty) -> Uncertainty {
+pub fn tolerated(on: &Problem, model: &Fitted, found: Uncertainty) -> Uncertainty {
     if on.tolerances.are_none() {
         return found;
     }
