@@ -88,6 +88,16 @@ fn a_short_recording_without_rest_or_lead_in_names_what_cannot_be_judged() {
     }
 }
 
+/// Dry friction takes it off a swing that is well seen.
+#[test]
+fn a_pendulum_that_hangs_still_at_the_end_comes_to_rest() {
+    let mut rubbing = rig();
+    rubbing.set_friction(5e-4, 7e-3, 1e-2, 0.0);
+    let (times_s, angles_rad) = readings(&rubbing, &Release { seconds: 15.0, ..Release::of(1.3, 5) });
+    let limits = judged(&times_s, &angles_rad).limits.join(" ");
+    assert!(!limits.contains("comes to rest"), "{limits}");
+}
+
 #[test]
 fn very_short_and_motionless_swings_do_no_harm() {
     for (seconds, angle_rad) in [(0.1, 1.0), (0.6, 1.0), (20.0, 0.0)] {

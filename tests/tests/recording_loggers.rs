@@ -155,6 +155,13 @@ fn a_clock_coarser_than_the_samples_is_spread_and_a_stopped_one_refused() {
     assert_eq!(recording.len(), fast.len());
     let off_s = recording.times_s().iter().zip(&fast).map(|(time_s, row)| (time_s - row.0).abs()).fold(0.0, f64::max);
     assert!(off_s < 4e-4, "{off_s}");
+    // Two decimals are too few for 200 samples a second.
+    let fast: Vec<Row> = swing(200, 20);
+    let text: String = fast.iter().map(|(t, a, _)| format!("{t:.2},{:.5}\n", a.to_degrees())).collect();
+    let recording = open(format!("t,deg\n{text}").as_bytes(), &ReadOptions::default()).unwrap();
+    let begin_s = recording.times_s()[0];
+    let off_s = recording.times_s().iter().zip(&fast).map(|(time_s, row)| (time_s - begin_s - row.0).abs());
+    assert!(recording.len() == fast.len() && off_s.fold(0.0, f64::max) < 2e-4, "{:?}", recording.notes());
     let stopped = table("t,theta\n", |(t, a, _)| format!("{:.2},{a:.5}", t.min(15.0)));
     let refused = open(stopped.as_bytes(), &ReadOptions::default()).unwrap_err();
     assert!(refused.contains("15 s stands there 500 times in a row") && refused.contains("--rate"), "{refused}");
@@ -547,12 +554,12 @@ fn what_could_be_told_names_columns_of_this_very_file() {
 
 #[test]
 fn a_column_that_never_moves_is_named_with_the_others() {
-    let text = table("t,theta,alpha\n", |(t, a, _)| format!("{t:.2},0.001,{a:.5}"));
+    let text = table("t,theta,beta\n", |(t, a, _)| format!("{t:.2},0.001,{a:.5}"));
     let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
-    for word in ["1 (theta) does not move", "0.001", "alpha", "--columns"] {
+    for word in ["1 (theta) does not move", "0.001", "beta", "--columns"] {
         assert!(refused.contains(word), "{refused}");
     }
-    check(&text, &told("t=0,theta=alpha"), 1e-5, "");
+    check(&text, &told("t=0,theta=beta"), 1e-5, "");
 }
 
 #[test]
@@ -635,4 +642,43 @@ fn a_second_release_is_offered_and_a_driven_swing_doubted() {
     let free =
         open(table("t,theta\n", |(t, a, _)| format!("{t:.2},{a:.5}")).as_bytes(), &ReadOptions::default()).unwrap();
     assert!(cut(&free).notes.is_empty(), "{:?}", cut(&free).notes);
+}
+
+/// Rotary pendulums call the arm theta and the pendulum alpha.
+#[test]
+fn alpha_beside_theta_is_the_pendulum_the_acceleration_or_asked_for() {
+    let read = |head: &str, arm: f64, more: &str| {
+        let row = |(t, angle, _): Row| format!("{t},{:.6},{angle:.6}{more}", arm * (9.0 * t).sin());
+        open(table(head, row).as_bytes(), &ReadOptions::default())
+    };
+    for (head, more) in [("t,theta,alpha\n", ""), ("t,theta,alpha,theta_dot,alpha_dot\n", ",0,0")] {
+        let held = read(head, 1e-3, more).unwrap();
+        assert!((held.angles_rad()[0] - 1.0).abs() < 1e-6);
+        let note = "2 (alpha) taken as the angle, because 1 (theta) hardly moves";
+        assert!(held.notes().iter().any(|found| found == note), "{:?}", held.notes());
+        let error = read(head, 0.1, more).unwrap_err();
+        assert!(error.contains("several columns could be the angle: 1 (theta), 2 (alpha)"), "{error}");
+    }
+    let row = |(t, angle, velocity): Row| format!("{t},{angle:.6},{velocity:.6},{:.6}", -40.0 * angle.sin());
+    let recording = open(table("t,theta,omega,alpha\n", row).as_bytes(), &ReadOptions::default()).unwrap();
+    assert!((recording.angles_rad()[0] - 1.0).abs() < 1e-6, "{:?}", recording.notes());
+}
+
+#[test]
+fn gx_gy_and_gz_are_asked_for_as_the_axes_of_a_gyroscope() {
+    let row = |(t, _, velocity): Row| format!("{t},0.1,0.2,{velocity:.6}");
+    let error = open(table("t,gx,gy,gz\n", row).as_bytes(), &ReadOptions::default()).unwrap_err();
+    for words in ["axes of a gyroscope", "--columns t=0,rate=1 or t=0,rate=2 or t=0,rate=3"] {
+        assert!(error.contains(words), "{error}");
+    }
+    assert!(open(table("t,gx,gy,gz\n", row).as_bytes(), &told("t=0,rate=3:rad/s")).is_ok());
+}
+
+#[test]
+fn a_point_in_one_cell_is_a_point() {
+    let row = |(t, a, _): Row| format!("\"({:.1}, {:.1})\",{t:.2}", 600.0 + 4e3 * a.sin(), 100.0 + 4e3 * a.cos());
+    let text = table("position,time\n", row);
+    let recording = open(text.as_bytes(), &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let off_rad = recording.angles_rad().iter().zip(swing(RATE_HZ, 20)).map(|(found, row)| (found - row.1).abs());
+    assert!(off_rad.fold(0.0, f64::max) < 1e-3, "{:?}", recording.notes());
 }

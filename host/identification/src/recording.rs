@@ -25,6 +25,7 @@ mod monitor;
 mod number;
 mod options;
 mod order;
+mod pairs;
 pub mod plausible;
 mod preamble;
 mod rate;

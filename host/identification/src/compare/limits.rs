@@ -50,8 +50,8 @@ fn of_recording(measurement: &Measurement, judged: &Judged) -> Vec<String> {
     }
     if !measurement.has_lead_in && !measurement.has_rest {
         limits.push(format!(
-            "{name}: no still stretch before or after the swing: whether the sensor's noise is white can't be judged; \
-             hold it still for a second before the release."
+            "{name}: no still stretch that is long enough before or after the swing: whether the sensor's noise is white \
+             can't be judged; hold it still for a second before the release."
         ));
     } else if measurement.noise.is_coloured {
         limits.push(format!(

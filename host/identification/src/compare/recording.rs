@@ -164,7 +164,8 @@ pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>, followed: 
         verdict: Verdict::of(swing, &followed, &measurement.noise, slow_excess(lively, noise_rad, block)),
         predictions,
         swings,
-        stop_angles_rad: (is_angle && measurement.has_rest).then(|| stop_angles(swing, &followed)),
+        stop_angles_rad: (is_angle && (measurement.has_rest || swing.comes_to_rest()))
+            .then(|| stop_angles(swing, &followed)),
         autocorrelation: autocorrelation(lively, step_s, SHOWN_HALF_SWINGS * half_swing_s.unwrap_or(1.0)),
         spectrum: spectrum(lively, step_s, noise_rad),
         measured,

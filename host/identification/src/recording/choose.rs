@@ -263,7 +263,7 @@ fn choose_reading(
                 | Fault::OnlyQuaternions { .. }),
             ),
         ) => match rate_columns(table) {
-            columns if columns.is_empty() => Err(fault),
+            columns if columns.is_empty() => Err(three_axes(table).unwrap_or(fault)),
             columns => Ok(rates(table, options, columns, None)),
         },
         (_, Ok(ReadingSource::Angle { idx, unit })) => {
@@ -306,6 +306,13 @@ fn rate_columns(table: &Table) -> Vec<usize> {
         .collect()
 }
 
+/// gx, gy and gz alone are those of a gyroscope or of gravity.
+fn three_axes(table: &Table) -> Option<Fault> {
+    let place = |wanted: &str| table.names.as_ref()?.iter().position(|name| name.eq_ignore_ascii_case(wanted));
+    let axes: Vec<usize> = ["gx", "gy", "gz"].into_iter().map(place).collect::<Option<_>>()?;
+    Some(Fault::ThreeAxes { example: example(table, "angle", &axes, None).replace("theta=", "rate=") })
+}
+
 /// A named angle column, or x and y of a point; without names the first one that is not taken, and the next one with it
 /// where both lie on a circle; none at all is fine when there are codes.
 fn choose_angle(
@@ -321,7 +328,7 @@ fn choose_angle(
     if let (Some(x), Some(y)) = (&asked.x, &asked.y) {
         return Ok(ReadingSource::Point { x: find(table, x)?, y: find(table, y)?, is_guess: false });
     }
-    let named = all_best(table, as_angle);
+    let named = with_alpha(table, all_best(table, as_angle));
     if named.len() > 1 {
         let columns: Vec<usize> = named.iter().map(|(idx, _)| *idx).collect();
         return if columns.len() > MOST_COLUMNS {
@@ -363,6 +370,21 @@ fn choose_angle(
             None => Err(no_angle(table)),
         },
     }
+}
+
+/// Rotary pendulums call the arm theta and the pendulum alpha, and others so the acceleration of theta. It is an angle
+/// where it has a rate of its own, or no speed stands beside theta.
+fn with_alpha(table: &Table, mut named: Vec<(usize, Option<AngleUnit>)>) -> Vec<(usize, Option<AngleUnit>)> {
+    let names = table.names.as_deref().unwrap_or_default();
+    let is_theta = |(idx, _): &(usize, Option<AngleUnit>)| names.get(*idx).is_some_and(|name| words::is_theta(name));
+    let any = |is_it: fn(&str) -> bool| names.iter().any(|name| is_it(name));
+    let is_angle = any(words::is_rate_of_alpha) || !any(words::is_speed);
+    if let (true, [_], Some(idx)) =
+        (is_angle && named.iter().all(is_theta), named.as_slice(), names.iter().position(|name| words::is_alpha(name)))
+    {
+        named.push((idx, None));
+    }
+    named
 }
 
 /// The only column of numbers whose name says nothing (`data`, `value`), where nothing else was measured.

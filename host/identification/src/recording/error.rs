@@ -173,7 +173,7 @@ pub enum Fault {
     },
     /// x, y and z that are no point's.
     #[error(
-        "x, y and z are no point that swings; if they are the axes of a gyroscope, name the one that moves, --columns \
+        "its x, y and z are no point that swings; if they are the axes of a gyroscope, name the one that moves, --columns \
          {example}"
     )]
     ThreeAxes {

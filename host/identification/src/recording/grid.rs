@@ -84,6 +84,26 @@ pub(super) fn of_few_digits(times: &[f64]) -> Option<(Vec<f64>, i32)> {
     (0..times.len()).all(is_rounded).then_some((even, n_digits))
 }
 
+/// The even times of rows whose clock ticks less often than they come: all rows lie on one line to within a tick, as they
+/// would not if some were lost.
+pub(super) fn of_slow_clock(times: &[f64]) -> Option<Vec<f64>> {
+    let (first, last) = (times.first()?, times.last()?);
+    let step = (last - first) / (times.len() - 1) as f64;
+    // The middle of the rows of each tick; of the first and the last tick some may be missing.
+    let mut middles: Vec<(f64, f64)> = Vec::new();
+    let mut row = 0;
+    for ticks in times.chunk_by(|a, b| a == b) {
+        middles.push((row as f64 + (ticks.len() - 1) as f64 / 2.0, ticks[0]));
+        row += ticks.len();
+    }
+    let inner = middles.get(1..middles.len() - 1).filter(|inner| inner.len() > 2)?;
+    let tick = inner.windows(2).map(|pair| pair[1].1 - pair[0].1).fold(f64::INFINITY, f64::min);
+    let is_tick = |time: &f64| ((time - first) / tick - ((time - first) / tick).round()).abs() < READ_SHARE;
+    let is_slow = times.len() >= FEWEST && step > 0.0 && step < tick && times.iter().all(is_tick);
+    let even = is_slow.then(|| line(inner, (0..times.len()).map(|row| row as f64)))?;
+    lies_on(times, &even, tick).then_some(even)
+}
+
 /// The power of ten of which all times are multiples.
 fn last_digit(times_s: &[f64]) -> Option<f64> {
     let is_multiple = |digit: f64| {
@@ -105,14 +125,25 @@ fn even(times_s: &[f64], step_s: f64, digit_s: f64) -> Option<Vec<f64>> {
         place += ((pair[1] - pair[0]) / mean_s).round();
         places.push(place);
     }
-    let n = places.len() as f64;
-    let (mean_place, mean_time) = (places.iter().sum::<f64>() / n, times_s.iter().sum::<f64>() / n);
-    let across: f64 = places.iter().map(|place| (place - mean_place).powi(2)).sum();
-    let along: f64 = places.iter().zip(times_s).map(|(place, time)| (place - mean_place) * (time - mean_time)).sum();
-    let even: Vec<f64> = places.iter().map(|place| mean_time + along / across * (place - mean_place)).collect();
-    let offs = times_s.iter().zip(&even).map(|(time, even)| time - even);
+    let pairs: Vec<(f64, f64)> = places.iter().copied().zip(times_s.iter().copied()).collect();
+    let even = line(&pairs, places.into_iter());
+    lies_on(times_s, &even, digit_s).then_some(even)
+}
+
+/// The times at these places on the line through some times at theirs.
+fn line(pairs: &[(f64, f64)], places: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
+    let (mean_place, mean_time) = (mean(|pair| pair.0), mean(|pair| pair.1));
+    let across: f64 = pairs.iter().map(|(place, _)| (place - mean_place).powi(2)).sum();
+    let along: f64 = pairs.iter().map(|(place, time)| (place - mean_place) * (time - mean_time)).sum();
+    places.map(|place| mean_time + along / across * (place - mean_place)).collect()
+}
+
+/// Are times even ones but for what a digit or a tick takes?
+fn lies_on(times: &[f64], even: &[f64], digit: f64) -> bool {
+    let offs = times.iter().zip(even).map(|(time, even)| time - even);
     let (low, high) = offs.fold((f64::MAX, f64::MIN), |(low, high), off| (low.min(off), high.max(off)));
-    (high - low < NEARLY_EVEN * digit_s).then_some(even)
+    high - low < NEARLY_EVEN * digit
 }
 
 #[cfg(test)]
@@ -170,6 +201,20 @@ mod tests {
         make_even(&mut times, &mut notes);
         let off_s = times.iter().zip(&truth).map(|(time, truth)| (time - truth).abs()).fold(0.0, f64::max);
         assert!(off_s < 1e-3, "{off_s} {notes:?}");
+    }
+
+    /// Two decimals at 200 Hz: every other time lies on the edge between two of them, and goes either way.
+    #[test]
+    fn rows_that_come_oftener_than_the_clock_ticks_become_even() {
+        let truth: Vec<f64> = (0..3000).map(|idx| f64::from(idx) * 0.005).collect();
+        let times: Vec<f64> = truth.iter().map(|time| format!("{time:.2}").parse().unwrap()).collect();
+        let even = of_slow_clock(&times).unwrap();
+        // Where the first row lies within its tick is nothing that shows.
+        let off_s = even.iter().zip(&truth).map(|(time, truth)| (time - even[0] - truth).abs()).fold(0.0, f64::max);
+        assert!(off_s < 2e-4, "{off_s}");
+        let lost: Vec<f64> = [&times[..1000], &times[1010..]].concat();
+        assert_eq!(of_slow_clock(&lost), None);
+        assert_eq!(of_slow_clock(&truth), None);
     }
 
     #[test]

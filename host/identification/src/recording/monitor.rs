@@ -4,6 +4,7 @@
 //! Each line becomes the row that somebody could have printed without them; the labels become the names of the columns.
 
 use super::clock;
+use super::pairs::Pairs;
 use super::words::is_unit;
 
 /// What the rows of a file are dressed in.
@@ -13,6 +14,8 @@ pub(super) struct Dress {
     arrow: Option<Arrow>,
     /// Names that stand before the numbers, with a unit behind the number if there is one.
     pub(super) labels: Option<Vec<String>>,
+    /// Some cells hold two numbers.
+    pairs: Option<Pairs>,
 }
 
 /// What becomes of the clock times before an arrow.
@@ -33,11 +36,15 @@ impl Dress {
             if 2 * n_several > behind.len() { Arrow::Drop } else { Arrow::Keep }
         });
         let bare: Vec<&str> = if arrow.is_some() { behind } else { lines.to_vec() };
-        Self { arrow, labels: common_labels(&bare) }
+        let pairs = Pairs::of(lines).filter(|_| arrow.is_none());
+        Self { arrow, labels: common_labels(&bare), pairs }
     }
 
     /// The row in plain text; lines in another dress stay as they are.
     pub(super) fn undress(&self, line: &str) -> Option<String> {
+        if let Some(pairs) = &self.pairs {
+            return Some(pairs.apart(line));
+        }
         let (time, rest) = match self.arrow {
             Some(_) => behind_arrow(line).map_or((None, line), |(time, rest)| (Some(time), rest)),
             None => (None, line),

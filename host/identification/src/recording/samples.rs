@@ -170,7 +170,8 @@ impl Samples {
         }
         let even = grid::of_few_digits(&times);
         let n_digits = even.as_ref().map(|(_, n_digits)| *n_digits);
-        let spread = even.map(|(even, _)| even).or_else(|| ticks::spread(&times));
+        let even = even.map(|(even, _)| even).or_else(|| grid::of_slow_clock(&times));
+        let spread = even.or_else(|| ticks::spread(&times));
         let is_coarse = spread.is_some();
         let times = spread.unwrap_or(times);
         let is_wrong = |idx: usize| times[idx] <= times[idx - 1] && (is_coarse || !self.is_doubled(idx));

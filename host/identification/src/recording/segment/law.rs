@@ -80,6 +80,8 @@ impl Cut<'_> {
     /// Fits the law and marks the states that break it.
     pub(super) fn find_disturbances(&mut self) -> Option<()> {
         if self.states.is_empty() {
+            // Whether it was held is asked all the same: its period says how it would have fallen.
+            self.law[0] = (PI / self.half_swing_s).powi(2);
             return Some(());
         }
         let typical_rad = self.typical_amplitude_rad();

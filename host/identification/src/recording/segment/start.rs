@@ -105,6 +105,9 @@ impl Cut<'_> {
     /// Places the release: still until then, afterwards falling with constant torque and its first correction,
     /// `θ0 + α (τ²/2 − ω0² cos θ0 τ⁴/24)`; the time with the least squares wins.
     fn release(&self, held: &Range<usize>) -> Start {
+        if self.states.is_empty() {
+            return self.first_fallen(held);
+        }
         let still_s = self.times_s()[held.end - 1];
         let n_sure = (held.len() * 4 / 5).max(1);
         let held_rad = mean(&self.angles_rad()[held.start..held.start + n_sure]);
@@ -125,6 +128,15 @@ impl Cut<'_> {
         let lead_in = held.start..self.recording.index_at(release_s - GUARD_S).clamp(held.start, held.end);
         let free_idx = self.recording.index_at(free_s);
         Start { lead_in: (!lead_in.is_empty()).then_some(lead_in), free_idx, release_s, was_held: true }
+    }
+
+    /// Between too few samples to see an acceleration the first one that has fallen is free.
+    fn first_fallen(&self, held: &Range<usize>) -> Start {
+        let held_rad = mean(&self.angles_rad()[held.clone()]);
+        let has_fallen =
+            |idx: &usize| (self.angles_rad()[*idx] - held_rad).abs() > HELD_FALL_NOISE * self.noise_rms_rad;
+        let free_idx = (held.end..self.asked.end).find(has_fallen).unwrap_or(held.end);
+        Start { lead_in: Some(held.clone()), free_idx, release_s: self.times_s()[free_idx], was_held: true }
     }
 
     fn frequency_rad_s(&self) -> f64 {

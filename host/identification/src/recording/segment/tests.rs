@@ -44,6 +44,15 @@ fn a_held_pendulum_is_free_just_after_its_release() {
     }
 }
 
+/// Ten samples a second, eight a period, are too few to see a hand, and enough to see a pendulum that does not fall.
+#[test]
+fn a_held_pendulum_is_seen_between_few_samples() {
+    let whole = [vec![1.2; 200], swing(1.2, 20.0)].concat();
+    let recording = Recording::uniform(10.0, noisy(&whole).angles_rad().iter().step_by(20).copied().collect()).unwrap();
+    let segments = segment(&recording, &SegmentOptions::default()).unwrap();
+    assert!((10..12).contains(&segments.free.start), "{segments:?}");
+}
+
 #[test]
 fn a_swing_begins_where_it_has_left_upright() {
     let angle_rad = 3.13;
