@@ -3,7 +3,7 @@
 use super::columns::Reading;
 use super::comparison::text;
 use super::given::{Given, check_geometry};
-use super::{output, rig};
+use super::output;
 use crate::compare::measurement::Measurement;
 use crate::compare::pictures::pictures;
 use crate::compare::recording::Curves;
@@ -78,11 +78,8 @@ fn measurements(reading: &Reading, paths: &[PathBuf]) -> Result<Vec<Measurement>
 /// Neither what is read nor an earlier report is replaced; nor earlier pictures, known by their ending until it is
 /// known which ones there will be.
 fn check_outputs(options: &Options) -> Result<(), Failure> {
-    let given = &options.given;
-    let rig = rig::chosen_path(given.rig.as_deref());
-    let read: Vec<&Path> = given.recordings.iter().chain(&options.hold_out).chain(&rig).map(PathBuf::as_path).collect();
     let new: Vec<&Path> = options.report.iter().chain(&options.csv).map(PathBuf::as_path).collect();
-    output::check(&new, &read, options.force)?;
+    options.given.check_outputs(&new, &options.hold_out, options.force)?;
     let inside = |folder: &PathBuf| folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
     let is_picture = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "svg");
     let earlier: Vec<PathBuf> = options.plot.iter().flat_map(inside).filter(is_picture).take(1).collect();

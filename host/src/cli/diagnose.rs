@@ -2,7 +2,7 @@
 
 use super::given::Given;
 use super::values::custom_effect;
-use super::{evidence, output, rig};
+use super::{evidence, output};
 use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
 use crate::error::Failure;
 use crate::look::{Look, at_first_look};
@@ -50,7 +50,8 @@ Example:
   host diagnose swing*.csv --effect 'torque = -k*omega^3; k in 0..1e-4 N·m·s³'";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    check_outputs(options)?;
+    let new: Vec<&Path> = options.plot.iter().chain(&options.report).map(PathBuf::as_path).collect();
+    options.given.check_outputs(&new, &options.hold_out, options.force)?;
     let model = options.given.model()?;
     let swings = options.given.swings(&model)?;
     let held_out = options.given.held_out(&model, &options.hold_out, &swings)?;
@@ -66,15 +67,6 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let Some(path) = &options.report else { return Ok(()) };
     let page = report(&diagnosis, &evidence::sentences(&diagnosis), &evidence::treads(&diagnosis));
     output::write(path, &page, options.force)
-}
-
-/// Neither what is read nor an earlier drawing or report is replaced, which is said before the search.
-fn check_outputs(options: &Options) -> Result<(), Failure> {
-    let given = &options.given;
-    let rig = rig::chosen_path(given.rig.as_deref());
-    let read: Vec<&Path> = given.recordings.iter().chain(&options.hold_out).chain(&rig).map(PathBuf::as_path).collect();
-    let new: Vec<&Path> = options.plot.iter().chain(&options.report).map(PathBuf::as_path).collect();
-    output::check(&new, &read, options.force)
 }
 
 fn first_look(look: &Look) {

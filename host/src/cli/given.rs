@@ -8,7 +8,7 @@ use crate::rigfile::RigFile;
 use crate::swing::Swing;
 use clap::Args;
 use shared::parameters::Parameters;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Recordings, a model file, and how to answer.
 #[derive(Clone, Debug, Args)]
@@ -48,6 +48,13 @@ impl Given {
         let held_out = self.reading.of(model).swings(paths)?;
         refuse_doubles(fitted, &held_out)?;
         Ok(held_out)
+    }
+
+    /// May these files be written? Nothing that is read is replaced, nor any other file unasked.
+    pub(super) fn check_outputs(&self, new: &[&Path], held_out: &[PathBuf], force: bool) -> Result<(), Failure> {
+        let rig = rig::chosen_path(self.rig.as_deref());
+        let read: Vec<&Path> = self.recordings.iter().chain(held_out).chain(&rig).map(PathBuf::as_path).collect();
+        output::check(new, &read, force)
     }
 }
 

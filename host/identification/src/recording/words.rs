@@ -4,10 +4,12 @@
 //! `Time [s]`, `time_ms`, `thetaRad`, `Winkel / °`, `Temps (s)`. A name with a word of motion (`omega`, `vitesse`,
 //! `theta_punkt`) is no angle, nor is one with a unit that no angle has (`position (m)`).
 
+mod rotary;
 mod sensors;
 
 use super::units::{AngleUnit, RateUnit, TimeUnit, rate_word};
 pub(super) use super::units::{angle_unit, rate_unit, time_unit};
+pub(super) use rotary::{is_alpha, is_rate_of_alpha, is_speed, is_theta};
 use sensors::TURNS_OF_BODY;
 pub(super) use sensors::{is_acceleration, is_duration, is_gyroscope, is_quaternion, is_raw, is_turn_of_body};
 
@@ -314,43 +316,6 @@ fn rate_unit_of(words: &[String], angle: Option<AngleUnit>, time: Option<TimeUni
     let in_time = angle.map(|angle| RateUnit { angle, time: time.unwrap_or(TimeUnit::Seconds) });
     words.iter().find_map(|word| rate_word(word)).or(in_time)
 }
-
-/// Is it theta and nothing else?
-pub(super) fn is_theta(name: &str) -> bool {
-    matches!(words(name).as_slice(), [word] if matches!(word.as_str(), "theta" | "θ"))
-}
-
-/// Is it alpha and nothing else, not even a unit?
-pub(super) fn is_alpha(name: &str) -> bool {
-    matches!(words(name).as_slice(), [word] if is_alpha_word(word))
-}
-
-/// `alpha_dot`, `alphadot`, `dalpha`: alpha is an angle then.
-pub(super) fn is_rate_of_alpha(name: &str) -> bool {
-    let words = words(name);
-    let is_one = |word: &String| {
-        let inner = [word.strip_prefix('d'), word.strip_suffix("dot"), word.strip_suffix('p')];
-        inner.into_iter().flatten().any(is_alpha_word)
-    };
-    let is_named = words.iter().any(|word| is_alpha_word(word));
-    words.iter().any(is_one)
-        || is_named && (has_derivative_sign(name) || words.iter().any(|word| SPEED.contains(&word.as_str())))
-}
-
-fn is_alpha_word(word: &str) -> bool {
-    matches!(word, "alpha" | "α")
-}
-
-/// Is it how fast an angle changes? `omega`, `theta_dot`, `velocity`.
-pub(super) fn is_speed(name: &str) -> bool {
-    let words = words(name);
-    let is_one = |word: &String| SPEED.contains(&word.as_str()) || RATE.contains(&word.as_str()) || is_derivative(word);
-    matches!(meaning(name), Meaning::Rate { .. }) || has_derivative_sign(name) || words.iter().any(is_one)
-}
-
-/// Words of a speed.
-const SPEED: &[&str] =
-    &["dot", "punkt", "velocity", "vel", "velo", "speed", "v", "geschwindigkeit", "vitesse", "velocidad", "velocità"];
 
 /// Is it the size of a vector, which has no sign? `Absolute (rad/s)`, `Gyroscope abs`.
 pub(super) fn is_size(name: &str) -> bool {
