@@ -67,9 +67,10 @@ impl Outcome {
             noises_left,
             words: format!(
                 "{truth:?} -> {verdict:?}, undecided {}, first {:?}; \
-                 {noises_before:.2} -> {noises_left:.3} noises; {:.2} s",
+                 {noises_before:.2} -> {noises_left:.3} noises; {} million steps, {:.2} s",
                 diagnosis["undecided"],
                 ranked.first(),
+                diagnosis["effort"]["million_steps"],
                 number("seconds"),
             ),
         }

@@ -10,6 +10,7 @@ use host::diagnose::of_state::Kind;
 use host::diagnose::{Diagnosis, Holding, Standing, diagnose};
 use host::fit::by_least_squares::fitted_as_it_is;
 use host::fit::identify::{held_out_rmse, problem_of};
+use host::fit::tally::Tally;
 use host::fit::uncertainty::{Number, uncertainty};
 use host::recording::segment::SegmentOptions;
 use host::swing::{Swing, SwingError};
@@ -18,7 +19,6 @@ use shared::parameters::Parameters;
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
-use std::sync::atomic::AtomicUsize;
 
 /// A recording, from when on it is used (s), and another release of the same rig, to be predicted.
 struct Real {
@@ -82,7 +82,7 @@ const PERIODS_IN_A_HALF: usize = 16;
 
 /// What the base model finds in a swing of which nothing else is known.
 fn numbers(swing: &Swing, rig: &Parameters<f64>) -> Vec<Number> {
-    let (swings, count) = ([swing.clone()], AtomicUsize::new(0));
+    let (swings, count) = ([swing.clone()], Tally::default());
     let problem = problem_of(&swings, rig, &count);
     uncertainty(&problem, &fitted_as_it_is(&problem)).numbers
 }
@@ -158,7 +158,7 @@ fn what_explains_nearly_all_but_is_not_proven_is_suspected() {
 fn what_a_release_says_nothing_of_does_not_hold_another_one() {
     let [far, near] =
         ["jensenbenard_hand_on_start", "jensenbenard_free_swing"].map(|name| measured(name, None).unwrap());
-    let (swings, count) = ([far.swing.clone()], AtomicUsize::new(0));
+    let (swings, count) = ([far.swing.clone()], Tally::default());
     let model = fitted_as_it_is(&problem_of(&swings, &normalised(&far), &count));
     let error = held_out_rmse(&[near.swing], &model.parameters, &count).unwrap();
     assert!(error < 0.03, "{error} rad");
@@ -217,7 +217,7 @@ fn row(recording: &Real) -> String {
     };
     let rig = normalised(&measurement);
     let diagnosis: Diagnosis = diagnose(std::slice::from_ref(&measurement.swing), &[], &rig);
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     let other = recording.other.and_then(|other| {
         let other = [measured(other, None).ok()?.swing];
         let rmse = |parameters: &Parameters<f64>| held_out_rmse(&other, parameters, &count);

@@ -49,6 +49,7 @@ pub use value::{Candidate, Value};
 use crate::fit::by_least_squares::fitted_as_it_is;
 use crate::fit::identify::problem_of;
 use crate::fit::problem::Problem;
+use crate::fit::tally::Tally;
 use crate::fit::tolerance::KnownRig;
 use crate::formula::effect_of;
 use crate::look::Look;
@@ -58,7 +59,6 @@ use budget::Budget;
 use conclusion::{Bench, Conclusion};
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::parameters::base;
-use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 use summary::Summary;
 
@@ -85,7 +85,7 @@ pub fn diagnose_with<'r>(
     rig: impl Into<KnownRig<'r>>,
     wishes: Wishes,
 ) -> Diagnosis {
-    diagnose_counted(swings, held_out, rig, wishes, &AtomicUsize::new(0))
+    diagnose_counted(swings, held_out, rig, wishes, &Tally::default())
 }
 
 /// The same for somebody who wants to see the count of simulated swings grow.
@@ -94,7 +94,7 @@ pub fn diagnose_counted<'r>(
     held_out: &[Swing],
     rig: impl Into<KnownRig<'r>>,
     wishes: Wishes,
-    count: &AtomicUsize,
+    count: &Tally,
 ) -> Diagnosis {
     let (began, rig) = (Instant::now(), rig.into());
     let problem = base_problem(swings, rig, count);
@@ -107,7 +107,7 @@ pub fn diagnose_counted<'r>(
     candidates.extend(wishes.typed.or(effect_of(rig.parameters, CUSTOM_FORMULA_ID)));
     let decimated = problem.decimated();
     let rough = problem.on(&decimated);
-    let budget = Budget::of(&rough);
+    let budget = Budget::new(count);
     let bench = Bench { problem: &problem, rough: &rough, candidates: &candidates, budget: &budget, held_out, count };
     let alone = bench.concluded(&base);
     let Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing } =
@@ -157,7 +157,7 @@ fn candidates(swings: &[Swing]) -> (Vec<&'static Effect<f64>>, Vec<NotTried>) {
 }
 
 /// The rig without any added effect.
-fn base_problem<'a>(swings: &'a [Swing], rig: KnownRig, count: &'a AtomicUsize) -> Problem<'a> {
+fn base_problem<'a>(swings: &'a [Swing], rig: KnownRig, count: &'a Tally) -> Problem<'a> {
     let mut bare = rig.parameters.clone();
     bare.effects.retain(|effect| effect.id <= base::STICTION);
     (bare.formula, bare.curve) = (None, None);

@@ -43,6 +43,7 @@ pub mod start;
 pub mod state_grid;
 pub mod stiction;
 pub mod stop_level;
+pub mod tally;
 pub mod tolerance;
 pub mod tolerated;
 pub mod uncertainty;

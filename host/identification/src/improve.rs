@@ -9,12 +9,12 @@ use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, HeldOut, problem_of};
 use crate::fit::problem::Problem;
 use crate::fit::refine::Band;
+use crate::fit::tally::Tally;
 use crate::fit::tolerance::{KnownRig, Tolerances};
 use crate::swing::Swing;
 use serde::Serialize;
 use shared::effect::{CURVE_ID, CURVE_NAME, Effect};
 use shared::parameters::Parameters;
-use std::sync::atomic::AtomicUsize;
 
 /// What to do.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +81,7 @@ pub fn change<'r>(
     changes: &[Change],
 ) -> Result<Vec<Step>, ChangeError> {
     let rig = rig.into();
-    let bench = Bench { swings, held_out, tolerances: rig.tolerances, count: &AtomicUsize::new(0) };
+    let bench = Bench { swings, held_out, tolerances: rig.tolerances, count: &Tally::default() };
     let (mut model, first) = bench.fitted(rig.parameters);
     let mut steps = vec![first];
     for change in changes {
@@ -102,7 +102,7 @@ pub struct Bench<'a> {
     /// How surely the geometry is known.
     pub tolerances: Tolerances,
     /// Simulated swings so far.
-    pub count: &'a AtomicUsize,
+    pub count: &'a Tally,
 }
 
 impl<'a> Bench<'a> {

@@ -9,13 +9,13 @@
 use crate::fit::fitted::Fitted;
 use crate::fit::linear::{Equations, Steps, equations};
 use crate::fit::problem::{PER_SWING, Point, Problem, Start, Unknown};
+use crate::fit::tally::Tally;
 use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
-use std::sync::atomic::AtomicUsize;
 
 /// Release angles, rad, to either side.
 const RELEASES_RAD: [f64; 6] = [0.3, 0.6, 1.0, 1.5, 2.0, 2.5];
@@ -79,7 +79,7 @@ struct Known<'a> {
 /// Experiments by what they would tell about fitted models, the best first. With `changes` the pendulum itself may be
 /// changed too.
 pub fn plan(swings: &[Swing], models: &[Fitted], changes: bool) -> Vec<Prospect> {
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     let known: Vec<Known> = models.iter().map(|fitted| Known::new(swings, fitted, &count)).collect();
     let noise_rad = problem(swings, &models[0].unknowns, &models[0].parameters, &count).noise_rad();
     let prospect = |experiment: Experiment| {
@@ -108,17 +108,12 @@ fn experiments(changes: bool) -> Vec<Experiment> {
     as_it_is.chain(changed.filter(|_| changes)).collect()
 }
 
-fn problem<'a>(
-    swings: &'a [Swing],
-    unknowns: &[Unknown],
-    template: &Parameters<f64>,
-    count: &'a AtomicUsize,
-) -> Problem<'a> {
+fn problem<'a>(swings: &'a [Swing], unknowns: &[Unknown], template: &Parameters<f64>, count: &'a Tally) -> Problem<'a> {
     Problem::new(swings, template, unknowns.to_vec(), count)
 }
 
 impl<'a> Known<'a> {
-    fn new(swings: &[Swing], fitted: &'a Fitted, count: &AtomicUsize) -> Self {
+    fn new(swings: &[Swing], fitted: &'a Fitted, count: &Tally) -> Self {
         let problem = problem(swings, &fitted.unknowns, &fitted.parameters, count);
         let linear = fitted.linearised(&problem);
         // A model that leaves more than the noise knows its parameters less well.
@@ -141,7 +136,7 @@ impl<'a> Known<'a> {
         Parameters { pendulum, ..self.fitted.parameters.clone() }
     }
 
-    fn readings(&self, experiment: Experiment, at: &[Swing], count: &AtomicUsize) -> Vec<f64> {
+    fn readings(&self, experiment: Experiment, at: &[Swing], count: &Tally) -> Vec<f64> {
         let problem = problem(at, &self.fitted.unknowns, &self.changed(experiment), count);
         let mut columns = problem.predict(0, at[0].len(), &[(&self.fitted.point().values, start(experiment))]);
         columns.swap_remove(0)
@@ -180,7 +175,7 @@ fn with_ridge(mut matrix: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// Each of two models in turn is the true one; the better imitation of the two counts.
-fn separation(a: &Known, b: &Known, experiment: Experiment, noise_rad: f64, count: &AtomicUsize) -> Separation {
+fn separation(a: &Known, b: &Known, experiment: Experiment, noise_rad: f64, count: &Tally) -> Separation {
     let delta_chi_square =
         imitation(a, b, experiment, noise_rad, count).min(imitation(b, a, experiment, noise_rad, count));
     let noises = (delta_chi_square / (LENGTH_S * RATE_HZ)).sqrt();
@@ -188,7 +183,7 @@ fn separation(a: &Known, b: &Known, experiment: Experiment, noise_rad: f64, coun
 }
 
 /// Δχ² that is left after a model imitated what the true one shows.
-fn imitation(truth: &Known, model: &Known, experiment: Experiment, noise_rad: f64, count: &AtomicUsize) -> f64 {
+fn imitation(truth: &Known, model: &Known, experiment: Experiment, noise_rad: f64, count: &Tally) -> f64 {
     let times_s: Vec<f64> = (0..(LENGTH_S * RATE_HZ) as usize).map(|i| i as f64 / RATE_HZ).collect();
     let blank = [Swing::new("experiment", &times_s, &vec![experiment.release_rad; times_s.len()], noise_rad)];
     let shown = [Swing::new("experiment", &times_s, &truth.readings(experiment, &blank, count), noise_rad)];

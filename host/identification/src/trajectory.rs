@@ -56,6 +56,11 @@ impl Schedule {
         Self { measured, ..self }
     }
 
+    /// Number of integration steps that a simulation of the first samples takes, about.
+    pub fn n_steps_to(&self, n_samples: usize) -> usize {
+        self.steps.len() * n_samples / self.times_s.len().max(1)
+    }
+
     /// Number of integration steps.
     pub fn n_steps(&self) -> usize {
         self.steps.len()

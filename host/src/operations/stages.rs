@@ -7,9 +7,9 @@ use crate::fit::problem::{Point, Problem, Unknown};
 use crate::fit::quality::Responses;
 use crate::fit::runs::responses_at;
 use crate::fit::sequential::Stage;
+use crate::fit::tally::Tally;
 use crate::swing::{Swing, Window};
 use serde::Serialize;
-use std::sync::atomic::AtomicUsize;
 
 /// The responses over the whole swings after a stage.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -37,7 +37,7 @@ pub(super) fn stages(fit: &Fit, method: Method, swings: &[Swing]) -> Vec<After> 
 
 /// The last design's optimum over the whole swings; how each swing began is fitted to it, as everywhere.
 fn after_surfaces(fit: &Fit, last: &Stage, swings: &[Swing]) -> Responses {
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     let full = problem_of(swings, fit.rig(), &count);
     let fixed = Problem { template: full.parameters(&values_after(last, &full)), unknowns: Vec::new(), ..full };
     let from = Point { values: Vec::new(), starts: fit.starts.clone() };

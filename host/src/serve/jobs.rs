@@ -1,6 +1,7 @@
 //! One long thing after the other: a worker thread, and what it is doing for everybody to see.
 
 use crate::error::Failure;
+use crate::fit::tally::Tally;
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -49,7 +50,7 @@ pub(super) struct Progress {
     began: Instant,
     words: Mutex<(String, Option<f64>)>,
     /// Simulated swings so far.
-    pub(super) count: AtomicUsize,
+    pub(super) count: Tally,
 }
 
 /// The same for the page.
@@ -65,7 +66,7 @@ pub(super) struct JobView {
 impl Progress {
     fn new(name: String) -> Self {
         let words = Mutex::new((String::new(), None));
-        Self { name, began: Instant::now(), words, count: AtomicUsize::new(0) }
+        Self { name, began: Instant::now(), words, count: Tally::default() }
     }
 
     /// What is being done, and which share of the whole that is, if anybody knows.
@@ -80,7 +81,7 @@ impl Progress {
             words,
             share,
             seconds: self.began.elapsed().as_secs_f64(),
-            simulations: self.count.load(Ordering::Relaxed),
+            simulations: self.count.simulations(),
         }
     }
 }

@@ -6,13 +6,13 @@ use super::state::State;
 use crate::compare::follow::run;
 use crate::error::Failure;
 use crate::fit::problem::{Problem, Start};
+use crate::fit::tally::Tally;
 use crate::formula::effect_of;
 use crate::rigfile::Quantity;
 use serde::{Deserialize, Serialize};
 use shared::effect::{CUSTOM_FORMULA_ID, Effect, Parameter};
 use shared::parameters::Parameters;
 use std::collections::BTreeMap;
-use std::sync::atomic::AtomicUsize;
 
 /// A slider's request.
 #[derive(Debug, Deserialize)]
@@ -47,7 +47,7 @@ pub(super) fn answer(app: &App, question: &Question) -> Result<Answer, Failure> 
         let (angle_rad, velocity_rad_s) = swing.start_guess();
         Start { angle_rad, velocity_rad_s, offset_rad: 0.0 }
     });
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     let problem = Problem::new(std::slice::from_ref(swing), &parameters, Vec::new(), &count);
     let run = run(&problem, start);
     Ok(Answer {

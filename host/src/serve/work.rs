@@ -12,6 +12,7 @@ use crate::compare::{self, Comparison, compare};
 use crate::diagnose::{Wishes, diagnose_counted};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit, Method};
+use crate::fit::tally::Tally;
 use crate::fit::windows::windows_s;
 use crate::geometry;
 use crate::improve::{Bench, Change, Step};
@@ -64,7 +65,7 @@ impl Data {
         self.model.parameters()
     }
 
-    fn bench<'a>(&'a self, count: &'a AtomicUsize) -> Bench<'a> {
+    fn bench<'a>(&'a self, count: &'a Tally) -> Bench<'a> {
         let tolerances = self.model.known().tolerances;
         Bench { swings: &self.swings, held_out: &self.held_out, tolerances, count }
     }

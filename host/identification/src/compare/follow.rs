@@ -8,10 +8,10 @@ use crate::fit::descent::{Tolerance, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Point, Problem, Start};
 use crate::fit::start;
+use crate::fit::tally::Tally;
 use crate::swing::{Swing, Window};
 use shared::parameters::Parameters;
 use std::f64::consts::TAU;
-use std::sync::atomic::AtomicUsize;
 
 /// The window grows in these steps of the usual pace, s. With the parameters fixed only a start can be wrong, so few
 /// steps suffice.
@@ -35,13 +35,13 @@ pub struct Followed {
 }
 
 /// A problem in which nothing but starts is unknown.
-pub fn starts_only<'a>(swings: &'a [Swing], parameters: &Parameters<f64>, count: &'a AtomicUsize) -> Problem<'a> {
+pub fn starts_only<'a>(swings: &'a [Swing], parameters: &Parameters<f64>, count: &'a Tally) -> Problem<'a> {
     Problem::new(swings, parameters, Vec::new(), count)
 }
 
 /// Fits the start of one swing, with the window growing, and lets the model run to its end.
 pub fn follow(swing: &Swing, parameters: &Parameters<f64>) -> Followed {
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     let swings = std::slice::from_ref(swing);
     let problem = starts_only(swings, parameters, &count);
     let first = Point { values: Vec::new(), starts: start::starts(swings) };
@@ -62,7 +62,7 @@ const BEGINNING_PERIODS: f64 = 0.25;
 
 /// Takes angle and velocity of the start from the first samples alone, the sensor's zero from all.
 pub fn follow_from_the_beginning(swing: &Swing, parameters: &Parameters<f64>) -> Followed {
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     let swings = std::slice::from_ref(swing);
     let problem = Problem { offsets_are_free: false, ..starts_only(swings, parameters, &count) };
     let offset_rad = follow(swing, parameters).start.offset_rad;

@@ -16,6 +16,7 @@ use crate::fit::identify::problem_of;
 use crate::fit::linear::{Linear, Steps, SwingLinear, dot, linearise};
 use crate::fit::problem::{PER_SWING, Point, Problem, Quantity, Unknown};
 use crate::fit::solve::solve_damped;
+use crate::fit::tally::Tally;
 use crate::fit::tolerance::KnownRig;
 use crate::fit::tolerated::tolerated;
 use crate::fit::uncertainty::{Number, Status, Uncertainty};
@@ -24,7 +25,6 @@ use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-use std::sync::atomic::AtomicUsize;
 
 /// Half width of a 95 % interval in standard deviations.
 const NORMAL_95: f64 = 1.96;
@@ -130,7 +130,7 @@ pub struct Knowledge {
 
 /// Asks the recordings for the parameters; `followed` tells how each began.
 pub fn knowledge(swings: &[Swing], rig: KnownRig, followed: &[Followed]) -> Knowledge {
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     let problem = problem_of(swings, rig, &count).without_stiction();
     let starts = followed.iter().map(|followed| followed.start).collect();
     let first = Point { values: problem.template_values(), starts };

@@ -10,12 +10,12 @@ use crate::fit::descent::{Tolerance, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Problem, Unknown};
 use crate::fit::start;
+use crate::fit::tally::Tally;
 use crate::recording::turning::half_swing_s;
 use crate::swing::{Swing, Window};
 use serde::Serialize;
 use shared::parameters::Parameters;
 use std::f64::consts::{PI, TAU};
-use std::sync::atomic::AtomicUsize;
 
 /// Below this share of the motion explained, the recording does not fit the model at all.
 pub const HOPELESS: f64 = 0.7;
@@ -160,7 +160,7 @@ fn other_inertia(swing: &Swing, parameters: &Parameters<f64>) -> Option<f64> {
     if first.duration_s() > SLOWEST_S {
         return None;
     }
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     let problem = Problem::new(std::slice::from_ref(&first), parameters, vec![Unknown::inertia(parameters)], &count);
     let guess = start::guess(&problem);
     let end = descend(&problem, &guess, Window::Whole, Tolerance::FINE, Steps::new(&problem));

@@ -8,6 +8,7 @@ use super::slope::slopes;
 use crate::fit::descent::{Tolerance, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Point, Start};
+use crate::fit::tally::Tally;
 use crate::recording::Measured;
 use crate::recording::median;
 use crate::recording::smooth::LocalFit;
@@ -16,7 +17,6 @@ use crate::swing::{Swing, Window};
 use rayon::prelude::*;
 use shared::parameters::Parameters;
 use std::ops::Range;
-use std::sync::atomic::AtomicUsize;
 
 /// A stretch of about one swing with the model that was started anew for it.
 #[derive(Clone, Debug)]
@@ -85,7 +85,7 @@ const FEWEST_ZEROS: usize = 3;
 
 /// The start that follows a piece best; its zero is fitted too or stays.
 fn fitted_start(piece: &Swing, parameters: &Parameters<f64>, guess: Start, zero_is_free: bool) -> Start {
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     let mut problem = starts_only(std::slice::from_ref(piece), parameters, &count);
     problem.offsets_are_free = zero_is_free;
     let first = Point { values: Vec::new(), starts: vec![guess] };
@@ -131,7 +131,7 @@ fn restart(
     let fitted = piece(swing, range.clone());
     let start = fitted_start(&fitted, parameters, guess(&fitted, cuts.half_swing_s, offset_rad)?, false);
 
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     let problem = starts_only(std::slice::from_ref(&both), parameters, &count);
     let mut angles_rad = problem.predict(0, both.len(), &[(&[], start)]).remove(0);
     let error = |(measured, modelled): (&f64, &f64)| measured - offset_rad - modelled;

@@ -10,10 +10,10 @@ use super::verdict::{INDISTINGUISHABLE, Judge};
 use super::zero::{self, Zero};
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
+use crate::fit::tally::Tally;
 use crate::swing::Swing;
 use crate::verdict::Left;
 use shared::effect::Effect;
-use std::sync::atomic::AtomicUsize;
 
 /// What a diagnosis works on.
 pub(super) struct Bench<'a, 'b> {
@@ -23,7 +23,7 @@ pub(super) struct Bench<'a, 'b> {
     pub(super) candidates: &'b [&'static Effect<f64>],
     pub(super) budget: &'b Budget<'b>,
     pub(super) held_out: &'b [Swing],
-    pub(super) count: &'b AtomicUsize,
+    pub(super) count: &'b Tally,
 }
 
 /// What may be claimed beside a base model.

@@ -118,7 +118,11 @@ impl Judge<'_, '_> {
         if claimed.effects.is_empty() || alone.as_ref().is_some_and(|curve| curve.left == Left::Noise) {
             return alone;
         }
-        let beside = if self.budget.allows_more() { friction_curve(self.problem, claimed, self.budget) } else { None };
+        let beside = if self.budget.allows_more_beside_a_curve() {
+            friction_curve(self.problem, claimed, self.budget)
+        } else {
+            None
+        };
         match (alone, beside) {
             (Some(alone), Some(beside)) if left(&beside) < MOST_LEFT * left(&alone) => Some(beside),
             (Some(alone), _) => Some(alone),
@@ -137,13 +141,13 @@ pub fn friction_curve(on: &Problem, from: &Fitted, budget: &Budget) -> Option<Fr
 
 /// A curve by hand, however little it gains; `None` where the swings are too short for one.
 pub fn added_curve(on: &Problem, from: &Fitted) -> Option<FrictionCurve> {
-    let decimated = on.decimated();
-    described(on, best_curve(on, from, &Budget::of(&on.on(&decimated)))?)
+    described(on, best_curve(on, from, &Budget::new(on.tally))?)
 }
 
 fn best_curve(on: &Problem, from: &Fitted, budget: &Budget) -> Option<Curved> {
+    budget.begin_a_curve();
     let alone = curved(on, from)?;
-    if on.chi_square(alone.model.cost).left() == Left::Noise || !budget.allows_more() {
+    if on.chi_square(alone.model.cost).left() == Left::Noise || !budget.allows_more_beside_a_curve() {
         return Some(alone);
     }
     let has_memory =

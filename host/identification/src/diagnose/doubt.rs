@@ -8,9 +8,9 @@ use super::verdict::Judge;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, HeldOut};
 use crate::fit::refine::on_all;
+use crate::fit::tally::Tally;
 use crate::swing::Swing;
 use shared::effect::Effect;
-use std::sync::atomic::AtomicUsize;
 
 /// An exponent is known well enough to say which law it is, up to this standard deviation …
 const EXPONENT_KNOWN: f64 = 0.05;
@@ -78,7 +78,7 @@ impl Judge<'_, '_> {
         &self,
         mut claimed: Fitted,
         held_out: &[Swing],
-        count: &AtomicUsize,
+        count: &Tally,
     ) -> (Fitted, Vec<&'static str>) {
         let of = |model: &Fitted| HeldOut::of(held_out, &model.parameters, count);
         let mut vetoed = Vec::new();
@@ -96,7 +96,7 @@ impl Judge<'_, '_> {
     }
 
     /// What held-out swings say to a model in place of the base model.
-    pub(super) fn carries(&self, claimed: &Fitted, held_out: &[Swing], count: &AtomicUsize) -> Option<Carries> {
+    pub(super) fn carries(&self, claimed: &Fitted, held_out: &[Swing], count: &Tally) -> Option<Carries> {
         if claimed.effects.is_empty() {
             return None;
         }

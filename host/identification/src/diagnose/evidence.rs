@@ -143,9 +143,9 @@ fn compared(effect: &'static str, amplitude_rad: f64, with: &Period, without: &P
 mod tests {
     use super::*;
     use crate::fit::identify::problem_of;
+    use crate::fit::tally::Tally;
     use crate::swing::Swing;
     use shared::effect::Effect;
-    use std::sync::atomic::AtomicUsize;
 
     fn of(name: &str, values: &[f64], viscous: f64) -> Evidence {
         of_swing(name, values, viscous, &[0.0, 0.1, 0.2])
@@ -156,7 +156,7 @@ mod tests {
         parameters.set_friction(viscous, 0.0, 0.0, 0.0);
         parameters.set(Effect::<f64>::by_name(name).unwrap().id, values).unwrap();
         let swings = [Swing::new("wide", times_s, &[1.4, 1.3, 1.1], 1e-3)];
-        let count = AtomicUsize::new(0);
+        let count = Tally::default();
         evidence(&problem_of(&swings, &parameters, &count), &parameters).remove(0)
     }
 

@@ -1,5 +1,6 @@
 //! One more effect on top of a model: which effects are fitted, and from which starts.
 
+use super::budget::Budget;
 use super::models::{drop_doubles, is_explained, near_the_best, sort};
 use super::score::{Prediction, predictions};
 use crate::fit::descent::Tolerance;
@@ -40,6 +41,7 @@ pub(super) fn extensions(
     model: &Fitted,
     candidates: &[&'static Effect<f64>],
     least_share: f64,
+    budget: &Budget,
 ) -> Vec<Fitted> {
     // Of a law in its wider form the usual one is a part.
     let is_part = |effect: &Effect<f64>| effect.wider_form().is_some_and(|wide| model.has(wide.name));
@@ -55,13 +57,17 @@ pub(super) fn extensions(
     };
     let mut level = fit(first);
     sort(&mut level);
-    if model.effects.is_empty() && !level.first().is_some_and(|best| is_explained(problem, best)) {
+    let is_explained = |level: &[Fitted]| level.first().is_some_and(|best| is_explained(problem, best));
+    if model.effects.is_empty() && !is_explained(&level) && budget.allows_more() {
         // What swings by itself would take the time of all others together.
         let others = level.par_iter_mut().filter(|model| !swings(model));
         others.for_each(|fitted| *fitted = grown(problem, fitted));
         sort(&mut level);
     }
-    if level.first().is_some_and(|best| is_explained(problem, best)) {
+    if !budget.allows_more() {
+        return level;
+    }
+    if is_explained(&level) {
         let rivals: Vec<&str> = near_the_best(&level).iter().filter_map(|rival| rival.names().pop()).collect();
         others.retain(|prediction| rivals.contains(&prediction.effect.name) || prediction.effect.generalises.is_some());
     } else {

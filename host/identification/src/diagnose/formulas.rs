@@ -281,12 +281,12 @@ const NEARLY_LINEAR: f64 = 0.3;
 mod tests {
     use super::*;
     use crate::fit::identify::problem_of;
+    use crate::fit::tally::Tally;
     use shared::parameters::Parameters;
-    use std::sync::atomic::AtomicUsize;
 
     #[test]
     fn every_combination_is_a_formula_that_fits_the_rig() {
-        let count = AtomicUsize::new(0);
+        let count = Tally::default();
         let problem = problem_of(&[], &Parameters::paper(), &count);
         for speed in OF_SPEED {
             for angle in OF_ANGLE {
@@ -301,7 +301,7 @@ mod tests {
 
     #[test]
     fn formulas_are_said_with_their_numbers() {
-        let count = AtomicUsize::new(0);
+        let count = Tally::default();
         let problem = problem_of(&[], &Parameters::paper(), &count);
         let drag = guess(&problem, vec![OF_SPEED[2]], &[]).unwrap();
         assert_eq!(drag.words(&[3.14e-5, 2.31]), "-3.1e-5·|ω|^2.3·sgn ω");

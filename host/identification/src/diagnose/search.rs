@@ -135,7 +135,7 @@ fn next_level(
     candidates: &[&'static Effect<f64>],
     budget: &Budget,
 ) -> Vec<Fitted> {
-    let mut found = found_roughly(rough, beam, candidates);
+    let mut found = found_roughly(rough, beam, candidates, budget);
     if budget.allows_more() {
         found.extend(widened(rough, &found));
         sort(&mut found);
@@ -208,10 +208,15 @@ fn band_is_promising(rough: &Problem, model: &Fitted) -> bool {
 }
 
 /// The same on decimated swings alone, not fitted to the last digit.
-fn found_roughly(rough: &Problem, beam: &[Fitted], candidates: &[&'static Effect<f64>]) -> Vec<Fitted> {
+fn found_roughly(
+    rough: &Problem,
+    beam: &[Fitted],
+    candidates: &[&'static Effect<f64>],
+    budget: &Budget,
+) -> Vec<Fitted> {
     let extended = |model: &Fitted| {
         let least = if model.effects.is_empty() { 0.0 } else { PROMISING };
-        extensions(rough, &model.evaluated(rough), candidates, least)
+        extensions(rough, &model.evaluated(rough), candidates, least, budget)
     };
     let mut level: Vec<Fitted> = beam.iter().flat_map(extended).collect();
     level.retain(|model| is_sound(rough, model));

@@ -14,6 +14,7 @@ use super::verdict::Judge;
 use super::zero;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, held_out_rmse};
+use crate::fit::tally::Tally;
 use crate::look::Look;
 use crate::recording::Measured;
 use crate::swing::{Swing, Window};
@@ -21,7 +22,6 @@ use crate::verdict::Left;
 use serde::Serialize;
 use shared::effect::CUSTOM_FORMULA_NAME;
 use shared::parameters::Parameters;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// A formula for what no candidate explains.
@@ -206,7 +206,7 @@ pub(super) struct Summary<'a, 'b, 'c> {
     pub(super) offset_is_missing: bool,
     pub(super) held_out: &'c [Swing],
     pub(super) began: Instant,
-    pub(super) count: &'c AtomicUsize,
+    pub(super) count: &'c Tally,
 }
 
 impl Summary<'_, '_, '_> {
@@ -275,7 +275,7 @@ impl Summary<'_, '_, '_> {
             base_parameters: problem.tolerances.settled(&base.parameters),
             staircase,
             seconds: self.began.elapsed().as_secs_f64(),
-            simulations: self.count.load(Ordering::Relaxed),
+            simulations: self.count.simulations(),
             effort: self.judge.budget.effort(),
             verdict,
             ranked,

@@ -121,6 +121,9 @@ impl Judge<'_, '_> {
         let mut claimed = claimed;
         let mut tried = Vec::new();
         for _ in 0..MAX_ROUNDS {
+            if claimed.effects.len() < 2 || !self.budget.allows_more() {
+                break;
+            }
             let (better, others) = self.replaced(&claimed, &tried);
             tried.extend(others);
             let Some(better) = better else { break };
@@ -131,12 +134,9 @@ impl Judge<'_, '_> {
 
     /// A model with one effect replaced that is better than the claimed one, pruned; and the others.
     fn replaced(&self, claimed: &Fitted, known: &[Fitted]) -> (Option<Fitted>, Vec<Fitted>) {
-        if claimed.effects.len() < 2 {
-            return (None, Vec::new());
-        }
         let without = |id: u16| self.without(claimed, id).swap_remove(0);
-        let Self { problem, rough, candidates, .. } = self;
-        let others = Replacements { problem, rough, candidates, known }.of(claimed, without);
+        let Self { problem, rough, candidates, budget, .. } = self;
+        let others = Replacements { problem, rough, candidates, known, budget }.of(claimed, without);
         let reach = INDISTINGUISHABLE * self.unit();
         let is_better = |other: &Fitted| {
             let wins = claimed.cost - other.cost > reach || is_simpler_form(other, claimed);

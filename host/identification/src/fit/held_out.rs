@@ -3,10 +3,10 @@
 use super::fitted::Fitted;
 use super::problem::{Point, Problem};
 use super::start;
+use crate::fit::tally::Tally;
 use crate::swing::Swing;
 use serde::Serialize;
 use shared::parameters::Parameters;
-use std::sync::atomic::AtomicUsize;
 
 /// Error on swings that took no part: only their starts are fitted.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ const COUNTS_STDS: f64 = 2.0;
 
 impl HeldOut {
     /// Of parameters on some swings; `None` without any.
-    pub fn of(held_out: &[Swing], parameters: &Parameters<f64>, count: &AtomicUsize) -> Option<Self> {
+    pub fn of(held_out: &[Swing], parameters: &Parameters<f64>, count: &Tally) -> Option<Self> {
         if held_out.is_empty() {
             return None;
         }
@@ -73,7 +73,7 @@ impl HeldOut {
 }
 
 /// Error on swings that took no part, rad; `None` without any.
-pub fn held_out_rmse(held_out: &[Swing], parameters: &Parameters<f64>, count: &AtomicUsize) -> Option<f64> {
+pub fn held_out_rmse(held_out: &[Swing], parameters: &Parameters<f64>, count: &Tally) -> Option<f64> {
     HeldOut::of(held_out, parameters, count).map(|held_out| held_out.rmse_rad)
 }
 

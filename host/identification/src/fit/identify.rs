@@ -16,13 +16,13 @@ use super::scouts::scouted;
 use super::sequential::Stage;
 use super::tolerance::KnownRig;
 use super::{ranges, start};
+use crate::fit::tally::Tally;
 use crate::formula::effect_of;
 use crate::geometry;
 use crate::recording::Measured;
 use crate::swing::{Swing, Window, one_kind};
 use shared::effect::Effect;
 use shared::parameters::{Parameters, base};
-use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
 /// How to identify.
@@ -60,7 +60,7 @@ pub fn fit<'r>(
     one_kind(swings.iter().chain(held_out))?;
     let rig = rig.into();
     geometry::check(rig.parameters, swings)?;
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     let problem = problem_of(swings, rig, &count);
     let first = start::guess(&problem);
     let ranges = chosen_ranges(&problem, &first, &options.ranges)?;
@@ -122,7 +122,7 @@ const GOOD_NOISES: f64 = 1.5;
 
 /// The problem of a rig: its inertia and all numbers of its effects, in the paper's order; the base effects are always
 /// there.
-pub fn problem_of<'a, 'r>(swings: &'a [Swing], rig: impl Into<KnownRig<'r>>, count: &'a AtomicUsize) -> Problem<'a> {
+pub fn problem_of<'a, 'r>(swings: &'a [Swing], rig: impl Into<KnownRig<'r>>, count: &'a Tally) -> Problem<'a> {
     let KnownRig { parameters, tolerances } = rig.into();
     let mut template = tolerances.centred(parameters);
     for id in [base::VISCOUS, base::COULOMB, base::STICTION] {

@@ -2,6 +2,7 @@
 
 use super::ridge::Ridge;
 use super::tolerance::{Known, Prior, Tolerances};
+use crate::fit::tally::Tally;
 use crate::lanes::Lanes;
 use crate::pace;
 use crate::recording::Measured;
@@ -15,7 +16,6 @@ use shared::effect::{Effect, Parameter};
 use shared::model::Model;
 use shared::parameters::{Parameters, base};
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Simulations run this many at a time on one core.
 pub const LANES: usize = 4;
@@ -242,20 +242,15 @@ pub struct Problem<'a> {
     pub tolerances: Tolerances,
     /// What a crooked friction curve costs, while one is sought.
     pub ridge: Option<Ridge>,
-    /// Simulations run so far.
-    pub n_simulations: &'a AtomicUsize,
+    /// What was simulated so far.
+    pub tally: &'a Tally,
 }
 
 impl<'a> Problem<'a> {
     /// Of swings and parameters; the sensor's zero of each swing is free.
-    pub fn new(
-        swings: &'a [Swing],
-        template: &Parameters<f64>,
-        unknowns: Vec<Unknown>,
-        n_simulations: &'a AtomicUsize,
-    ) -> Self {
+    pub fn new(swings: &'a [Swing], template: &Parameters<f64>, unknowns: Vec<Unknown>, tally: &'a Tally) -> Self {
         let (template, tolerances) = (template.clone(), Tolerances::default());
-        Self { swings, template, unknowns, offsets_are_free: true, tolerances, ridge: None, n_simulations }
+        Self { swings, template, unknowns, offsets_are_free: true, tolerances, ridge: None, tally }
     }
 
     /// Is an effect the scale of a sensor of rates? Then it is free in every fit, and no finding.
@@ -300,7 +295,7 @@ impl<'a> Problem<'a> {
     }
 
     fn predict_batch(&self, swing_idx: usize, n_samples: usize, batch: &[(&[f64], Start)]) -> Vec<Vec<f64>> {
-        self.n_simulations.fetch_add(batch.len(), Ordering::Relaxed);
+        self.tally.add(&self.template, batch.len(), self.schedule(swing_idx).n_steps_to(n_samples));
         match batch {
             [(values, start)] => {
                 let mut parameters = self.parameters(values);

@@ -9,11 +9,11 @@ use super::quality::Responses;
 use super::runs::responses_at;
 use super::sequential::Stage;
 use super::uncertainty::{Number, Status, UNKNOWN_SHARE, Uncertainty, uncertainty};
+use crate::fit::tally::Tally;
 use crate::number::noises;
 use crate::swing::{Swing, Window, kind};
 use crate::verdict::Left;
 use shared::parameters::base;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Errors beyond this share of the motion mean that the model does not follow it.
@@ -35,7 +35,7 @@ impl Report<'_, '_> {
         held_out: &[Swing],
         responses_before: Responses,
         stages: Vec<Stage>,
-        count: &AtomicUsize,
+        count: &Tally,
         began: Instant,
     ) -> Result<Fit, FitError> {
         let (problem, model) = (self.problem, &self.model);
@@ -65,7 +65,7 @@ impl Report<'_, '_> {
             held_out_rmse_rad,
             responses_before,
             stages,
-            n_simulations: count.load(Ordering::Relaxed),
+            n_simulations: count.simulations(),
             seconds: began.elapsed().as_secs_f64(),
             parameters: problem.tolerances.settled(&self.model.parameters),
             tolerances: problem.tolerances,

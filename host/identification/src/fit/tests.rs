@@ -7,12 +7,12 @@ use super::identify::{FitError, problem_of};
 use super::linear::{Linear, Steps, SwingLinear, linearise};
 use super::problem::{PER_SWING, Point, Problem, Start};
 use super::stop_level;
+use crate::fit::tally::Tally;
 use crate::recording::Measured;
 use crate::swing::{Swing, Window};
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
 use std::f64::consts::PI;
-use std::sync::atomic::AtomicUsize;
 
 const PENDULUM: Pendulum<f64> = Pendulum { mass_kg: 0.15, length_m: 0.16, inertia_kg_m2: 2.7e-3, gravity_m_s2: 9.81 };
 
@@ -38,7 +38,7 @@ fn viscous_swing(viscous: f64) -> [Swing; 1] {
 }
 
 /// Viscous friction and inertia alone are unknown.
-fn viscous_problem<'a>(swings: &'a [Swing], viscous: f64, count: &'a AtomicUsize) -> Problem<'a> {
+fn viscous_problem<'a>(swings: &'a [Swing], viscous: f64, count: &'a Tally) -> Problem<'a> {
     let mut rig = Parameters::frictionless(PENDULUM);
     rig.set_friction(viscous, 0.0, 0.0, 0.0);
     let mut problem = problem_of(swings, &rig, count);
@@ -52,7 +52,7 @@ fn at_rest(angle_rad: f64) -> Vec<Start> {
 
 #[test]
 fn derivatives_are_those_of_the_closed_form() {
-    let (viscous, count) = (4e-4, AtomicUsize::new(0));
+    let (viscous, count) = (4e-4, Tally::default());
     let swings = viscous_swing(viscous);
     let problem = viscous_problem(&swings, viscous, &count);
     let point = Point { values: problem.template_values(), starts: at_rest(RELEASE_RAD) };
@@ -80,7 +80,7 @@ fn derivatives_are_those_of_the_closed_form() {
 
 #[test]
 fn many_swings_are_linearised_as_each_of_them_alone() {
-    let (viscous, count) = (4e-4, AtomicUsize::new(0));
+    let (viscous, count) = (4e-4, Tally::default());
     let swings = vec![viscous_swing(viscous)[0].clone(); 20];
     let problem = viscous_problem(&swings, viscous, &count);
     let point = Point { values: problem.template_values(), starts: at_rest(RELEASE_RAD).repeat(20) };
@@ -98,7 +98,7 @@ fn many_swings_are_linearised_as_each_of_them_alone() {
 
 #[test]
 fn a_descent_finds_the_numbers_of_the_closed_form_and_says_why_it_ended() {
-    let (viscous, count) = (4e-4, AtomicUsize::new(0));
+    let (viscous, count) = (4e-4, Tally::default());
     let swings = viscous_swing(viscous);
     let problem = viscous_problem(&swings, 1.5 * viscous, &count);
     let mut from = Point { values: problem.template_values(), starts: at_rest(1.1 * RELEASE_RAD) };
@@ -114,7 +114,7 @@ fn a_descent_finds_the_numbers_of_the_closed_form_and_says_why_it_ended() {
 
 #[test]
 fn a_descent_stays_within_the_bounds() {
-    let count = AtomicUsize::new(0);
+    let count = Tally::default();
     // Friction would have to be negative: this swing grows.
     let times_s = times_s(10.0);
     let grown = |t: &f64| viscous_rad(-1e-4, PENDULUM.inertia_kg_m2, *t);
@@ -210,7 +210,7 @@ fn dry_swing(coulomb_nm: f64, level_nm: f64) -> [Swing; 1] {
 #[test]
 fn the_stop_level_is_found_between_the_turning_points_that_frame_it() {
     // Turning points 2·Mc apart: 2.6e-4 N·m; the level lies within one of the gaps.
-    let (coulomb_nm, level_nm, count) = (1.3e-4, 1.1e-3, AtomicUsize::new(0));
+    let (coulomb_nm, level_nm, count) = (1.3e-4, 1.1e-3, Tally::default());
     let swings = dry_swing(coulomb_nm, level_nm);
     let mut rig = Parameters::frictionless(PENDULUM);
     rig.set_friction(0.0, coulomb_nm, 0.0, 0.0);
