@@ -38,6 +38,7 @@ mod source;
 mod spikes;
 mod table;
 mod ticks;
+mod told;
 pub mod turning;
 mod units;
 mod words;
@@ -52,6 +53,7 @@ pub use look::{Look, look};
 pub use measured::Measured;
 pub use options::ReadOptions;
 pub use read::{read, read_bytes};
+pub use told::Told;
 pub use units::{AngleUnit, RateUnit, TimeUnit};
 pub use write::{Writer, save};
 

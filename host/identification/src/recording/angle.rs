@@ -8,6 +8,7 @@ use super::limits::LARGEST_UNSTATED_RAD;
 use super::options::ReadOptions;
 use super::plausible::{self, Scale, Swings};
 use super::ticks;
+use super::told::Told;
 use super::units::AngleUnit;
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -33,6 +34,8 @@ pub(super) struct Angles<'a> {
     /// Our own files say what they are.
     pub(super) is_ours: bool,
     pub(super) options: &'a ReadOptions,
+    /// The columns, for messages.
+    pub(super) told: Told,
     pub(super) notes: &'a mut Vec<String>,
 }
 
@@ -53,23 +56,24 @@ impl Angles<'_> {
         self.unwrap(&mut angles_rad);
         let swings = Swings::of(self.times_s, &angles_rad);
         if let Some(swings) = &swings {
-            swings.judge_period()?;
+            swings.judge_period(self.told)?;
             self.judge_unit(swings, unit)?;
-            self.set_zero(swings, &mut angles_rad);
+            self.set_zero(swings, "it is measured from the horizontal", &mut angles_rad);
         }
         Ok(angles_rad)
     }
 
-    /// From a point on the pendulum.
-    pub(super) fn of_point(self, x: &[f64], y: &[f64]) -> Result<Vec<f64>, Fault> {
-        let circle = Circle::through(x, y, self.options.pivot)?;
+    /// From a point on the pendulum; where its pivot is, if that is known without the user.
+    pub(super) fn of_point(mut self, x: &[f64], y: &[f64], pivot: Option<[f64; 2]>) -> Result<Vec<f64>, Fault> {
+        let circle = Circle::through(x, y, self.options.pivot.or(pivot))?;
         self.notes.push(circle.in_words());
         let mut angles_rad = circle.angles_rad(x, y);
         plausible::unwrap(&mut angles_rad);
         let zero_rad = self.options.zero.unwrap_or(0.0).to_radians();
         angles_rad.iter_mut().for_each(|angle| *angle -= zero_rad);
         if let Some(swings) = Swings::of(self.times_s, &angles_rad) {
-            swings.judge_period()?;
+            swings.judge_period(self.told)?;
+            self.set_zero(&swings, "the picture is turned", &mut angles_rad);
         }
         Ok(angles_rad)
     }
@@ -92,7 +96,7 @@ impl Angles<'_> {
             let mut in_degrees: Vec<f64> = angles.iter().map(|angle| angle.to_radians()).collect();
             plausible::unwrap(&mut in_degrees);
             if !Swings::of(self.times_s, &in_degrees).is_some_and(|swings| swings.is_pendulum()) {
-                return Err(Fault::LooksLikeDegrees { largest });
+                return Err(Fault::LooksLikeDegrees { largest, told: self.told });
             }
             self.notes.push(format!(
                 "angles reach {largest:.1}, and the period grows with them as it does for degrees: read as degrees"
@@ -133,7 +137,7 @@ impl Angles<'_> {
                 .is_some_and(|columns| columns.angle.as_ref().is_some_and(|(_, unit)| unit.is_some()));
         let fault = match swings.scale() {
             Scale::TooLarge { predicted_percent, found_percent } => {
-                Fault::NotRadians { largest_rad: swings.largest_rad, predicted_percent, found_percent }
+                Fault::NotRadians { largest_rad: swings.largest_rad, predicted_percent, found_percent, told: self.told }
             }
             Scale::TooSmall { factor } if unit == Some(AngleUnit::Degrees) && factor > RADIANS_AS_DEGREES => {
                 Fault::NotDegrees { unit: "degrees", largest_rad: swings.largest_rad, factor }
@@ -142,7 +146,8 @@ impl Angles<'_> {
                 let read_as = if unit.is_none() { "read as radians, but" } else { "with the unit that is stated" };
                 self.notes.push(format!(
                     "doubtful: {read_as} the period grows with the amplitude as for angles {factor:.1} times as large; say \
-                     the unit, --columns theta=1:turn (rad, deg, mrad, gon, turn, or 4096/turn)"
+                     the unit, --columns {} (rad, deg, mrad, gon, turn, or 4096/turn)",
+                    self.told.angle("", ":turn")
                 ));
                 return Ok(());
             }
@@ -169,7 +174,7 @@ impl Angles<'_> {
 
     /// Where it hangs is 0: angles from the horizontal or from upright are turned, whole turns taken off, and the middle of
     /// the swings where it is nothing of that.
-    fn set_zero(&mut self, swings: &Swings, angles_rad: &mut [f64]) {
+    fn set_zero(&mut self, swings: &Swings, quarter: &str, angles_rad: &mut [f64]) {
         let middle_rad = swings.middle_rad;
         if middle_rad.abs() < FAR_OFF_RAD {
             return;
@@ -188,7 +193,7 @@ impl Angles<'_> {
         let from = match quarters.rem_euclid(4.0) as u8 {
             0 => "whole turns",
             2 => "it is measured from upright",
-            _ => "it is measured from the horizontal",
+            _ => quarter,
         };
         self.notes.push(match is_quarter {
             true => format!("it swings about {middle_deg:.1}°: {from}, {:.0}° taken off", off_rad.to_degrees()),

@@ -5,7 +5,7 @@ mod rivals;
 mod time;
 
 use super::angle::Angles;
-use super::circle::Circle;
+use super::circle::{Circle, is_arc};
 use super::clock;
 use super::columns::Columns;
 use super::error::Fault;
@@ -17,12 +17,16 @@ use super::options::ReadOptions;
 use super::rate::Rates;
 use super::samples::{MOST_COLUMNS, Samples};
 use super::table::Table;
+use super::told::Told;
 use super::units::{AngleUnit, RateUnit};
-use super::words::{self, Meaning, is_size, meaning};
+use super::words::{self, Meaning, is_of_sine, is_size, meaning};
 use names::{all_best, ambiguous, bare_axes, example, find, no_angle, note_rivals, the_one};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 pub(super) use time::TimeSource;
 use time::{as_time, choose_time, plotted_axes, unit_in_cell, unnamed_time};
+
+/// What goes round is no point that swings, wherever it lies.
+const NO_CIRCLE: Fault = Fault::NoCircle { off_percent: 100.0 };
 
 /// Where each quantity comes from.
 pub(super) struct Sources {
@@ -140,6 +144,13 @@ impl Sources {
         }
     }
 
+    /// Stands a word in the row where the time would be, as in a summary below a table?
+    pub(super) fn has_words_as_time(&self, table: &Table) -> bool {
+        let fields = table.fields();
+        let field = self.time.column().and_then(|idx| fields.get(idx));
+        field.is_some_and(|field| field.starts_with(char::is_alphabetic) && Numerals::new().read(field) == Cell::Text)
+    }
+
     /// Do rows that are left out leave their time behind?
     pub(super) fn counts_rows(&self) -> bool {
         matches!(self.time, TimeSource::Rate(_))
@@ -166,12 +177,16 @@ impl Sources {
                 if !is_ours {
                     self.refuse_standing(table, *idx, readings)?;
                 }
-                Angles { times_s, is_ours, options, notes }.of_column(readings, *unit)
+                Angles { times_s, is_ours, options, told: self.told(), notes }.of_column(readings, *unit)
             }
-            ReadingSource::Point { is_guess: false, .. } => {
-                let angles = Angles { times_s, is_ours, options, notes };
+            ReadingSource::Point { x, y, is_guess: false } => {
+                let angles = Angles { times_s, is_ours, options, told: self.told(), notes };
                 let is_told = options.columns.as_ref().is_some_and(|columns| columns.x.is_some());
-                angles.of_point(&samples.readings[0], &samples.readings[1]).map_err(|fault| {
+                let names = table.names.as_deref().unwrap_or_default();
+                let are_sine_and_cosine =
+                    [x, y].iter().all(|idx| names.get(**idx).is_some_and(|name| is_of_sine(name)));
+                let pivot = are_sine_and_cosine.then_some([0.0; 2]);
+                angles.of_point(&samples.readings[0], &samples.readings[1], pivot).map_err(|fault| {
                     match bare_axes(table).filter(|_| !is_told) {
                         Some(axes) => Fault::ThreeAxes { example: self.rate_example(&axes) },
                         None => fault,
@@ -180,12 +195,22 @@ impl Sources {
             }
             ReadingSource::Point { x, y, is_guess: true } => {
                 let mut of_point = vec![format!("columns {x} and {y} lie on a circle: read as x and y of a point")];
-                let point = Angles { times_s, is_ours, options, notes: &mut of_point };
-                match point.of_point(&samples.readings[0], &samples.readings[1]) {
+                let point = Angles { times_s, is_ours, options, told: self.told(), notes: &mut of_point };
+                let angles = point.of_point(&samples.readings[0], &samples.readings[1], None);
+                // Angle and rate of a slow pendulum go round their circle.
+                let goes_round = |angles: &Vec<f64>| angles.iter().any(|angle_rad| angle_rad.abs() > PI);
+                match angles.and_then(|angles| if goes_round(&angles) { Err(NO_CIRCLE) } else { Ok(angles) }) {
+                    Err(fault @ (Fault::NoCircle { .. } | Fault::ShortArc { .. }))
+                        if is_arc(&samples.readings[0], &samples.readings[1]) =>
+                    {
+                        let told = Told { reading: *x, ..self.told() };
+                        Err(Fault::SeemsPoint { x: *x, y: *y, fault: Box::new(fault), told })
+                    }
                     Err(Fault::NoCircle { .. } | Fault::ShortArc { .. }) => {
                         self.refuse_standing(table, *x, &samples.readings[0])?;
                         let unit = angle_unit_of(table, *x);
-                        Angles { times_s, is_ours, options, notes }.of_column(&samples.readings[0], unit)
+                        Angles { times_s, is_ours, options, told: self.told(), notes }
+                            .of_column(&samples.readings[0], unit)
                     }
                     angles => {
                         notes.extend(of_point);
@@ -196,15 +221,21 @@ impl Sources {
             ReadingSource::Rivals { columns } => Err(ambiguous(table, "angle", columns)),
             ReadingSource::Rates { columns, unit } => {
                 let names = columns.iter().map(|idx| table.column_name(*idx)).collect();
-                Rates { times_s, is_ours, options, names, notes }.of_columns(&samples.readings, *unit)
+                let told = columns.iter().map(|idx| Told { reading: *idx, ..self.told() }).collect();
+                Rates { times_s, is_ours, options, names, told, notes }.of_columns(&samples.readings, *unit)
             }
         }
     }
 
+    /// The columns, for messages.
+    pub(super) fn told(&self) -> Told {
+        Told { time: self.time.column(), reading: self.reading.columns().first().copied().unwrap_or_default() }
+    }
+
     /// What tells of one of these columns that it is an angular velocity.
     fn rate_example(&self, columns: &[usize]) -> String {
-        let time = self.time.column().map_or(String::new(), |idx| format!("t={idx},"));
-        columns.iter().map(|idx| format!("{time}rate={idx}")).collect::<Vec<_>>().join(" or ")
+        let told = |idx: &usize| Told { reading: *idx, ..self.told() }.rate("");
+        columns.iter().map(told).collect::<Vec<_>>().join(" or ")
     }
 
     /// An angle that is the same throughout is another column's.
@@ -376,13 +407,14 @@ fn choose_angle(
 /// where it has a rate of its own, or no speed stands beside theta.
 fn with_alpha(table: &Table, mut named: Vec<(usize, Option<AngleUnit>)>) -> Vec<(usize, Option<AngleUnit>)> {
     let names = table.names.as_deref().unwrap_or_default();
-    let is_theta = |(idx, _): &(usize, Option<AngleUnit>)| names.get(*idx).is_some_and(|name| words::is_theta(name));
     let any = |is_it: fn(&str) -> bool| names.iter().any(|name| is_it(name));
-    let is_angle = any(words::is_rate_of_alpha) || !any(words::is_speed);
-    if let (true, [_], Some(idx)) =
-        (is_angle && named.iter().all(is_theta), named.as_slice(), names.iter().position(|name| words::is_alpha(name)))
-    {
-        named.push((idx, None));
+    if any(words::is_rate_of_alpha) || !any(words::is_speed) {
+        let beside_theta: Vec<_> = named.iter().filter_map(|(idx, _)| words::beside_theta(names.get(*idx)?)).collect();
+        let is_its = |name: &String| words::beside_alpha(name).is_some_and(|beside| beside_theta.contains(&beside));
+        let is_new = |idx: usize| table.is_of_numbers(idx) && named.iter().all(|(other, _)| *other != idx);
+        let alphas = names.iter().enumerate().filter(|(idx, name)| is_its(name) && is_new(*idx));
+        let alphas: Vec<_> = alphas.map(|(idx, _)| (idx, None)).collect();
+        named.extend(alphas);
     }
     named
 }
@@ -406,7 +438,10 @@ fn mute_column(table: &Table) -> Option<usize> {
 fn lie_on_circle(table: &Table, x: usize, y: usize) -> bool {
     let (x, y) = (table.first_numbers(x), table.first_numbers(y));
     let n = x.len().min(y.len());
-    let Some(circle) = Circle::through(&x[..n], &y[..n], None).ok().filter(|_| n >= MIN_SAMPLES) else { return false };
+    if n < MIN_SAMPLES {
+        return false;
+    }
+    let Some(circle) = Circle::through(&x[..n], &y[..n], None).ok() else { return is_arc(&x[..n], &y[..n]) };
     let angles_rad = circle.angles_rad(&x[..n], &y[..n]);
     angles_rad.iter().all(|angle_rad| angle_rad.abs() < FRAC_PI_2)
 }

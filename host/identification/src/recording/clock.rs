@@ -1,4 +1,5 @@
-//! Dates and clock times as seconds: `2026-03-01T12:00:00.005Z`, `01.03.2026 12:00:00,005`, `12:00:00.005 PM`, `00:01.25`.
+//! Dates and clock times as seconds: `2026-03-01T12:00:00.005Z`, `01.03.2026 12:00:00,005`, `12:00:00.005 PM`, `00:01.25`,
+//! `12:00:00:005`, and how long ago something was: `0 days 00:00:01.25`.
 //!
 //! Only differences matter: zones are left out, and of a date without a clear order month and day are taken as they come.
 
@@ -14,9 +15,20 @@ pub(super) struct Moment {
 /// Seconds of a day.
 pub(super) const DAY_S: f64 = 86_400.0;
 
+impl Moment {
+    /// Seconds since 1970, or since midnight where there is no date.
+    pub(super) fn seconds(self) -> f64 {
+        self.day.unwrap_or(0) as f64 * DAY_S + self.second
+    }
+}
+
 /// Reads a clock time, with or without a date; `None` for anything else.
 pub(super) fn read(text: &str) -> Option<Moment> {
     let text = text.trim();
+    if let Some((days, clock)) = text.split_once(" days ") {
+        let (day, second) = (days.parse().ok()?, read_clock(clock.trim())?);
+        return Some(Moment { day: Some(day), second });
+    }
     let (date, clock) = match text.split_once(['T', ' ']) {
         Some((date, clock)) if date.contains(['-', '/', '.']) && !date.contains(':') => (Some(date), clock.trim()),
         _ => (None, text),
@@ -49,6 +61,11 @@ fn read_clock(clock: &str) -> Option<f64> {
         text.replace(',', ".").parse::<f64>().ok().filter(|second| is_plain && (0.0..61.0).contains(second))
     };
     let (hours, minutes, seconds) = match parts[..] {
+        // Milliseconds behind a colon have three digits; two would be frames of a video.
+        [hours, minutes, seconds, thousandths] if thousandths.len() == 3 => {
+            let thousandths: u16 = thousandths.parse().ok()?;
+            (whole(hours)?, whole(minutes)?, whole(seconds)? + f64::from(thousandths) / 1000.0)
+        }
         [hours, minutes, seconds] => (whole(hours)?, whole(minutes)?, second(seconds)?),
         [minutes, seconds] if seconds.contains(['.', ',']) => (0.0, whole(minutes)?, second(seconds)?),
         [hours, minutes] => (whole(hours)?, whole(minutes)?, 0.0),
@@ -99,11 +116,13 @@ mod tests {
             ("12:00:00 AM", bare(0.0)),
             ("00:01.25", bare(1.25)),
             ("12:30", bare(45_000.0)),
+            ("12:00:00:005", bare(43_200.005)),
+            ("1 days 00:00:01.250000", Some(Moment { day: Some(1), second: 1.25 })),
         ];
         for (text, expected) in cases {
             assert_eq!(read(text), expected, "{text}");
         }
-        for text in ["", "1.5", "2026-03-01", "12:61:00", "a:b", "1:2:3:4", "12:00:00.1.2", "::"] {
+        for text in ["", "1.5", "2026-03-01", "12:61:00", "a:b", "1:2:3:04", "12:00:00.1.2", "::"] {
             assert_eq!(read(text), None, "{text}");
         }
     }

@@ -8,6 +8,7 @@ use super::columns::ColumnsError;
 use super::limits::{
     FORMAT_NAME, FORMAT_VERSION, LARGEST_RAD, LARGEST_UNSTATED_RAD, LONGEST_STEP_S, MIN_SAMPLES, MOST_SAMPLES,
 };
+use super::told::Told;
 use crate::files::FileError;
 
 /// More rows of one time are no clock of few digits, which has some dozens in a tick.
@@ -162,6 +163,18 @@ pub enum Fault {
         /// What could be told of this file.
         example: String,
     },
+    /// One coordinate of a point.
+    #[error(
+        "{column} is one coordinate of a point and no angle; export x and y of it, or where it swings by less than 20° say \
+         what one unit is worth, 57.3° over the pendulum's length in that unit: --columns {example}:0.19deg where it is \
+         300 long. If another column is the angle, name it with --columns theta=..."
+    )]
+    OnlyX {
+        /// The coordinate.
+        column: String,
+        /// What could be told of this file.
+        example: String,
+    },
     /// Nothing but an orientation as a quaternion.
     #[error(
         "no angle column among {available}, but an orientation as a quaternion, which is not read; log its angles (roll, \
@@ -223,13 +236,16 @@ pub enum Fault {
     /// Angles too large for radians, unit not stated.
     #[error(
         "angles reach {largest}, expected at most {limit} rad for a pendulum; if they are degrees say --degrees, if they are \
-         counts or volts say what one is worth, --columns t=0,theta=1:4096/turn or theta=1:54.5deg, if it really turned \
-         over say --radians",
+         counts or volts say what one is worth, --columns {} or theta={}:54.5deg, if it really turned over say --radians",
+        told.angle("", ":4096/turn"),
+        told.reading,
         limit = LARGEST_UNSTATED_RAD
     )]
     LooksLikeDegrees {
         /// Largest magnitude in the column.
         largest: f64,
+        /// The columns.
+        told: Told,
     },
     /// No pendulum turns so often.
     #[error("angles reach {largest:e} rad, expected at most {LARGEST_RAD:e}; check the column and its unit")]
@@ -240,12 +256,15 @@ pub enum Fault {
     /// Steps too long for seconds, unit not stated.
     #[error(
         "the median time step is {step} s, expected less than {limit} s for a pendulum; \
-         if the column counts milliseconds, or is not the time, say so: --columns t=0:ms,theta=1 or t=1,theta=2",
+         if the column counts milliseconds, or is not the time, say so: --columns {} or t=1,theta=2",
+        told.angle(":ms", ""),
         limit = LONGEST_STEP_S
     )]
     StepTooLong {
         /// Median step as read, s.
         step: f64,
+        /// The columns.
+        told: Told,
     },
     /// A rate that is no rate.
     #[error("sampling rate {rate_hz} Hz is not possible; expected a positive number such as 200")]
@@ -318,7 +337,8 @@ pub enum Fault {
     /// Rates that no pendulum of this period reaches.
     #[error(
         "read in rad/s the rates reach {largest:.1}, but a pendulum that takes {period_s:.2} s there and back passes its lowest \
-         point with {fastest:.1} rad/s at most: these are degrees a second; say --columns t=0,rate=1:deg/s"
+         point with {fastest:.1} rad/s at most: these are degrees a second; say --columns {}",
+        told.rate(":deg/s")
     )]
     NotRadiansPerSecond {
         /// As read, rad/s.
@@ -327,12 +347,15 @@ pub enum Fault {
         period_s: f64,
         /// After a fall from upright, rad/s.
         fastest: f64,
+        /// The columns.
+        told: Told,
     },
     /// Rates far too small for how the period grows with them.
     #[error(
         "read in {unit} the rates reach {largest_rad_s:.4} rad/s, but the period grows with the amplitude as it does for rates \
-         {factor:.0} times as large: these are radians a second; say --columns t=0,rate=1:rad/s, or --degrees if they are \
-         degrees all the same"
+         {factor:.0} times as large: these are radians a second; say --columns {}, or --degrees if they are degrees all \
+         the same",
+        told.rate(":rad/s")
     )]
     NotDegreesPerSecond {
         /// The unit as stated.
@@ -341,6 +364,8 @@ pub enum Fault {
         largest_rad_s: f64,
         /// How many times too small.
         factor: f64,
+        /// The columns.
+        told: Told,
     },
     /// More than one swing can be.
     #[error(
@@ -354,7 +379,8 @@ pub enum Fault {
     /// A swing too fast or too slow for the unit of time that was assumed.
     #[error(
         "it swings there and back in {period_s:.3e} s; expected {shortest_s} to {longest_s} s for a pendulum, so the unit of \
-         the time is not what it seems: say it, --columns t=0:ms,theta=1 (s, ms, us, ns, min, day)"
+         the time is not what it seems: say it, {} (s, ms, us, ns, min, day)",
+        if told.time.is_some() { format!("--columns {}", told.angle(":ms", "")) } else { "--rate".to_owned() }
     )]
     ImpossiblePeriod {
         /// As read, s.
@@ -363,13 +389,17 @@ pub enum Fault {
         shortest_s: f64,
         /// Limits, s.
         longest_s: f64,
+        /// The columns.
+        told: Told,
     },
     /// The period does not depend on the amplitude as it would if the angles were radians.
     #[error(
         "read as radians the angles reach {largest_rad:.3}, and {}: these are degrees (say --degrees), angular velocities \
-         (say --columns t=0,rate=1:rad/s) or in another unit (--columns t=0,theta=1:mrad), or a spring swings it and \
-         no gravity, as in a torsion pendulum, which can't be fitted; if they are radians all the same, say --radians",
-        growth_in_words(*predicted_percent, *found_percent)
+         (say --columns {}) or in another unit (--columns {}), or a spring swings it and no gravity, as in a torsion \
+         pendulum, which can't be fitted; if they are radians all the same, say --radians",
+        growth_in_words(*predicted_percent, *found_percent),
+        told.rate(":rad/s"),
+        told.angle("", ":mrad")
     )]
     NotRadians {
         /// Largest angle as read, rad.
@@ -378,6 +408,8 @@ pub enum Fault {
         predicted_percent: f64,
         /// As measured, percent.
         found_percent: f64,
+        /// The columns.
+        told: Told,
     },
     /// The period depends on the amplitude as it would for angles many times as large.
     #[error(
@@ -409,6 +441,21 @@ pub enum Fault {
     ShortArc {
         /// Standard deviation of the radius, percent.
         spread_percent: f64,
+    },
+    /// Columns without names that move like x and y of a point, whose angle can't be told.
+    #[error(
+        "columns {x} and {y} move like x and y of a point, and {fault}. If column {x} is the angle, say --columns {}",
+        told.angle("", "")
+    )]
+    SeemsPoint {
+        /// Column of x.
+        x: usize,
+        /// Column of y.
+        y: usize,
+        /// What is wrong with them.
+        fault: Box<Self>,
+        /// The columns.
+        told: Told,
     },
     /// `--columns` could not be understood.
     #[error(transparent)]

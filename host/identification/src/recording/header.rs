@@ -103,6 +103,8 @@ pub(super) struct HeaderReader {
     header: Header,
     zero_code: Option<f64>,
     radians_per_code: Option<f64>,
+    /// What files of others say of it in words.
+    said_rate_hz: Option<f64>,
 }
 
 impl HeaderReader {
@@ -121,8 +123,17 @@ impl HeaderReader {
             "started" => set_text(&mut self.header.started, value),
             "measured" => self.measured(line, value),
             "comment" => set_text(&mut self.header.comment, value),
+            key if self.header.version.is_none() && says_sampling_rate(key) => {
+                self.said_rate_hz = number_of_hertz(value).or(self.said_rate_hz);
+                Ok(())
+            }
             _ => Ok(()),
         }
+    }
+
+    /// Samples a second, where a comment says so in words: `# Sampling frequency: 100 Hz`.
+    pub(super) fn said_rate_hz(&self) -> Option<f64> {
+        self.said_rate_hz
     }
 
     /// What was found.
@@ -196,6 +207,21 @@ fn set_text(text: &mut Option<String>, value: &str) -> Result<(), Fault> {
 }
 
 /// `# key: value` or `# key=value`, whichever sign comes first.
+fn says_sampling_rate(key: &str) -> bool {
+    let is_of_samples = ["sampl", "frame", "fps", "abtast", "échantillon", "muestreo", "campionamento"];
+    let is_rate = ["rate", "freq", "fréq", "frec", "hz", "fps"];
+    let has = |words: &[&str]| words.iter().any(|word| key.contains(word));
+    has(&is_of_samples) && has(&is_rate)
+}
+
+/// `100`, `100 Hz`, `100,0 Hz`; kilohertz and intervals are left alone.
+fn number_of_hertz(value: &str) -> Option<f64> {
+    let end = value.find(|letter: char| !matches!(letter, '0'..='9' | '.' | ',')).unwrap_or(value.len());
+    let (number, unit) = value.split_at(end);
+    let is_hertz = matches!(unit.trim().to_lowercase().as_str(), "" | "hz" | "fps" | "sps" | "1/s");
+    number.replace(',', ".").parse().ok().filter(|rate: &f64| is_hertz && *rate > 0.0)
+}
+
 fn split_line(text: &str) -> Option<(String, &str)> {
     let text = text.trim_start_matches(['#', '%', '/', ' ', '\t']);
     let (key, value) = text.split_once([':', '='])?;

@@ -5,7 +5,7 @@
 
 use super::clock;
 use super::pairs::Pairs;
-use super::words::is_unit;
+use super::words::{Meaning, is_unit, meaning};
 
 /// What the rows of a file are dressed in.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -31,13 +31,18 @@ impl Dress {
     /// What most of the first lines wear.
     pub(super) fn of(lines: &[&str]) -> Self {
         let behind: Vec<&str> = lines.iter().filter_map(|line| behind_arrow(line)).map(|(_, rest)| rest).collect();
-        let arrow = (2 * behind.len() > lines.len()).then(|| {
-            let n_several = behind.iter().filter(|rest| n_words_with_digits(rest) > 1).count();
-            if 2 * n_several > behind.len() { Arrow::Drop } else { Arrow::Keep }
+        let has_arrow = 2 * behind.len() > lines.len();
+        let bare = if has_arrow { &behind } else { lines };
+        let labels = common_labels(bare);
+        let arrow = has_arrow.then(|| {
+            let has_time = match &labels {
+                Some(labels) => labels.iter().any(|label| matches!(meaning(label), Meaning::Time { .. })),
+                None => 2 * behind.iter().filter(|rest| n_words_with_digits(rest) > 1).count() > behind.len(),
+            };
+            if has_time { Arrow::Drop } else { Arrow::Keep }
         });
-        let bare: Vec<&str> = if arrow.is_some() { behind } else { lines.to_vec() };
-        let pairs = Pairs::of(lines).filter(|_| arrow.is_none());
-        Self { arrow, labels: common_labels(&bare), pairs }
+        let pairs = Pairs::of(lines).filter(|_| !has_arrow);
+        Self { arrow, labels, pairs }
     }
 
     /// The row in plain text; lines in another dress stay as they are.
@@ -182,6 +187,9 @@ mod tests {
         );
         check(&["(ms),(V)", "0.1,1.5"], None, &[None, None]);
         check(&["12:34:05.120 -> angle:7"], Some(&["clock", "angle"]), &[Some("12:34:05.120\t7")]);
+        let two = ["12:34:05.120 -> angle=57.3 deg, raw=652"];
+        check(&two, Some(&["clock", "angle deg", "raw"]), &[Some("12:34:05.120\t57.3\t652")]);
+        check(&["12:34:05.120 -> t=120, angle=57.3"], Some(&["t", "angle"]), &[Some("120\t57.3")]);
     }
 
     #[test]

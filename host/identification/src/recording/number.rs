@@ -5,6 +5,9 @@
 
 use super::words::is_unit;
 
+/// The minus sign of typesetters, which some programs write in place of the hyphen.
+const MINUS: char = '\u{2212}';
+
 /// What stands in a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Cell {
@@ -51,6 +54,9 @@ impl Numerals {
         let cell = cell.trim().trim_end_matches('°').trim_end();
         if is_missing(cell) {
             return Cell::Missing;
+        }
+        if cell.contains(MINUS) {
+            return self.read(&cell.replace(MINUS, "-"));
         }
         match self.bare(cell) {
             Cell::Text => number_and_unit(cell).map_or(Cell::Text, |(number, _)| self.bare(number)),
@@ -175,6 +181,7 @@ mod tests {
             ("57.3 deg", 57.3),
             ("120ms", 120.0),
             ("-1,5 Grad", -1.5),
+            ("\u{2212}1.5e\u{2212}2", -0.015),
         ];
         for (text, number) in cases {
             assert_eq!(Numerals::new().read(text), Cell::Number(number), "{text}");

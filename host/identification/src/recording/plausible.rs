@@ -7,6 +7,7 @@
 
 use super::error::Fault;
 use super::median;
+use super::told::Told;
 use super::turning::{self, TurningPoint};
 use crate::noise;
 use std::f64::consts::{PI, TAU};
@@ -109,10 +110,10 @@ impl Swings {
     ///
     /// # Errors
     /// It can't: the unit of the time is not what it seems.
-    pub fn judge_period(&self) -> Result<(), Fault> {
+    pub(super) fn judge_period(&self, told: Told) -> Result<(), Fault> {
         let (period_s, shortest_s, longest_s) = (self.period_s, SHORTEST_PERIOD_S, LONGEST_PERIOD_S);
         let is_possible = (shortest_s..longest_s).contains(&period_s);
-        if is_possible { Ok(()) } else { Err(Fault::ImpossiblePeriod { period_s, shortest_s, longest_s }) }
+        if is_possible { Ok(()) } else { Err(Fault::ImpossiblePeriod { period_s, shortest_s, longest_s, told }) }
     }
 
     /// For readings that are rates (rad/s): angular frequency of small swings, rad/s. From the smallest swings that are

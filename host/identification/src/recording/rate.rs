@@ -6,6 +6,7 @@
 use super::error::Fault;
 use super::options::ReadOptions;
 use super::plausible::{Scale, Swings};
+use super::told::Told;
 use super::units::{AngleUnit, RateUnit};
 
 /// A fall from upright ends with twice the angular frequency of small swings. The swings that are recorded may all be
@@ -23,6 +24,8 @@ pub(super) struct Rates<'a> {
     pub(super) options: &'a ReadOptions,
     /// Of the columns, for notes.
     pub(super) names: Vec<String>,
+    /// The same for advice.
+    pub(super) told: Vec<Told>,
     pub(super) notes: &'a mut Vec<String>,
 }
 
@@ -41,13 +44,12 @@ impl Rates<'_> {
             self.names[liveliest]
         ));
         if unit.is_none() {
-            self.notes.push(
-                "the unit of the rate is not stated: read as rad/s; if it is degrees a second say --columns \
-                 t=0,rate=1:deg/s"
-                    .to_owned(),
-            );
+            self.notes.push(format!(
+                "the unit of the rate is not stated: read as rad/s; if it is degrees a second say --columns {}",
+                self.told[liveliest].rate(":deg/s")
+            ));
         }
-        self.judge(&rates, unit)?;
+        self.judge(&rates, unit, self.told[liveliest])?;
         Ok(rates)
     }
 
@@ -73,19 +75,19 @@ impl Rates<'_> {
     }
 
     /// By period, speed, and how the period grows with the amplitude; what the user told is only doubted.
-    fn judge(&mut self, rates: &[f64], unit: Option<RateUnit>) -> Result<(), Fault> {
+    fn judge(&mut self, rates: &[f64], unit: Option<RateUnit>, told: Told) -> Result<(), Fault> {
         let Some(swings) = Swings::of(self.times_s, rates) else { return Ok(()) };
-        swings.judge_period()?;
+        swings.judge_period(told)?;
         let largest = swings.largest_rad;
         let fastest = 2.0 * swings.small_rad_s();
         let is_degrees = unit.is_some_and(|unit| unit.angle == AngleUnit::Degrees);
         let fault = match swings.in_angles().scale() {
             _ if largest > FASTEST_MARGIN * fastest => {
                 let period_s = 2.0 * std::f64::consts::TAU / fastest;
-                Fault::NotRadiansPerSecond { largest, period_s, fastest }
+                Fault::NotRadiansPerSecond { largest, period_s, fastest, told }
             }
             Scale::TooSmall { factor } if is_degrees => {
-                Fault::NotDegreesPerSecond { unit: "degrees a second", largest_rad_s: largest, factor }
+                Fault::NotDegreesPerSecond { unit: "degrees a second", largest_rad_s: largest, factor, told }
             }
             _ => return Ok(()),
         };

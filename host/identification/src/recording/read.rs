@@ -75,15 +75,15 @@ fn parse(reader: impl BufRead, name: &str, options: &ReadOptions) -> Result<Reco
         notes.push("it has a quantity a line: each is read as a column".to_owned());
     }
     table.is_of_gyroscope |= words::is_gyroscope(name);
-    let mut header = read_header(&table)?;
+    let (mut header, said_rate_hz) = read_header(&table)?;
     let rate_hz = rate_of_settings(&table, &mut notes);
-    header.rate_hz = header.rate_hz.or(rate_hz);
+    header.rate_hz = header.rate_hz.or(rate_hz).or(said_rate_hz);
     let sources = Sources::choose(&table, &header, options, &mut notes)?;
     let is_ours = header.version.is_some();
     let collected = Samples::collect(&mut table, &sources, is_ours, &mut notes);
     let mut samples = collected.map_err(|fault| sources.undecided(&table).unwrap_or(fault))?;
     let sources = sources.settled(&table, &mut samples, options, &mut notes)?;
-    let mut times_s = sources.time.times_s(&samples, &mut notes)?;
+    let mut times_s = sources.time.times_s(&samples, sources.told(), &mut notes)?;
     if !is_ours && samples.codes.is_empty() {
         grid::make_even(&mut times_s, &mut notes);
         samples.leave_out_spikes(&mut times_s, &mut notes);
@@ -102,10 +102,13 @@ fn parse(reader: impl BufRead, name: &str, options: &ReadOptions) -> Result<Reco
     Ok(Recording::new(header, times_s, readings, codes)?.with_notes(notes))
 }
 
-fn read_header(table: &Table) -> Result<Header, Fault> {
+/// What is said above the table, and how many samples a second where somebody said so in words: columns without names may
+/// hold the time all the same.
+fn read_header(table: &Table) -> Result<(Header, Option<f64>), Fault> {
     let mut reader = HeaderReader::default();
     table.comments().try_for_each(|(line, text)| reader.take(line, text))?;
-    Ok(reader.finish())
+    let said_rate_hz = reader.said_rate_hz().filter(|_| table.n_columns == 1 || table.names.is_some());
+    Ok((reader.finish(), said_rate_hz))
 }
 
 /// Hz, where nothing but settings above a lone column tells it.

@@ -15,6 +15,9 @@ use super::ticks;
 /// A file names at most so many columns that are needed at once: three axes, and what else is called a rate.
 pub(super) const MOST_COLUMNS: usize = 8;
 
+/// A summary below a table has no more lines.
+const MOST_BELOW: usize = 20;
+
 /// A clock that goes back by more than this passed midnight, s.
 const MIDNIGHT_S: f64 = 43_200.0;
 
@@ -60,12 +63,15 @@ impl Samples {
         let mut numerals = table.numerals.clone();
         let mut missing = Missing::default();
         let mut words = Missing::default();
+        let mut below: Vec<Fault> = Vec::new();
         let (mut n_doubled, mut row_idx) = (0_usize, 0_u32);
         while table.advance()? {
             // Our own writer ends every line: in a row without an end, even what looks like a number may be the
             // beginning of one. The writers of others often leave out the last end.
             let may_be_whole = table.is_complete() || !is_ours;
             match may_be_whole.then(|| samples.take(table, sources, &columns, &mut numerals)) {
+                // Words in place of a time are a summary only below the last row.
+                Some(Ok(_)) if !below.is_empty() => return Err(below.swap_remove(0)),
                 Some(Ok(Taken::Sample)) => {
                     samples.rows.extend(sources.counts_rows().then_some(row_idx));
                     match samples.is_doubled(samples.len() - 1) {
@@ -76,6 +82,10 @@ impl Samples {
                 Some(Ok(Taken::Gap { column })) if table.is_complete() => missing.count(table, column),
                 Some(Err(_)) if !is_ours && has_no_number(table) => {
                     words.count(table, 0);
+                    continue;
+                }
+                Some(Err(fault)) if !is_ours && below.len() < MOST_BELOW && sources.has_words_as_time(table) => {
+                    below.push(fault);
                     continue;
                 }
                 Some(Err(fault)) if table.is_complete() => return Err(fault),
@@ -95,6 +105,10 @@ impl Samples {
         }
         notes.extend(missing.in_words("rows without a value are gaps"));
         notes.extend(words.in_words("lines without any number left out"));
+        if !below.is_empty() {
+            let lines = if below.len() == 1 { "1 line".to_owned() } else { format!("{} lines", below.len()) };
+            notes.push(format!("{lines} below the table left out, with words where the time would be"));
+        }
         if samples.n_midnights > 0 {
             notes.push("the clock passed midnight: a day added".to_owned());
         }
@@ -123,7 +137,7 @@ impl Samples {
         }
         let time = match sources.time {
             TimeSource::Rate(_) => None,
-            TimeSource::Column { idx, .. } => match row.number(idx, numerals)? {
+            TimeSource::Column { idx, .. } | TimeSource::Counter { idx, .. } => match row.number(idx, numerals)? {
                 None => return Ok(Taken::Gap { column: idx }),
                 found => found,
             },

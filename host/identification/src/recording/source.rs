@@ -1,6 +1,7 @@
 //! A file of whatever dress as lines of text, one after the other, so that a large one is never in memory as a whole.
 //!
-//! Text is passed on line by line: UTF-8 with or without a mark, Latin-1 where a line is no UTF-8, UTF-16 by its mark.
+//! Text is passed on line by line: UTF-8 with or without a mark, UTF-16 by its mark, and where a line is no UTF-8 Latin-1, or
+//! Windows-1251 where that makes Cyrillic words of it. Lines end with a line feed, or all of them with a carriage return.
 //! Files of other programs that are no tables of text become one first (`foreign.rs`).
 
 use super::error::Fault;
@@ -24,6 +25,8 @@ pub(super) struct Lines<'a> {
     reader: Box<dyn BufRead + 'a>,
     bytes: Vec<u8>,
     n_read: u64,
+    /// What ends a line.
+    end: u8,
     /// What the file is called in its archive.
     pub(super) name: Option<String>,
 }
@@ -34,8 +37,10 @@ impl<'a> Lines<'a> {
         let mut head = Vec::new();
         reader.by_ref().take(N_LOOKED_AT as u64).read_to_end(&mut head)?;
         let mut name = None;
+        let kind = foreign::Kind::of(&head);
+        let end = if kind.is_some() { b'\n' } else { line_end(&head) };
         let whole = |head: Vec<u8>, reader| all_of(Cursor::new(head).chain(reader));
-        let reader: Box<dyn BufRead + 'a> = match (&head[..], foreign::Kind::of(&head)) {
+        let reader: Box<dyn BufRead + 'a> = match (&head[..], kind) {
             ([0xff, 0xfe, ..], _) => Box::new(Cursor::new(utf16(&whole(head, reader)?[2..], u16::from_le_bytes))),
             ([0xfe, 0xff, ..], _) => Box::new(Cursor::new(utf16(&whole(head, reader)?[2..], u16::from_be_bytes))),
             (_, Some(kind)) => {
@@ -46,19 +51,19 @@ impl<'a> Lines<'a> {
             ([0xef, 0xbb, 0xbf, rest @ ..], _) => Box::new(Cursor::new(rest.to_vec()).chain(reader)),
             _ => Box::new(Cursor::new(head).chain(reader)),
         };
-        Ok(Self { reader, bytes: Vec::new(), n_read: 0, name })
+        Ok(Self { reader, bytes: Vec::new(), n_read: 0, end, name })
     }
 
     /// The next line without its end, and whether it has one; `None` behind the last.
     pub(super) fn next_into(&mut self, line: &mut String) -> Result<Option<bool>, Fault> {
         self.bytes.clear();
-        let n = self.reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.bytes)?;
+        let n = self.reader.by_ref().take(LONGEST_LINE).read_until(self.end, &mut self.bytes)?;
         if n == 0 {
             return Ok(None);
         }
         let begin = self.n_read;
         self.n_read += n as u64;
-        let is_complete = self.bytes.ends_with(b"\n");
+        let is_complete = self.bytes.ends_with(&[self.end]);
         if let Some(at) = self.bytes.iter().position(|byte| is_foreign(*byte)) {
             let fault = Fault::NotText { byte: self.bytes[at], position: (begin as usize) + at };
             // A power cut can leave zero bytes behind the last block written.
@@ -77,9 +82,10 @@ impl<'a> Lines<'a> {
         let kept = kept.strip_suffix(b"\r").unwrap_or(kept);
         match std::str::from_utf8(kept) {
             Ok(text) => line.push_str(text),
+            Err(_) if has_cyrillic_words(kept) => line.extend(kept.iter().map(|byte| of_windows_1251(*byte))),
             Err(_) => line.extend(kept.iter().map(|byte| char::from(*byte))),
         }
-        Ok(Some(is_complete && self.bytes.ends_with(b"\n")))
+        Ok(Some(is_complete && self.bytes.ends_with(&[self.end])))
     }
 
     fn only_zeros_follow(&mut self, at: usize) -> Result<bool, Fault> {
@@ -89,6 +95,27 @@ impl<'a> Lines<'a> {
         self.reader.by_ref().take(MOST_ZEROS).read_to_end(&mut rest)?;
         let is_all = (rest.len() as u64) < MOST_ZEROS;
         Ok(is_all && self.bytes[at..].iter().chain(&rest).all(|byte| *byte == 0))
+    }
+}
+
+/// Old Macs, and spreadsheets that write for them, end lines with a carriage return alone.
+fn line_end(head: &[u8]) -> u8 {
+    if head.contains(&b'\n') || !head.contains(&b'\r') { b'\n' } else { b'\r' }
+}
+
+/// Letters beyond ASCII stand alone or in twos in the words of Latin-1, and make up those of Windows-1251.
+fn has_cyrillic_words(bytes: &[u8]) -> bool {
+    const SHORTEST_WORD: usize = 4;
+    bytes.split(|byte| *byte < 0xc0).any(|word| word.len() >= SHORTEST_WORD)
+}
+
+/// Of Windows-1251 the alphabet and the signs of units; its other letters are rare in column names.
+fn of_windows_1251(byte: u8) -> char {
+    match byte {
+        0xc0..=0xff => char::from_u32(u32::from(byte) - 0xc0 + u32::from('А')).unwrap_or('?'),
+        0xa8 => 'Ё',
+        0xb8 => 'ё',
+        _ => char::from(byte),
     }
 }
 

@@ -9,7 +9,7 @@ mod sensors;
 
 use super::units::{AngleUnit, RateUnit, TimeUnit, rate_word};
 pub(super) use super::units::{angle_unit, rate_unit, time_unit};
-pub(super) use rotary::{is_alpha, is_rate_of_alpha, is_speed, is_theta};
+pub(super) use rotary::{beside_alpha, beside_theta, is_rate_of_alpha, is_speed};
 use sensors::TURNS_OF_BODY;
 pub(super) use sensors::{is_acceleration, is_duration, is_gyroscope, is_quaternion, is_raw, is_turn_of_body};
 
@@ -49,6 +49,7 @@ const DERIVED: &[&str] = &[
     "acceleration",
     "acc",
     "accel",
+    "accl",
     "alpha",
     "α",
     "rate",
@@ -161,7 +162,11 @@ const DATE: &[&str] = &["date", "datum", "fecha", "dt", "δt"];
 
 const ANGLE: &[&str] = &[
     "theta",
+    "th",
+    "tita",
+    "teta",
     "angle",
+    "ang",
     "position",
     "pos",
     "phi",
@@ -194,6 +199,14 @@ const TILT: &[&str] =
     &["tilt", "inclination", "neigung", "neigungswinkel", "inclinaison", "inclinación", "inclinazione"];
 
 const CODE: &[&str] = &["code", "codes", "adc"];
+
+/// Words of a point in a picture.
+const X: &[&str] = &["x", "cx", "xc", "xpos", "posx", "xcoord"];
+const Y: &[&str] = &["y", "cy", "yc", "ypos", "posy", "ycoord"];
+
+/// Of a sensor or a program that gives no angle, but these.
+const SINE: &[&str] = &["sin", "sine", "sinus", "sen", "seno"];
+const COSINE: &[&str] = &["cos", "cosine", "cosinus", "kosinus", "coseno"];
 
 /// Units that no angle and no time has.
 const OTHER_UNITS: &[&str] = &[
@@ -245,15 +258,24 @@ pub(super) fn meaning(name: &str) -> Meaning {
     // rad/s, deg/s: an angle and a time unit in one name is a velocity; with s² it is an acceleration.
     let is_per_time = angle.is_some() && time.is_some();
     let has_rate_unit = words.iter().any(|word| rate_word(word).is_some());
-    let is_derived = has(DERIVED) || words.iter().any(|word| is_derivative(word)) || has_derivative_sign(name);
+    let is_sine = has(SINE) || has(COSINE);
+    let is_alpha = |word: &str| is_sine && matches!(word, "alpha" | "α");
+    let says_derived = words.iter().any(|word| DERIVED.contains(&word.as_str()) && !is_alpha(word));
+    let is_derived = says_derived || words.iter().any(|word| is_derivative(word)) || has_derivative_sign(name);
     if is_derived || is_per_time || has_rate_unit {
-        let is_rate = (is_per_time || has_rate_unit || has(RATE))
+        let is_rate = (is_per_time || has_rate_unit || has(RATE) || is_angular_velocity(&words))
             && !name.contains(['²', '^'])
             && !has(&["acceleration", "alpha"]);
         return if is_rate { Meaning::Rate { unit: rate_unit_of(&words, angle, time) } } else { Meaning::Other };
     }
     if has(TIME) {
         return Meaning::Time { unit: time, strength: NAMES_THE_THING };
+    }
+    // The sine and the cosine of an angle are x and y of a point at distance 1.
+    match (has(SINE), has(COSINE)) {
+        (true, false) => return Meaning::X,
+        (false, true) => return Meaning::Y,
+        _ => {}
     }
     let is_angle =
         angle.is_some() || words.iter().any(|word| ANGLE.contains(&word.as_str()) && !word.starts_with("pos"));
@@ -262,7 +284,7 @@ pub(super) fn meaning(name: &str) -> Meaning {
     if is_short && has(&["x"]) && !has(&["y"]) && !has(OTHER_UNITS) && !is_angle {
         return Meaning::Time { unit: time, strength: NAMES_A_UNIT };
     }
-    match (has(&["x"]), has(&["y"])) {
+    match (has(X), has(Y)) {
         (true, false) if !is_angle => return Meaning::X,
         (false, true) if !is_angle => return Meaning::Y,
         _ => {}
@@ -279,9 +301,17 @@ pub(super) fn meaning(name: &str) -> Meaning {
         (_, Some(_), _) => Meaning::Time { unit: time, strength: NAMES_A_UNIT },
         (.., Some(_)) => Meaning::Angle { unit: angle, strength: NAMES_A_UNIT },
         _ if has(TILT) || has(TURNS_OF_BODY) => Meaning::Angle { unit: None, strength: NAMES_A_UNIT },
+        // `pendulum`, where nothing else is said of it.
+        _ if is_of_pendulum(name) && words.len() == 1 => Meaning::Angle { unit: None, strength: NAMES_IT_PERHAPS },
         _ if has(DATE) => Meaning::Time { unit: None, strength: NAMES_IT_PERHAPS },
         _ => Meaning::Other,
     }
+}
+
+/// `angular_velocity`, `AngVel`, `vitesse angulaire`, and no acceleration.
+fn is_angular_velocity(words: &[String]) -> bool {
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    has(&["angular", "angulaire", "angolare", "ang"]) && has(rotary::SPEED) || has(&["angvel"])
 }
 
 /// `thetadot`, `phipunkt`, `dtheta`: one word for a derivative.
@@ -340,6 +370,18 @@ pub(super) fn is_stamp(name: &str) -> bool {
     ["header", "stamp"].iter().all(|wanted| words.iter().any(|word| word == wanted))
 }
 
+/// Is it the sine or the cosine of an angle?
+pub(super) fn is_of_sine(name: &str) -> bool {
+    words(name).iter().any(|word| SINE.contains(&word.as_str()) || COSINE.contains(&word.as_str()))
+}
+
+/// Does it count frames, samples or rows? `frame`, `Frame number`, `sample_idx`, `Bild`.
+pub(super) fn is_counter(name: &str) -> bool {
+    let words = words(name);
+    words.first().is_some_and(|word| COUNTER.contains(&word.as_str()))
+        && words[1..].iter().all(|word| matches!(word.as_str(), "number" | "no" | "nr" | "idx" | "index" | "id"))
+}
+
 /// Does a name say that it is the pendulum's? `PendPos`, `pendulum_angle`, `Pendelwinkel`.
 pub(super) fn is_of_pendulum(name: &str) -> bool {
     words(name)
@@ -371,6 +413,10 @@ const MUTE: &[&str] = &[
     "wert",
     "yout",
 ];
+
+/// Words of what is counted.
+const COUNTER: &[&str] =
+    &["frame", "frames", "sample", "samples", "row", "index", "idx", "step", "bild", "image", "cuadro", "fotogramma"];
 
 /// Words of a pendulum on a cart or an arm.
 const PENDULUM: &[&str] = &["pole", "bob", "stange"];
@@ -440,6 +486,10 @@ mod tests {
             ("deg", Meaning::Angle { unit: Some(AngleUnit::Degrees), strength: NAMES_A_UNIT }),
             ("omega", Meaning::Rate { unit: None }),
             ("angle rate", Meaning::Rate { unit: None }),
+            ("angular_velocity", Meaning::Rate { unit: None }),
+            ("AngVel", Meaning::Rate { unit: None }),
+            ("Velocidad angular", Meaning::Rate { unit: None }),
+            ("velocity", Meaning::Other),
             ("theta_dot", Meaning::Other),
             ("phi_punkt", Meaning::Other),
             ("theta_v", Meaning::Other),
@@ -455,6 +505,12 @@ mod tests {
             ("α / °", angle(Some(AngleUnit::Degrees))),
             ("alpha", Meaning::Other),
             ("alpha (rad/s²)", Meaning::Other),
+            ("cos(theta)", Meaning::Y),
+            ("sin_alpha", Meaning::X),
+            ("cx", Meaning::X),
+            ("pendulum", Meaning::Angle { unit: None, strength: NAMES_IT_PERHAPS }),
+            ("pendulum length", Meaning::Other),
+            ("bob x (m)", Meaning::X),
             ("Datum", Meaning::Time { unit: None, strength: NAMES_IT_PERHAPS }),
             ("Tijd (s)", time(Some(TimeUnit::Seconds))),
             ("Vinkel [grader]", angle(Some(AngleUnit::Degrees))),

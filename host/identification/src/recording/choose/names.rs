@@ -37,8 +37,33 @@ pub(super) fn no_angle(table: &Table) -> Fault {
         (_, Some(_), ..) => Fault::OnlyDurations { available },
         (.., Some(idx), _) => Fault::OnlyRaw { available, example: example(table, "angle", &[idx], None) },
         (.., Some(_)) => Fault::OnlyQuaternions { available },
-        _ => Fault::NoAngleColumn { available },
+        _ => several_points(table).or(x_alone(table)).unwrap_or(Fault::NoAngleColumn { available }),
     }
+}
+
+/// How far a point is to one side is no angle, but nearly is one where it swings little.
+fn x_alone(table: &Table) -> Option<Fault> {
+    let x =
+        the_one(table, Meaning::X).or_else(|| the_one(table, Meaning::Y)).filter(|idx| table.is_of_numbers(*idx))?;
+    let example = example(table, "angle", &[x], None);
+    Some(Fault::OnlyX { column: table.column_name(x), example })
+}
+
+/// x and y of several points: each x goes with the y behind it.
+fn several_points(table: &Table) -> Option<Fault> {
+    let names = table.names.as_deref()?;
+    let all = |wanted: Meaning| (0..names.len()).filter(move |idx| meaning(&names[*idx]) == wanted);
+    let y_of = |x: usize| all(Meaning::Y).find(|y| *y > x);
+    let points: Vec<(usize, usize)> = all(Meaning::X).filter_map(|x| Some((x, y_of(x)?))).collect();
+    let time = names.iter().position(|name| matches!(meaning(name), Meaning::Time { .. }));
+    let time = time.map_or(String::new(), |idx| format!("t={idx},"));
+    let example: Vec<String> = points.iter().take(SHOWN).map(|(x, y)| format!("{time}x={x},y={y}")).collect();
+    let columns: Vec<usize> = points.iter().flat_map(|(x, y)| [*x, *y]).collect();
+    (points.len() > 1).then(|| Fault::AmbiguousColumn {
+        role: "x and y of the pendulum",
+        candidates: listed(table, &columns),
+        example: example.join(" or "),
+    })
 }
 
 /// Nothing tells which of these columns is meant.

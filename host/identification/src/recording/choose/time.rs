@@ -7,10 +7,12 @@ use super::super::header::Header;
 use super::super::limits::{LONGEST_STEP_S, MIN_SAMPLES};
 use super::super::number;
 use super::super::options::ReadOptions;
+use super::super::order;
 use super::super::plausible::{LONGEST_PERIOD_S, SHORTEST_PERIOD_S, Swings};
 use super::super::samples::Samples;
 use super::super::table::Table;
 use super::super::ticks;
+use super::super::told::Told;
 use super::super::units::TimeUnit;
 use super::super::words::{self, Meaning, meaning};
 use super::super::{median, median_step_s};
@@ -31,13 +33,18 @@ pub(in crate::recording) enum TimeSource {
     Clock {
         idx: usize,
     },
+    /// Numbers of frames or samples, some of which may be missing, at so many a second.
+    Counter {
+        idx: usize,
+        rate_hz: f64,
+    },
     Rate(f64),
 }
 
 impl TimeSource {
     pub(super) fn column(&self) -> Option<usize> {
         match self {
-            Self::Column { idx, .. } | Self::Clock { idx } => Some(*idx),
+            Self::Column { idx, .. } | Self::Clock { idx } | Self::Counter { idx, .. } => Some(*idx),
             Self::Rate(_) => None,
         }
     }
@@ -51,10 +58,16 @@ impl TimeSource {
     }
 
     /// Times in s from the numbers that were read.
-    pub(in crate::recording) fn times_s(&self, samples: &Samples, notes: &mut Vec<String>) -> Result<Vec<f64>, Fault> {
+    pub(in crate::recording) fn times_s(
+        &self,
+        samples: &Samples,
+        told: Told,
+        notes: &mut Vec<String>,
+    ) -> Result<Vec<f64>, Fault> {
         let unit = match *self {
             Self::Rate(rate_hz) => return times_of_rows(rate_hz, samples),
             Self::Clock { .. } => return Ok(samples.times.clone()),
+            Self::Counter { rate_hz, .. } => return times_of_counts(rate_hz, &samples.times),
             Self::Column { unit, .. } => unit,
         };
         let first = samples.times.first().copied().unwrap_or_default();
@@ -70,7 +83,7 @@ impl TimeSource {
         let is_doubtful = unit.is_none() && samples.times.len() >= MIN_SAMPLES;
         let unit = match unit {
             None if is_doubtful && (step > LONGEST_STEP_S || is_spreadsheet_date(first)) => {
-                unit_by_period(samples, notes).ok_or(Fault::StepTooLong { step })?
+                unit_by_period(samples, notes).ok_or(Fault::StepTooLong { step, told })?
             }
             unit => unit.unwrap_or(TimeUnit::Seconds),
         };
@@ -116,6 +129,28 @@ fn unit_by_period(samples: &Samples, notes: &mut Vec<String>) -> Option<TimeUnit
     Some(unit)
 }
 
+/// One step of the counter is a sample, or its usual step where it counts frames of which every third one is there.
+fn times_of_counts(rate_hz: f64, counts: &[f64]) -> Result<Vec<f64>, Fault> {
+    if !(rate_hz.is_finite() && rate_hz > 0.0) {
+        return Err(Fault::BadRate { rate_hz });
+    }
+    let step = median_step_s(counts);
+    let first = counts.first().copied().unwrap_or_default();
+    Ok(counts.iter().map(|count| (count - first) / step / rate_hz).collect())
+}
+
+/// A column that is named after frames, samples or rows, and counts them.
+fn counter(table: &Table) -> Option<usize> {
+    let counts = |idx: &usize| {
+        let numbers = table.first_numbers(*idx);
+        numbers.len() >= MIN_SAMPLES
+            && numbers.iter().all(|number| number.fract() == 0.0)
+            && numbers.windows(2).all(|pair| pair[1] > pair[0])
+    };
+    let names = table.names.as_deref()?;
+    (0..names.len()).filter(|idx| words::is_counter(&names[*idx])).find(counts)
+}
+
 fn times_of_rows(rate_hz: f64, samples: &Samples) -> Result<Vec<f64>, Fault> {
     if !(rate_hz.is_finite() && rate_hz > 0.0) {
         return Err(Fault::BadRate { rate_hz });
@@ -138,6 +173,10 @@ pub(super) fn choose_time(
         None => named_time(table, reading_idx, notes)?,
     };
     if let Some(rate_hz) = options.rate_hz {
+        if let Some(idx) = counter(table).filter(|_| asked.time.is_none()) {
+            notes.push(format!("{} counts the samples, {rate_hz} a second", table.column_name(idx)));
+            return Ok(TimeSource::Counter { idx, rate_hz });
+        }
         if let Some((idx, _)) = named {
             notes.push(format!("time column {} ignored, the given rate of {rate_hz} Hz used", table.column_name(idx)));
         }
@@ -152,7 +191,10 @@ pub(super) fn choose_time(
             let unit = unit.or(unit_in_name(table, idx)).or_else(|| unit_in_cell(table, idx, words::time_unit));
             Ok(TimeSource::Column { idx, unit })
         }
-        (_, None, Some(rate_hz)) => Ok(TimeSource::Rate(rate_hz)),
+        (_, None, Some(rate_hz)) => Ok(match counter(table) {
+            Some(idx) => TimeSource::Counter { idx, rate_hz },
+            None => TimeSource::Rate(rate_hz),
+        }),
         (None, None, None)
             if table.names.is_none() && table.n_columns >= 2 && reading_idx != Some(unnamed_time(table)) =>
         {
@@ -189,6 +231,8 @@ pub(super) fn unnamed_time(table: &Table) -> usize {
 enum Standing {
     /// It goes back, or never moves.
     No,
+    /// By even steps, but for a row or so that is out of order.
+    RisesButForStrays,
     /// A coarse clock, or an angle that begins to move.
     NeverFalls,
     /// By steps that are even for the most part, as those of a swing are not.
@@ -198,12 +242,20 @@ enum Standing {
 impl Standing {
     fn of(numbers: &[f64]) -> Self {
         let never_falls = numbers.windows(2).all(|pair| pair[1] >= pair[0]) && numbers.last() > numbers.first();
-        match numbers.len() >= MIN_SAMPLES && never_falls {
+        match never_falls {
+            _ if numbers.len() < MIN_SAMPLES => Self::No,
             true if rises_evenly(numbers) => Self::RisesEvenly,
             true => Self::NeverFalls,
+            false if rises_evenly(&without_strays(numbers)) => Self::RisesButForStrays,
             false => Self::No,
         }
     }
+}
+
+/// The numbers without those that are out of order where the others go on; all of them where that are more than a few.
+fn without_strays(numbers: &[f64]) -> Vec<f64> {
+    let Some(kept) = order::kept(numbers, |_| false) else { return numbers.to_vec() };
+    numbers.iter().zip(kept).filter(|(_, kept)| *kept).map(|(number, _)| *number).collect()
 }
 
 /// Nine of ten steps are about as long as the typical one, and none is none.

@@ -2,6 +2,7 @@
 //! object of arrays, however deep it lies.
 
 use super::{refused, text_of};
+use crate::recording::clock::{self, Moment};
 use crate::recording::error::Fault;
 use serde_json::{Map, Value};
 
@@ -136,7 +137,8 @@ fn take(row: &Map<String, Value>, names: &mut Vec<String>, columns: &mut Vec<Vec
     columns.iter_mut().for_each(|column| column.resize(*n_rows, f64::NAN));
 }
 
-/// Text that is a number counts as one.
+/// Text that is a number counts as one, and so does a moment, in seconds since 1970 or since midnight.
 fn number(value: &Value) -> f64 {
-    value.as_f64().or_else(|| value.as_str()?.trim().parse().ok()).unwrap_or(f64::NAN)
+    let of_text = |text: &str| text.trim().parse().ok().or_else(|| clock::read(text).map(Moment::seconds));
+    value.as_f64().or_else(|| of_text(value.as_str()?)).unwrap_or(f64::NAN)
 }

@@ -2,14 +2,19 @@
 
 use super::{Meaning, RATE, has_derivative_sign, is_derivative, meaning, words};
 
-/// Is it theta and nothing else?
-pub(in crate::recording) fn is_theta(name: &str) -> bool {
-    matches!(words(name).as_slice(), [word] if matches!(word.as_str(), "theta" | "θ"))
+/// What stands beside theta: nothing, or `qube` of `thetaQube`.
+pub(in crate::recording) fn beside_theta(name: &str) -> Option<Vec<String>> {
+    beside(name, |word| matches!(word, "theta" | "θ"))
 }
 
-/// Is it alpha and nothing else, not even a unit?
-pub(in crate::recording) fn is_alpha(name: &str) -> bool {
-    matches!(words(name).as_slice(), [word] if is_alpha_word(word))
+/// What stands beside an alpha that is no derivative, has no unit, and so may be the angle that goes with a theta.
+pub(in crate::recording) fn beside_alpha(name: &str) -> Option<Vec<String>> {
+    beside(name, is_alpha_word).filter(|_| !is_rate_of_alpha(name) && !name.contains(['²', '^']))
+}
+
+fn beside(name: &str, is_it: fn(&str) -> bool) -> Option<Vec<String>> {
+    let (those, others): (Vec<String>, Vec<String>) = words(name).into_iter().partition(|word| is_it(word));
+    (those.len() == 1).then_some(others)
 }
 
 /// `alpha_dot`, `alphadot`, `dalpha`: alpha is an angle then.
@@ -36,5 +41,5 @@ pub(in crate::recording) fn is_speed(name: &str) -> bool {
 }
 
 /// Words of a speed.
-const SPEED: &[&str] =
+pub(super) const SPEED: &[&str] =
     &["dot", "punkt", "velocity", "vel", "velo", "speed", "v", "geschwindigkeit", "vitesse", "velocidad", "velocità"];

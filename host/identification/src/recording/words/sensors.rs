@@ -93,6 +93,7 @@ const ACCELERATION: &[&str] = &[
     "accelerometer",
     "acc",
     "accel",
+    "accl",
     "beschleunigung",
     "accélération",
     "aceleración",

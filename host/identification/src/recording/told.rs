@@ -1,0 +1,39 @@
+//! The columns of a file as `--columns` tells them, for messages: what they advise holds for the very file.
+
+/// Where time and readings were found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Told {
+    /// `None` where a rate tells the time.
+    pub(super) time: Option<usize>,
+    /// Of angles or rates.
+    pub(super) reading: usize,
+}
+
+impl Told {
+    /// `t=0,theta=1` with a unit behind each: `:ms`, `:deg`.
+    pub(super) fn angle(self, time_unit: &str, unit: &str) -> String {
+        format!("{}theta={}{unit}", self.before(time_unit), self.reading)
+    }
+
+    /// `t=0,rate=1:deg/s`
+    pub(super) fn rate(self, unit: &str) -> String {
+        format!("{}rate={}{unit}", self.before(""), self.reading)
+    }
+
+    fn before(self, time_unit: &str) -> String {
+        self.time.map_or(String::new(), |idx| format!("t={idx}{time_unit},"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_told_as_the_option_takes_them() {
+        let told = Told { time: Some(2), reading: 0 };
+        assert_eq!(told.angle(":ms", ":deg"), "t=2:ms,theta=0:deg");
+        assert_eq!(told.rate(":deg/s"), "t=2,rate=0:deg/s");
+        assert_eq!(Told { time: None, ..told }.angle("", ""), "theta=0");
+    }
+}
