@@ -81,7 +81,9 @@ def run(label, folder, mutants, tests):
     command = ["cargo", "mutants", "--no-shuffle", "--colors=never", "--profile", PROFILE, "--output", output]
     command += ["--package", folder["package"], *files, *packages, *chosen]
     command += ["--timeout-multiplier=10", f"--minimum-test-timeout={PATIENCE_S}"]
-    command += ["--", *tests["arguments"]]
+    # What is built as well as what is run; all tests would be built otherwise.
+    command += [f"--cargo-arg={part}" for part in tests["arguments"] if part.startswith("--")]
+    command += ["--", *(part for part in tests["arguments"] if not part.startswith("--"))]
     code = subprocess.run(command, cwd=TREE, env=environment()).returncode
     # 2: some were missed; 3: some took too long.
     if code not in (0, 2, 3):
