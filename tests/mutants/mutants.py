@@ -77,7 +77,8 @@ def run(label, folder, mutants, tests):
     output.mkdir(parents=True, exist_ok=True)
     chosen = [part for mutant in mutants for part in ("--re", f"^{escaped(mutant)}$")]
     files = [part for pattern in folder["files"] for part in ("--file", pattern)]
-    packages = [part for package in tests["packages"] for part in ("--test-package", package)]
+    # Not by --test-package: what is not changed would be tried with the tests of the changed package alone.
+    packages = [f"--cargo-arg=--package={package}" for package in tests["packages"]]
     command = ["cargo", "mutants", "--no-shuffle", "--colors=never", "--profile", PROFILE, "--output", output]
     command += ["--package", folder["package"], *files, *packages, *chosen]
     command += ["--timeout-multiplier=10", f"--minimum-test-timeout={PATIENCE_S}"]
