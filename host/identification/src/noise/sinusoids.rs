@@ -59,10 +59,10 @@ pub(super) fn rms(times_s: &[f64], readings: &[f64], frozen: &[bool], rough: f64
 
 /// Sum of squares that a piece leaves at its own frequency, and its degrees of freedom.
 fn left_of(times_s: &[f64], readings: &[f64], middle_rad_s: f64) -> (f64, usize) {
-    let at = |share: f64| beyond(times_s, readings, middle_rad_s * (1.0 + share));
+    let at = |factor: f64| beyond(times_s, readings, middle_rad_s * factor);
     let spacing = 2.0 * REACH / (TRIED - 1) as f64;
-    let tried = (0..TRIED).map(|i| spacing * i as f64 - REACH);
-    let best = tried.min_by(|a, b| at(*a).0.total_cmp(&at(*b).0)).unwrap_or(0.0);
+    let tried = (0..TRIED).map(|i| 1.0 - REACH + spacing * i as f64);
+    let best = tried.min_by(|a, b| at(*a).0.total_cmp(&at(*b).0)).unwrap_or(1.0);
     let (mut low, mut high) = (best - spacing, best + spacing);
     for _ in 0..NARROWED {
         let (left, right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
