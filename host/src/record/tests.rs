@@ -51,7 +51,10 @@ fn a_broken_wire_is_told_at_once_and_leaves_no_file() {
 #[test]
 fn a_wire_that_comes_off_keeps_what_was_recorded() {
     let (taken, read) = run("sim:loose-wire", |_| ());
-    assert!(matches!(taken.unwrap().end, End::Disconnected { code: 0, .. }));
+    let taken = taken.unwrap();
+    assert!(matches!(taken.end, End::Disconnected { code: 0, .. }));
+    // Readings of a fifth of a second, and the one that was too many.
+    assert_eq!(taken.samples_lost, 201);
     assert!(read.unwrap().duration_s() > 8.0);
 }
 
@@ -71,4 +74,16 @@ fn an_existing_file_is_left_alone() {
     let taken = record(&mut session, &plan(&path), &mut (), &AtomicBool::new(false));
     assert!(matches!(taken, Err(RecordError::Write(WriteError::Exists { .. }))));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
+}
+
+#[test]
+fn swings_that_begin_in_the_same_second_have_files_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    for _ in 0..3 {
+        let path = unused_path(folder.path(), "-a");
+        let name = path.file_name().unwrap().to_str().unwrap();
+        assert!(path.starts_with(folder.path()) && !path.exists());
+        assert!(name.starts_with("swing-20") && name.contains("-a") && name.ends_with(".csv"), "{name}");
+        std::fs::write(&path, "").unwrap();
+    }
 }
