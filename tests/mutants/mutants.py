@@ -76,17 +76,20 @@ def run(label, folder, mutants, tests):
     output = OUTPUT / label
     output.mkdir(parents=True, exist_ok=True)
     chosen = [part for mutant in mutants for part in ("--re", f"^{escaped(mutant)}$")]
-    files = [part for pattern in folder["files"] for part in ("--file", pattern)]
-    packages = [part for package in tests["packages"] for part in ("--test-package", package)]
+    # It also takes fields out of structures, whatever was chosen; less so of fewer files.
+    files = [f"--file={file}" for file in sorted({mutant.split(":")[0] for mutant in mutants})]
+    # Not by --test-package: what is not changed would be tried with the tests of the changed package alone.
+    packages = [f"--cargo-arg=--package={package}" for package in tests["packages"]]
     command = ["cargo", "mutants", "--no-shuffle", "--colors=never", "--profile", PROFILE, "--output", output]
     command += ["--package", folder["package"], *files, *packages, *chosen]
     command += ["--timeout-multiplier=10", f"--minimum-test-timeout={PATIENCE_S}"]
-    command += ["--", *tests["arguments"]]
+    # What is built as well as what is run; all tests would be built otherwise.
+    command += [f"--cargo-arg={part}" for part in tests["arguments"] if part.startswith("--")]
+    command += ["--", *(part for part in tests["arguments"] if not part.startswith("--"))]
     code = subprocess.run(command, cwd=TREE, env=environment()).returncode
     # 2: some were missed; 3: some took too long.
     if code not in (0, 2, 3):
         sys.exit(f"cargo mutants ended with {code}; see {output}/mutants.out")
-    # It also takes fields out of structures, whatever was chosen.
     said = [(output / f"mutants.out/{kind}.txt").read_text().splitlines() for kind in ("missed", "unviable")]
     return [[mutant for mutant in kind if mutant in mutants] for kind in said]
 

@@ -230,6 +230,7 @@ pub(crate) fn rms_about_line(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::{Calibration, Header};
 
     /// A small generator with a seed, good enough for noise (Knuth's MMIX constants, upper bits, sum of twelve).
     struct Random(u64);
@@ -334,5 +335,76 @@ mod tests {
         let noise = of_still(&recording, 0..5000).unwrap();
         assert!((noise.total_rms / 1e-3 - 1.0).abs() < 0.03, "{noise:?}");
         assert_eq!(of_still(&recording, 0..5), None);
+    }
+
+    /// Half swinging across many steps, half held about an angle, all in steps; so many steps of noise where it is held.
+    fn held_after_a_swing(noise_steps: impl Fn(usize) -> f64) -> Recording {
+        let angle_steps = |idx: usize| {
+            if idx < 2000 { (500.0 * (0.05 * idx as f64).sin()).round() } else { (100.0 + noise_steps(idx)).round() }
+        };
+        Recording::uniform(200.0, (0..4000).map(|idx| LSB * angle_steps(idx)).collect()).unwrap()
+    }
+
+    #[test]
+    fn still_samples_in_steps_have_white_noise_beside_that_of_the_steps() {
+        let mut random = Random(15);
+        let noise_steps: Vec<f64> = (0..4000).map(|_| 0.7 * random.normal()).collect();
+        let noise = of_still(&held_after_a_swing(|idx| noise_steps[idx]), 2000..4000).unwrap();
+        // Chance alone is 1.6 % for 2000 samples.
+        assert!((noise.white_rms / (0.7 * LSB) - 1.0).abs() < 0.05, "{noise:?}");
+        assert!((noise.quantisation_rms / (LSB / 12f64.sqrt()) - 1.0).abs() < 1e-6, "{noise:?}");
+        assert!((noise.total_rms - noise.white_rms.hypot(noise.quantisation_rms)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn still_samples_within_one_step_tell_no_noise() {
+        // One of forty is a step off: the scatter is √(1/40 · 39/40) = 0.16 steps.
+        let recording = held_after_a_swing(|idx| f64::from(idx % 40 == 0));
+        assert_eq!(of_still(&recording, 2000..4000), None);
+        assert_eq!(of_still(&held_after_a_swing(|_| 0.0), 2000..4000), None);
+    }
+
+    #[test]
+    fn a_rest_within_one_step_does_not_dilute_the_noise_of_the_swing() {
+        let mut random = Random(17);
+        let angle_steps = |idx: usize| {
+            let size_steps = 500.0 * (1.0 - idx as f64 / 4000.0);
+            if idx < 4000 { size_steps * (0.05 * idx as f64).sin() + random.normal() } else { 0.0 }
+        };
+        let steps: Vec<f64> = (0..8000).map(angle_steps).collect();
+        let recording = Recording::uniform(200.0, steps.iter().map(|n| LSB * n.round()).collect()).unwrap();
+        let noise = estimate(&recording);
+        let expected = LSB * (1.0 + 1.0 / 12.0_f64).sqrt();
+        assert!((noise.total_rms / expected - 1.0).abs() < 0.04, "{noise:?}");
+    }
+
+    #[test]
+    fn recorded_codes_tell_the_step_by_the_calibration() {
+        let codes: Vec<u16> = (0..400).map(|idx| (2000.0 + 300.0 * (0.1 * f64::from(idx)).sin()) as u16).collect();
+        let calibration = Calibration { zero_code: 2000.0, radians_per_code: -0.002 };
+        let angles_rad: Vec<f64> = codes.iter().map(|code| calibration.angle_rad(*code)).collect();
+        let times_s = (0..400).map(|idx| f64::from(idx) / 100.0).collect();
+        let header = Header { calibration: Some(calibration), ..Header::default() };
+        let recording = Recording::new(header, times_s, angles_rad, Some(codes)).unwrap();
+        assert!((estimate(&recording).lsb.unwrap() / 0.002 - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn distances_far_below_a_step_do_not_count_for_one() {
+        // 13 of 20 distances are a step: fewer than the share that makes steps.
+        let distances = [vec![0.01; 2], vec![1.0; 13], vec![1.5; 5]].concat();
+        let sums = |distances: &[f64]| -> Vec<f64> {
+            (0..=distances.len()).map(|n| distances[..n].iter().sum::<f64>()).collect()
+        };
+        assert_eq!(smallest_step(&sums(&distances)), None);
+        assert_eq!(smallest_step(&sums(&distances[2..17])), Some(1.0));
+    }
+
+    #[test]
+    fn scatter_about_a_line_has_two_degrees_of_freedom_less_than_samples() {
+        // 1, −1, −1, 1 has neither mean nor slope: Σ r² / (4 − 2) = 2.
+        let values: Vec<f64> =
+            [1.0, -1.0, -1.0, 1.0].iter().enumerate().map(|(i, r)| 5.0 + 3.0 * i as f64 + r).collect();
+        assert!((rms_about_line(&values) - 2f64.sqrt()).abs() < 1e-12);
     }
 }

@@ -323,6 +323,11 @@ mod tests {
     }
 
     #[test]
+    fn even_samples_know_the_rate_they_were_told() {
+        assert_eq!(Recording::uniform(30.0, wave(30)).unwrap().header().rate_hz, Some(30.0));
+    }
+
+    #[test]
     fn a_recording_with_three_samples_is_refused() {
         assert!(matches!(Recording::uniform(100.0, wave(3)), Err(Fault::TooFewSamples { n_found: 3 })));
     }

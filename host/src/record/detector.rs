@@ -284,4 +284,47 @@ mod tests {
     fn what_never_stands_still_never_starts() {
         assert_eq!(stages(20.0, 1e-3, |time_s| 0.5 * (8.0 * time_s).sin()), []);
     }
+
+    /// The swing without noise up to so long after the release.
+    fn after(seconds: f64) -> Detector {
+        let mut detector = Detector::new(RATE_HZ, STEP_RAD);
+        (0..((3.0 + seconds) * RATE_HZ) as usize).for_each(|sample| {
+            detector.push(swing(sample as f64 / RATE_HZ));
+        });
+        detector
+    }
+
+    #[test]
+    fn the_amplitude_is_how_far_out_it_is_held_then_the_top_of_the_last_half_swing() {
+        let held = after(-1.0);
+        assert_eq!((held.angle_rad(), held.amplitude_rad(), held.n_passages()), (1.0, 1.0, 0));
+        // Half a period after the release it turns at −e^(−0.3 · 0.385) = −0.891, and passes zero at three quarters.
+        let period_s = 1.0 / 1.3;
+        for periods in [0.8, 0.9, 1.0] {
+            let swinging = after(periods * period_s);
+            assert_eq!((swinging.stage(), swinging.n_passages()), (Stage::Swinging, 2), "{periods}");
+            assert!((swinging.amplitude_rad() - 0.891).abs() < 0.002, "{periods}: {}", swinging.amplitude_rad());
+            assert!((swinging.release_rad() - 1.0).abs() < 1e-6, "{periods}: {}", swinging.release_rad());
+            let measured_rad = swing(3.0 + periods * period_s);
+            assert!((swinging.angle_rad() - measured_rad).abs() < 0.01, "{periods}: {}", swinging.angle_rad());
+        }
+    }
+
+    #[test]
+    fn spread_and_noise_of_a_window_are_those_of_its_last_samples() {
+        let mut window = Window::new(4);
+        // Of 2, 4, 2, 4 the standard deviation is 1; neighbours differ by 2, as white noise of √2 would.
+        [100.0, -50.0, 7.0, 2.0, 4.0, 2.0, 4.0].into_iter().for_each(|value| window.push(value));
+        assert!(window.is_full());
+        assert!((window.spread() - 1.0).abs() < 1e-9, "{}", window.spread());
+        assert!((window.noise() - 2f64.sqrt()).abs() < 1e-9, "{}", window.noise());
+    }
+
+    #[test]
+    fn two_passages_that_lie_too_far_apart_are_no_release() {
+        // A hand carries it from side to side within a tenth of a second, and rests 4 s on each.
+        let carried = |time_s: f64| if ((time_s / 4.0) as usize).is_multiple_of(2) { 0.5 } else { -0.5 };
+        let names: Vec<Stage> = stages(30.0, 1e-3, carried).into_iter().map(|(stage, _)| stage).collect();
+        assert_eq!(names, [Stage::Waiting]);
+    }
 }

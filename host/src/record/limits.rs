@@ -47,3 +47,32 @@ pub(super) fn disconnected(
         (true, _) => Err(RecordError::Disconnected { code, sensor: settings.sensor }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::sensor::{Potentiometer, Sensor};
+
+    const LIMITS: Limits = Limits { wait_s: 2.0, limit_s: 5.0 };
+
+    #[test]
+    fn what_never_stands_still_is_given_up_after_the_wait() {
+        let detector = Detector::new(1000.0, 1e-3);
+        assert!(matches!(LIMITS.patience(&detector, 1.9), Ok(None)));
+        let given_up = LIMITS.patience(&detector, 2.5);
+        assert!(matches!(given_up, Err(RecordError::NeverStill { seconds: 2.0, .. })), "{given_up:?}");
+    }
+
+    #[test]
+    fn a_sensor_may_leave_its_range_for_a_fifth_of_a_second() {
+        let sensor = Sensor::Potentiometer(Potentiometer::nominal(4095));
+        let settings = Settings { rate_hz: 1000.0, cutoff_hz: 50.0, bandwidth_rad_s: 3.0, sensor };
+        for stage in [Stage::Settling, Stage::Waiting, Stage::Swinging] {
+            assert!(matches!(disconnected(&settings, stage, 190, 7), Ok(None)), "{stage:?}");
+        }
+        let ended = disconnected(&settings, Stage::Swinging, 300, 7);
+        assert!(matches!(ended, Ok(Some(End::Disconnected { code: 7, .. }))), "{ended:?}");
+        let refused = disconnected(&settings, Stage::Waiting, 300, 7);
+        assert!(matches!(refused, Err(RecordError::Disconnected { code: 7, .. })), "{refused:?}");
+    }
+}

@@ -180,3 +180,81 @@ impl Listening {
         self.limits.patience(&self.detector, self.n_in_stage as f64 / f64::from(self.settings.rate_hz))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::sensor::{Potentiometer, Sensor};
+    use std::ops::Range;
+
+    const POTENTIOMETER: Potentiometer = Potentiometer::nominal(4095);
+
+    fn listening() -> Listening {
+        let sensor = Sensor::Potentiometer(POTENTIOMETER);
+        let settings = Settings { rate_hz: 1000.0, cutoff_hz: 50.0, bandwidth_rad_s: 3.0, sensor };
+        Listening::new(settings, Limits::USUAL)
+    }
+
+    fn samples(number: u64, code: u16) -> Samples {
+        Samples { sequence: 0, first_sample: number, status: 0, codes: [code].into_iter().collect() }
+    }
+
+    #[derive(Default)]
+    struct Heard {
+        stages: Vec<Stage>,
+        n_readings: usize,
+        n_gaps: usize,
+    }
+
+    impl Listener for Heard {
+        fn stage(&mut self, stage: Stage) {
+            self.stages.push(stage);
+        }
+        fn reading(&mut self, _: f64) {
+            self.n_readings += 1;
+        }
+        fn gap(&mut self) {
+            self.n_gaps += 1;
+        }
+        fn pause(&mut self) {}
+    }
+
+    /// Held at 1 rad for 3 s, then a damped swing of 1.3 Hz; some samples do not arrive, some read the end of the range.
+    fn code(number: u64) -> u16 {
+        let since_s = number as f32 / 1000.0 - 3.0;
+        let swing_rad = (-0.3 * since_s).exp() * (std::f32::consts::TAU * 1.3 * since_s).cos();
+        POTENTIOMETER.code(Radian(if since_s < 0.0 { 1.0 } else { swing_rad })).0
+    }
+
+    #[test]
+    fn readings_are_told_from_the_hold_to_rest_and_gaps_within_the_swing() {
+        let lost: [Range<u64>; 2] = [1000..1010, 5000..5010];
+        let off: [Range<u64>; 2] = [2000..2005, 6000..6005];
+        let within = |ranges: &[Range<u64>], number: u64| ranges.iter().any(|range| range.contains(&number));
+        let (mut listening, mut heard) = (listening(), Heard::default());
+        let mut last = 0;
+        let end = (0..60_000).filter(|number| !within(&lost, *number)).find_map(|number| {
+            last = number;
+            let code = if within(&off, number) { 0 } else { code(number) };
+            listening.take(&samples(number, code), &mut heard).unwrap()
+        });
+        assert!(matches!(end, Some(End::AtRest)), "{end:?}");
+        assert_eq!(heard.stages, [Stage::Waiting, Stage::Swinging, Stage::AtRest]);
+        assert_eq!(heard.n_gaps, 2);
+        // From 1.2 s before the first passage, which is a quarter of a period after the release, without those that are
+        // missing in the swing.
+        let begin = 3000.0 + 1000.0 / 1.3 / 4.0 - 1000.0 * LEAD_IN_S;
+        let n_expected = last as f64 - begin - 15.0;
+        assert!((heard.n_readings as f64 - n_expected).abs() < 5.0, "{} {n_expected}", heard.n_readings);
+    }
+
+    #[test]
+    fn numbers_that_go_back_tell_of_a_rig_that_was_started_anew() {
+        let mut listening = listening();
+        assert!(!listening.is_begun_anew(&samples(0, 2048)));
+        listening.take(&samples(7000, 2048), &mut Heard::default()).unwrap();
+        assert!(listening.is_begun_anew(&samples(0, 2048)));
+        assert!(listening.is_begun_anew(&samples(7000, 2048)));
+        assert!(!listening.is_begun_anew(&samples(7001, 2048)) && !listening.is_begun_anew(&samples(9000, 2048)));
+    }
+}

@@ -45,3 +45,40 @@ pub fn in_words(taken: &Taken) -> String {
         taken.n_samples
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::LinkError;
+
+    fn taken(n_passages: u32, end: End) -> Taken {
+        let path = "swing.csv".into();
+        let (n_samples, release_rad, swing_s, frames_lost, samples_lost) = (1234, -0.5, 20.5, 0, 0);
+        Taken { path, n_samples, release_rad, n_passages, swing_s, frames_lost, samples_lost, end }
+    }
+
+    #[test]
+    fn two_whole_swings_are_usable_and_what_ended_them_early_is_told() {
+        for end in [End::AtRest, End::TimeLimit] {
+            assert_eq!(usable(&taken(4, end)).unwrap(), None);
+        }
+        let stopped = usable(&taken(4, End::Stopped)).unwrap().unwrap();
+        assert!(stopped.contains("usable") && stopped.contains("1234 samples are kept in swing.csv"), "{stopped}");
+        for end in [End::AtRest, End::TimeLimit, End::Stopped] {
+            let refused = usable(&taken(3, end)).unwrap_err();
+            assert!(refused.what().contains("swung twice; 1234 samples are kept in swing.csv"), "{}", refused.what());
+        }
+        let lost = usable(&taken(9, End::Lost(LinkError::StreamStopped { port: "COM3".to_owned() }))).unwrap_err();
+        assert!(lost.what().contains("COM3") && lost.what().contains("are kept"), "{}", lost.what());
+    }
+
+    #[test]
+    fn a_swing_is_told_in_a_sentence() {
+        let mut swing = taken(9, End::AtRest);
+        // 0.5 rad are 28.65°.
+        let whole = "wrote swing.csv: released from -0.500 rad (-28.6°), 20.5 s of swing, 1234 samples (none lost)";
+        assert_eq!(in_words(&swing), whole);
+        swing.samples_lost = 7;
+        assert!(in_words(&swing).ends_with("1234 samples (7 lost)"));
+    }
+}

@@ -68,3 +68,30 @@ impl<R: Real<Mask = bool>> Clusters<R> {
         self.list.remove(merged + 1);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_too_many_windows_the_two_neighbours_that_weigh_least_become_one_with_the_sums_of_both() {
+        let mut clusters = Clusters::<f64>::empty();
+        let mut weights = [10.0; MAX_CLUSTERS + 1];
+        // 2 and 3 weigh least together, though 0.1 weighs least alone and times its neighbour.
+        (weights[3], weights[7], weights[8]) = (0.1, 2.0, 3.0);
+        for (n, weight) in weights.into_iter().enumerate() {
+            clusters.add(|share| {
+                share.weight = weight;
+                share.columns[1] = n as f64;
+                share.candidates[2] = 100.0 * n as f64;
+            });
+        }
+        let list = clusters.list();
+        assert_eq!(list.len(), MAX_CLUSTERS);
+        assert_eq!((list[6].weight, list[7].weight, list[8].weight), (10.0, 5.0, 10.0));
+        assert_eq!((list[7].columns[1], list[7].candidates[2]), (15.0, 1500.0));
+        assert_eq!((list[8].columns[1], list[3].weight), (9.0, 0.1));
+        clusters.clear();
+        assert!(clusters.list().is_empty());
+    }
+}

@@ -138,3 +138,45 @@ fn measure<R: Real<Mask = bool>>(
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+    use crate::parameters::Parameters;
+    use std::boxed::Box;
+    use std::vec::Vec;
+
+    const INTERVAL_S: f64 = 4e-3;
+
+    /// Readings of half a minute with a drag that the model lacks.
+    fn swing(model: &Model<f64>, angle_rad: f64) -> Vec<f64> {
+        let mut state = model.release(angle_rad, 0.0);
+        let mut reading = |step: u32| {
+            model.step(&mut state, INTERVAL_S);
+            state.angle_rad + 1e-3 * (f64::from(step.wrapping_mul(2_654_435_761) >> 16) / 65536.0 - 0.5)
+        };
+        (0..7500).map(&mut reading).collect()
+    }
+
+    #[test]
+    fn a_first_suspect_that_cannot_be_put_into_the_model_gives_its_place_to_nobody() {
+        let mut given = Parameters::<f64>::paper();
+        given.set_friction(5.4e-4, 7.1e-4, 0.0, 0.0);
+        let mut truth = given.clone();
+        truth.set(10, &[8e-5]).unwrap();
+        let model = Model::new(&truth);
+        let readings = [1.4, -1.1, 0.8].map(|angle_rad| swing(&model, angle_rad));
+        let parts: Vec<&[f64]> = readings.iter().map(Vec::as_slice).collect();
+        let on = Releases::new(&parts, INTERVAL_S);
+        let mut room = Box::new(Room::empty(0.0));
+        room.look(&given, &on, 1e-3);
+        assert_eq!(room.findings.suspects[0].effect.id, 10, "{:?}", room.findings.reason);
+        assert!(room.findings.suspects.len() > 2);
+        room.findings.suspects.iter_mut().skip(1).for_each(|other| other.is_tied = true);
+        room.findings.suspects[0].values = [f64::NAN; crate::effect::MAX_VALUES];
+        room.contest(&on, 20_000.0);
+        assert_eq!(room.findings.suspects[0].effect.id, 10);
+        assert!(room.findings.suspects.iter().skip(1).all(|other| other.is_tied));
+    }
+}

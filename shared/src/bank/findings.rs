@@ -411,3 +411,35 @@ fn n_effects<R: Real<Mask = bool>>(columns: &Columns<R>) -> usize {
     }
     n.max(1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::column::MAX_KNOWN;
+    use super::*;
+
+    /// One that lowers the squares of 10,000 readings by so many, on all of ten clusters alike.
+    fn suspect(chi_square: f64) -> Suspect<f64> {
+        let (sizes, known_step) = ([0.0; 3], [0.0; MAX_KNOWN]);
+        let gains = (0..10).map(|n| chi_square / 10.0 + 1e-3 * f64::from(n % 2)).collect();
+        let evidence = Evidence { sizes, stds: sizes, n_tested: 1, known_step, gain: chi_square, gains, f: 1.0 };
+        let effect = Effect::by_id(base::COULOMB).unwrap();
+        let (values, strengths) = ([0.0; MAX_VALUES], Strengths::new());
+        Suspect { effect, values, strengths, evidence, chi_square, p: 0.0, rank: chi_square, is_tied: false }
+    }
+
+    #[test]
+    fn a_second_law_is_tied_within_a_twentieth_of_the_gain_and_a_tenth_of_what_neither_explains() {
+        // Of 1000 the first law leaves nothing, or 1000 where there are 2000.
+        for (excess, second, is_tied) in
+            [(0.1, 940.0, false), (0.1, 960.0, true), (0.2, 840.0, false), (0.2, 860.0, true)]
+        {
+            let mut findings = Findings::empty(0.0);
+            findings.excess[1] = excess;
+            for chi_square in [1000.0, second] {
+                assert!(findings.suspects.push(suspect(chi_square)).is_ok());
+            }
+            mark_ties(&mut findings, 10_000.0);
+            assert_eq!(findings.suspects[1].is_tied, is_tied, "{excess} {second}");
+        }
+    }
+}

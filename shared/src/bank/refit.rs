@@ -374,3 +374,19 @@ fn follow<R: Real<Mask = bool>>(
     }
     sums.add_block(block, n_known, n_added);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_its_band_a_model_has_no_stiction_and_keeps_its_friction() {
+        let paper = Parameters::<f64>::paper();
+        assert!(paper.values(base::STICTION).unwrap().iter().any(|value| *value > 0.0));
+        let mut refitted = Refitted::empty(0.0);
+        refitted.begin(&paper);
+        refitted.take_band_out();
+        assert_eq!(refitted.parameters.values(base::STICTION).unwrap()[..], [0.0, 0.0]);
+        assert_eq!(refitted.parameters.values(base::COULOMB), paper.values(base::COULOMB));
+    }
+}

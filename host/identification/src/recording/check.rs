@@ -257,6 +257,11 @@ mod tests {
     }
 
     #[test]
+    fn a_swing_of_one_degree_about_a_far_angle_moves() {
+        assert_eq!(check(swing().iter().map(|angle| 1.5 + 0.02 * angle).collect()), []);
+    }
+
+    #[test]
     fn a_floating_wire_jumps() {
         let mut angles_rad = swing();
         angles_rad[700] = 2.9;

@@ -126,4 +126,21 @@ mod tests {
             assert_eq!(read(text), None, "{text}");
         }
     }
+
+    #[test]
+    fn days_are_counted_over_the_ends_of_months_leap_years_and_centuries() {
+        // date -u -d DATE +%s / 86400
+        let days = [
+            ("1970-01-01", 0),
+            ("1999-12-31", 10_956),
+            ("2000-02-29", 11_016),
+            ("2024-07-15", 19_919),
+            ("2025-12-31", 20_453),
+            ("2026-08-31", 20_696),
+            ("2100-03-01", 47_541),
+        ];
+        for (date, day) in days {
+            assert_eq!(read(&format!("{date} 00:00:00")), Some(Moment { day: Some(day), second: 0.0 }), "{date}");
+        }
+    }
 }

@@ -275,6 +275,16 @@ mod tests {
     }
 
     #[test]
+    fn numbers_that_cannot_be_are_refused_in_our_own_file() {
+        for line in ["rate_hz: 0", "rate_hz: inf", "cutoff_hz: -1", "radians_per_code: 0", "radians_per_code: nan"] {
+            let fault = parse(&format!("# format: pendulum-recording 1\n# {line}"));
+            assert!(matches!(fault, Err(Fault::HeaderValue { line: 2, .. })), "{line}: {fault:?}");
+        }
+        let turned = parse("# format: pendulum-recording 1\n# zero_code: 0\n# radians_per_code: -0.002").unwrap();
+        assert_eq!(turned.calibration, Some(Calibration { zero_code: 0.0, radians_per_code: -0.002 }));
+    }
+
+    #[test]
     fn a_strange_line_in_a_foreign_file_is_passed_over() {
         assert_eq!(parse("# rate_hz: as fast as possible\n# Origin: lab 3").unwrap(), Header::default());
     }

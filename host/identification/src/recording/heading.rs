@@ -107,6 +107,9 @@ mod tests {
         check(&["run 7,a", "s,deg"], Comma, 2, &["run 7 s", "a deg"]);
         check(&["what,who", "t,theta"], Comma, 2, &["t", "theta"]);
         check(&["what,who", "s,State"], Comma, 2, &["s", "State"]);
+        // A half is enough, a third is not.
+        check(&["time,a,b,c", "s,foo,bar,deg"], Comma, 4, &["time s", "a foo", "b bar", "c deg"]);
+        check(&["time,a,b", "s,foo,bar"], Comma, 3, &["s", "foo", "bar"]);
     }
 
     #[test]

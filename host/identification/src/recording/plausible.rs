@@ -361,6 +361,18 @@ mod tests {
         assert_eq!(scale(&times, &angles), Scale::Unknown);
     }
 
+    #[test]
+    fn small_swings_take_what_the_stiffness_says_however_large_those_are_that_were_seen() {
+        for start_rad in [0.2, 1.0, 1.8] {
+            let (times, angles, velocities) = swing(start_rad);
+            let small_s = TAU / 40_f64.sqrt();
+            let found_s = Swings::of(&times, &angles).unwrap().small_period_s();
+            assert!((found_s / small_s - 1.0).abs() < 2e-3, "{start_rad}: {found_s}");
+            let of_rates = TAU / Swings::of(&times, &velocities).unwrap().small_rad_s();
+            assert!((of_rates / small_s - 1.0).abs() < 1e-2, "{start_rad}: {of_rates}");
+        }
+    }
+
     /// A motor swings it to and fro in 1.15 s, one and a half times, and then it swings freely, in 1 s.
     #[test]
     fn driven_swings_at_the_start_are_no_other_unit() {

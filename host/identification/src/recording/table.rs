@@ -323,4 +323,11 @@ mod tests {
         let mut table = table(b"t,theta\n0,1\n\0\0\0\0").unwrap();
         assert!(table.advance().unwrap() && !table.advance().unwrap());
     }
+
+    #[test]
+    fn comments_keep_their_lines_and_columns_their_names() {
+        let table = table(b"# rate\nt,,theta\n# comment: brass\n0,1,2\n1,2,3\n").unwrap();
+        assert_eq!(table.comments().collect::<Vec<_>>(), [(1, "# rate"), (3, "# comment: brass")]);
+        assert_eq!([0, 1, 2].map(|idx| table.column_name(idx)), ["0 (t)", "1", "2 (theta)"]);
+    }
 }

@@ -174,4 +174,14 @@ mod tests {
         stopped[800..].fill(last);
         assert_eq!(spread(&stopped), None);
     }
+
+    #[test]
+    fn the_first_and_the_last_tick_are_spread_by_the_usual_distance_of_rows() {
+        // Three rows a tick; of the first one, the first row is missing.
+        let truth: Vec<f64> = (1..30).map(|row| f64::from(row) / 3.0).collect();
+        let ticks: Vec<f64> = truth.iter().map(|time| time.floor()).collect();
+        let spread_out = spread(&ticks).unwrap();
+        assert_eq!(spread_out.len(), truth.len());
+        assert!(spread_out.iter().zip(&truth).all(|(found, time)| (found - time).abs() < 1e-9), "{spread_out:?}");
+    }
 }

@@ -270,6 +270,18 @@ mod tests {
         }
     }
 
+    #[test]
+    fn crossings_of_the_angle_at_which_it_hangs_are_those_of_the_same_swing_about_zero() {
+        let (times_s, angles_rad) = decaying(200.0);
+        let shifted: Vec<f64> = angles_rad.iter().map(|angle| angle + 0.3).collect();
+        let crossings = crossings(&times_s, &shifted, 0.3, 1e-5);
+        assert_eq!(crossings.len(), 25);
+        for (idx, crossing) in crossings.iter().enumerate() {
+            let time_s = (idx as f64 + 0.5) * PI / ANGULAR_HZ;
+            assert!((crossing.time_s - time_s).abs() < 2e-4, "{crossing:?} {time_s}");
+        }
+    }
+
     /// Noise of 1 mrad rms, even.
     fn noisy(angle: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
         let times_s: Vec<f64> = (0..600).map(|idx| f64::from(idx) * 0.1).collect();

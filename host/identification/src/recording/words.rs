@@ -540,4 +540,16 @@ mod tests {
             assert_eq!(meaning(name), expected, "{name}");
         }
     }
+
+    #[test]
+    fn one_word_may_be_a_derivative() {
+        for word in ["thetadot", "phipunkt", "thetaddot", "dtheta", "ddphi", "winkelgeschwindigkeit", "angularvelocity"]
+        {
+            assert!(is_derivative(word), "{word}");
+            assert!(!matches!(meaning(&format!("{word} (deg)")), Meaning::Angle { .. }), "{word}");
+        }
+        for word in ["theta", "dot", "d", "angle"] {
+            assert!(!is_derivative(word), "{word}");
+        }
+    }
 }
