@@ -204,3 +204,35 @@ impl Angles<'_> {
         });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(of: impl FnOnce(Angles<'_>) -> Vec<f64>) -> (Vec<f64>, Vec<String>) {
+        let times_s: Vec<f64> = (0..400).map(|idx| 0.01 * f64::from(idx)).collect();
+        let (options, mut notes) = (ReadOptions::default(), Vec::new());
+        let angles = of(Angles { times_s: &times_s, is_ours: false, options: &options, notes: &mut notes });
+        (angles, notes)
+    }
+
+    #[test]
+    fn a_point_that_swings_two_below_its_pivot_gives_its_angles() {
+        let truth: Vec<f64> = (0..400).map(|idx| 0.8 * (0.06 * f64::from(idx)).cos()).collect();
+        let x: Vec<f64> = truth.iter().map(|angle| 3.0 + 2.0 * angle.sin()).collect();
+        let y: Vec<f64> = truth.iter().map(|angle| 5.0 - 2.0 * angle.cos()).collect();
+        let (angles, notes) = found(|angles| angles.of_point(&x, &y).unwrap());
+        assert_eq!(angles.len(), truth.len());
+        assert!(angles.iter().zip(&truth).all(|(found, angle)| (found - angle).abs() < 1e-6));
+        assert!(notes[0].contains("pivot at (3.0000, 5.0000), radius 2.0000"), "{notes:?}");
+    }
+
+    #[test]
+    fn counts_of_sixteen_bits_go_on_where_they_begin_anew() {
+        let truth: Vec<f64> = (0..400).map(|idx| (1000.0 * (0.06 * f64::from(idx)).cos()).round()).collect();
+        let counts: Vec<f64> = truth.iter().map(|count| count.rem_euclid(65_536.0)).collect();
+        let (unwound, notes) = found(|mut angles| angles.unwound(&counts).into_owned());
+        assert_eq!(unwound, truth);
+        assert!(notes[0].contains("16 bits"), "{notes:?}");
+    }
+}

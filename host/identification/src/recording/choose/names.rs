@@ -180,3 +180,31 @@ fn position_of_name(table: &Table, wanted: &str) -> Option<usize> {
     let only = beginning.next().filter(|_| beginning.next().is_none());
     names.iter().position(|name| *name == wanted).or(only)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::source::Lines;
+
+    fn notes_of(heading: &str, taken: usize) -> Vec<String> {
+        let text = format!("{heading}\n0,1,2\n0.1,2,3\n0.2,3,4\n");
+        let table = Table::new(Lines::of(text.as_bytes(), &mut Vec::new()).unwrap()).unwrap();
+        let as_angle = |meaning| match meaning {
+            Meaning::Angle { unit, strength } => Some((unit, strength)),
+            _ => None,
+        };
+        let mut notes = Vec::new();
+        note_rivals(&table, "angle", taken, as_angle, &mut notes);
+        notes
+    }
+
+    #[test]
+    fn a_rival_is_told_where_a_name_decides_and_nowhere_else() {
+        assert_eq!(notes_of("t,theta_noisy,theta_other", 1), [""; 0]);
+        let told = notes_of("t,theta,theta_noisy", 1);
+        assert!(
+            told.len() == 1 && told[0].contains("whose name says nothing else, and not 2 (theta_noisy)"),
+            "{told:?}"
+        );
+    }
+}

@@ -142,3 +142,21 @@ fn number(value: &Value) -> f64 {
     let of_text = |text: &str| text.trim().parse().ok().or_else(|| clock::read(text).map(Moment::seconds));
     value.as_f64().or_else(|| of_text(value.as_str()?)).unwrap_or(f64::NAN)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_object_of_arrays_is_told_from_one_row() {
+        let check =
+            |text: &str| is_of_arrays(serde_json::from_str::<Value>(text).unwrap().as_object().unwrap(), DEEPEST);
+        for row in [r#"{"t": 0, "theta": 1}"#, r#"{"t": 0, "axes": [1, 2, 3]}"#, r#"{"t": 0, "swing": {"theta": 1}}"#] {
+            assert!(!check(row), "{row}");
+        }
+        let long = format!(r#"{{"rate": 100, "theta": {:?}}}"#, [1; 17]);
+        for whole in [r#"{"t": [0, 1], "theta": [1, 2]}"#, r#"{"swing": {"theta": [1]}}"#, &long] {
+            assert!(check(whole), "{whole}");
+        }
+    }
+}
