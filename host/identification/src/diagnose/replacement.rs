@@ -3,7 +3,6 @@
 //! A search that adds one effect at a time may begin with a wrong one that imitates the sum of two; and an effect that
 //! cannot be told from another stays unnoticed as long as its partner is missing.
 
-use super::budget::Budget;
 use super::models::{sort, worth_all_samples};
 use super::physical::is_sound;
 use super::score::{Prediction, predictions};
@@ -29,8 +28,6 @@ pub struct Replacements<'a, 'b> {
     pub candidates: &'b [&'static Effect<f64>],
     /// Models that were tried before.
     pub known: &'b [Fitted],
-    /// What all of it may take.
-    pub budget: &'b Budget<'b>,
 }
 
 impl Replacements<'_, '_> {
@@ -39,8 +36,7 @@ impl Replacements<'_, '_> {
     pub fn of(&self, claimed: &Fitted, without: impl Fn(u16) -> Fitted) -> Vec<Fitted> {
         let claimed_cost = claimed.evaluated(self.rough).cost;
         let of_effect = |effect: &&'static Effect<f64>| self.replaced(claimed, claimed_cost, &without(effect.id));
-        let in_time = claimed.effects.iter().take_while(|_| self.budget.allows_more());
-        let mut others: Vec<Fitted> = in_time.flat_map(of_effect).collect();
+        let mut others: Vec<Fitted> = claimed.effects.iter().flat_map(of_effect).collect();
         others.retain(|other| is_sound(self.problem, other));
         sort(&mut others);
         others

@@ -109,6 +109,10 @@ fn kept(level: &[Fitted]) -> Vec<Fitted> {
     let mut beam: Vec<Fitted> = near().take(BEAM).cloned().collect();
     let simplest = near().min_by_key(|model| model.n_added());
     beam.extend(simplest.filter(|simple| beam.iter().all(|other| other.n_added() > simple.n_added())).cloned());
+    // A support imitates the sum of two laws better than either of them.
+    if beam.iter().all(swings) {
+        beam.extend(level.iter().find(|model| !swings(model)).cloned());
+    }
     beam
 }
 
@@ -218,7 +222,12 @@ fn found_roughly(
         let least = if model.effects.is_empty() { 0.0 } else { PROMISING };
         extensions(rough, &model.evaluated(rough), candidates, least, budget)
     };
-    let mut level: Vec<Fitted> = beam.iter().flat_map(extended).collect();
+    // What swings beside the pendulum takes longest and imitates much, so that the others come first.
+    let (swinging, others): (Vec<&Fitted>, Vec<&Fitted>) = beam.iter().partition(|model| swings(model));
+    let mut level: Vec<Fitted> = others.into_iter().flat_map(extended).collect();
+    if !level.iter().any(|model| is_explained(rough, model)) {
+        level.extend(swinging.into_iter().filter(|_| budget.allows_more()).flat_map(extended));
+    }
     level.retain(|model| is_sound(rough, model));
     sort(&mut level);
     drop_doubles(&mut level);

@@ -120,8 +120,9 @@ impl Judge<'_, '_> {
     pub(super) fn refined(&self, claimed: Fitted) -> (Fitted, Vec<Fitted>) {
         let mut claimed = claimed;
         let mut tried = Vec::new();
-        for _ in 0..MAX_ROUNDS {
-            if claimed.effects.len() < 2 || !self.budget.allows_more() {
+        for round in 0..MAX_ROUNDS {
+            // The first time tells a pair from one that imitates it, and is never left out.
+            if claimed.effects.len() < 2 || round > 0 && !self.budget.allows_more() {
                 break;
             }
             let (better, others) = self.replaced(&claimed, &tried);
@@ -135,8 +136,8 @@ impl Judge<'_, '_> {
     /// A model with one effect replaced that is better than the claimed one, pruned; and the others.
     fn replaced(&self, claimed: &Fitted, known: &[Fitted]) -> (Option<Fitted>, Vec<Fitted>) {
         let without = |id: u16| self.without(claimed, id).swap_remove(0);
-        let Self { problem, rough, candidates, budget, .. } = self;
-        let others = Replacements { problem, rough, candidates, known, budget }.of(claimed, without);
+        let Self { problem, rough, candidates, .. } = self;
+        let others = Replacements { problem, rough, candidates, known }.of(claimed, without);
         let reach = INDISTINGUISHABLE * self.unit();
         let is_better = |other: &Fitted| {
             let wins = claimed.cost - other.cost > reach || is_simpler_form(other, claimed);

@@ -212,7 +212,8 @@ mod tests {
     fn found(of: impl FnOnce(Angles<'_>) -> Vec<f64>) -> (Vec<f64>, Vec<String>) {
         let times_s: Vec<f64> = (0..400).map(|idx| 0.01 * f64::from(idx)).collect();
         let (options, mut notes) = (ReadOptions::default(), Vec::new());
-        let angles = of(Angles { times_s: &times_s, is_ours: false, options: &options, notes: &mut notes });
+        let told = Told { time: Some(0), reading: 1 };
+        let angles = of(Angles { times_s: &times_s, is_ours: false, options: &options, told, notes: &mut notes });
         (angles, notes)
     }
 
@@ -221,7 +222,7 @@ mod tests {
         let truth: Vec<f64> = (0..400).map(|idx| 0.8 * (0.06 * f64::from(idx)).cos()).collect();
         let x: Vec<f64> = truth.iter().map(|angle| 3.0 + 2.0 * angle.sin()).collect();
         let y: Vec<f64> = truth.iter().map(|angle| 5.0 - 2.0 * angle.cos()).collect();
-        let (angles, notes) = found(|angles| angles.of_point(&x, &y).unwrap());
+        let (angles, notes) = found(|angles| angles.of_point(&x, &y, None).unwrap());
         assert_eq!(angles.len(), truth.len());
         assert!(angles.iter().zip(&truth).all(|(found, angle)| (found - angle).abs() < 1e-6));
         assert!(notes[0].contains("pivot at (3.0000, 5.0000), radius 2.0000"), "{notes:?}");
