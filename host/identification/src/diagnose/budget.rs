@@ -13,6 +13,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 /// pair of them is told nothing. Twice: dynamicslab_single_arm takes twice as long, for the same verdict.
 const MOST_OF_THE_SEARCH: u64 = 400;
 
+/// … or so many steps of whatever models, which long recordings take first. The one of 371 s takes 14 s of a core without.
+const MOST_TAKEN: u64 = 120;
+
 /// … and so many more before effects are tried beside a friction curve. The arm on ball bearings takes 30 by then, the
 /// recording of 371 s 100. Half of it: the same; twice: an effect is tried beside the curve of 371 s, some 3 s of a core.
 const MOST_OF_A_CURVE: u64 = 80;
@@ -22,6 +25,7 @@ const MOST_OF_A_CURVE: u64 = 80;
 pub struct Budget<'a> {
     tally: &'a Tally,
     before: u64,
+    taken_before: u64,
     curve_began: AtomicU64,
     is_spent: AtomicBool,
 }
@@ -40,12 +44,19 @@ pub struct Effort {
 impl<'a> Budget<'a> {
     /// From here on.
     pub fn new(tally: &'a Tally) -> Self {
-        Self { tally, before: tally.steps(), curve_began: AtomicU64::new(0), is_spent: AtomicBool::new(false) }
+        Self {
+            tally,
+            before: tally.steps(),
+            taken_before: tally.steps_taken(),
+            curve_began: AtomicU64::new(0),
+            is_spent: AtomicBool::new(false),
+        }
     }
 
     /// May another stage of the search begin? If not, something is left out.
     pub fn allows_more(&self) -> bool {
-        self.allows(self.million_steps() < MOST_OF_THE_SEARCH)
+        let million_taken = (self.tally.steps_taken() - self.taken_before) / 1_000_000;
+        self.allows(self.million_steps() < MOST_OF_THE_SEARCH && million_taken < MOST_TAKEN)
     }
 
     /// From here on a friction curve is sought.

@@ -18,6 +18,8 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 #[derive(Debug, Default)]
 pub struct Tally {
     simulations: AtomicUsize,
+    /// Steps of whatever model.
+    steps_taken: AtomicU64,
     operations: AtomicU64,
     /// Operations of a step, by the effects of the model.
     known: Mutex<BTreeMap<Vec<u16>, u64>>,
@@ -27,6 +29,7 @@ impl Tally {
     /// Takes in swings that were simulated side by side, all lanes of which take the time.
     pub(crate) fn add(&self, parameters: &Parameters<f64>, n_swings: usize, n_steps: usize) {
         self.simulations.fetch_add(n_swings, Ordering::Relaxed);
+        self.steps_taken.fetch_add((n_swings * n_steps) as u64, Ordering::Relaxed);
         let operations = self.operations_of_step(parameters) * n_steps as u64 * LANES as u64;
         self.operations.fetch_add(operations, Ordering::Relaxed);
     }
@@ -34,6 +37,11 @@ impl Tally {
     /// Simulated swings.
     pub fn simulations(&self) -> usize {
         self.simulations.load(Ordering::Relaxed)
+    }
+
+    /// Their steps, whatever the model.
+    pub fn steps_taken(&self) -> u64 {
+        self.steps_taken.load(Ordering::Relaxed)
     }
 
     /// What they took, in steps of the base model.
