@@ -9,11 +9,12 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Million steps after which no stage of the search begins that can be left out: two cores take about three seconds. Forty
-/// simulated rigs are told exactly what they lack, as without it; the worst pair takes 11 in place of 24 s. With 280 one
+/// simulated rigs are told exactly what they lack, as without it. With 280 one
 /// pair of them is told nothing. Twice: dynamicslab_single_arm takes twice as long, for the same verdict.
 const MOST_OF_THE_SEARCH: u64 = 400;
 
-/// … or so many steps of whatever models, which long recordings take first. The one of 371 s takes 14 s of a core without.
+/// … or so many steps of whatever models, which long recordings take first: the one of 371 s takes 14 s of a core without
+/// this, and 9 with it. Half and twice were not tried.
 const MOST_TAKEN: u64 = 120;
 
 /// … and so many more before effects are tried beside a friction curve. The arm on ball bearings takes 30 by then, the
