@@ -110,9 +110,9 @@ fn held_out(diagnosis: &Diagnosis) -> Vec<String> {
 /// That stages were left out, and what to do about it.
 fn left_out(diagnosis: &Diagnosis) -> Option<String> {
     let words = format!(
-        "These recordings are long or hard to explain: after {} million simulated steps no further stage of the search \
-         was begun. Where much is left, choose a stretch with --from and --to, or fewer recordings.",
-        diagnosis.effort.million_steps_at_most
+        "These recordings are long or hard to explain: after {} million simulated steps, stages of the search were left \
+         out. Where much is left, choose a stretch with --from and --to, or fewer recordings.",
+        diagnosis.effort.million_steps
     );
     diagnosis.effort.reached.then(|| wrapped(&words, 0))
 }

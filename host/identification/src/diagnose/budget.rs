@@ -36,7 +36,7 @@ pub struct Budget<'a> {
 pub struct Effort {
     /// Million steps of the base model, or what others take beside it, that were simulated.
     pub million_steps: u64,
-    /// After so many no stage of the search was begun that could be left out.
+    /// After so many no stage of the search was begun that could be left out; of long recordings some earlier.
     pub million_steps_at_most: u64,
     /// Were stages left out?
     pub reached: bool,
@@ -89,12 +89,14 @@ impl<'a> Budget<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::problem::{Problem, Start};
+    use crate::swing::Swing;
     use shared::parameters::Parameters;
 
     #[test]
     fn what_is_used_up_is_said_once_something_is_left_out() {
         let (tally, model) = (Tally::default(), Parameters::paper());
-        let simulate = |million_steps: usize| tally.add(&model, 1, million_steps * 250_000);
+        let simulate = |million_steps: usize| tally.add(&model, 1, 4, million_steps * 250_000);
         simulate(7);
         let budget = Budget::new(&tally);
         simulate(MOST_OF_THE_SEARCH as usize - 1);
@@ -107,5 +109,30 @@ mod tests {
         assert!(budget.allows_more_beside_a_curve());
         simulate(1);
         assert!(!budget.allows_more_beside_a_curve());
+    }
+    #[test]
+    fn many_steps_are_enough_however_little_they_take() {
+        let (tally, model) = (Tally::default(), Parameters::paper());
+        let budget = Budget::new(&tally);
+        let simulate = |million_steps: u64| tally.add(&model, 4, 4, million_steps as usize * 250_000);
+        simulate(MOST_TAKEN - 1);
+        assert!(budget.allows_more());
+        simulate(1);
+        assert!(!budget.allows_more() && budget.effort().million_steps < MOST_OF_THE_SEARCH);
+    }
+
+    #[test]
+    fn a_longer_recording_may_be_simulated_less_often() {
+        let steps_of = |seconds: u32| {
+            let times_s: Vec<f64> = (0..50 * seconds).map(|i| f64::from(i) * 0.02).collect();
+            let angles_rad: Vec<f64> = times_s.iter().map(|t| (6.0 * t).cos() * (-0.01 * t).exp()).collect();
+            let swings = [Swing::new("cosine", &times_s, &angles_rad, 1e-3)];
+            let tally = Tally::default();
+            let problem = Problem::new(&swings, &Parameters::paper(), Vec::new(), &tally);
+            problem.predict(0, times_s.len(), &[(&[], Start { angle_rad: 1.0, velocity_rad_s: 0.0, offset_rad: 0.0 })]);
+            tally.steps()
+        };
+        let (short, long) = (steps_of(20), steps_of(200));
+        assert!((9 * short..11 * short).contains(&long), "{short} {long}");
     }
 }

@@ -295,7 +295,7 @@ impl<'a> Problem<'a> {
     }
 
     fn predict_batch(&self, swing_idx: usize, n_samples: usize, batch: &[(&[f64], Start)]) -> Vec<Vec<f64>> {
-        self.tally.add(&self.template, batch.len(), self.schedule(swing_idx).n_steps_to(n_samples));
+        self.tally.add(&self.template, batch.len(), LANES, self.schedule(swing_idx).n_steps_to(n_samples));
         match batch {
             [(values, start)] => {
                 let mut parameters = self.parameters(values);

@@ -3,7 +3,6 @@
 //! A step with a power law takes four times as long as one without. So one step of each model is taken with a number
 //! that counts what is asked of it.
 
-use super::problem::LANES;
 use shared::effect::{Action, Effect};
 use shared::model::Model;
 use shared::parameters::{Parameters, base};
@@ -26,11 +25,11 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Takes in swings that were simulated side by side, all lanes of which take the time.
-    pub(crate) fn add(&self, parameters: &Parameters<f64>, n_swings: usize, n_steps: usize) {
+    /// Takes in swings that were simulated side by side, each in so many steps; idle lanes take the time of busy ones.
+    pub(crate) fn add(&self, parameters: &Parameters<f64>, n_swings: usize, n_lanes: usize, n_steps: usize) {
         self.simulations.fetch_add(n_swings, Ordering::Relaxed);
         self.steps_taken.fetch_add((n_swings * n_steps) as u64, Ordering::Relaxed);
-        let operations = self.operations_of_step(parameters) * n_steps as u64 * LANES as u64;
+        let operations = self.operations_of_step(parameters) * (n_steps * n_lanes) as u64;
         self.operations.fetch_add(operations, Ordering::Relaxed);
     }
 
@@ -189,11 +188,11 @@ mod tests {
     }
 
     #[test]
-    fn four_lanes_take_as_long_with_one_swing_in_them_as_with_four() {
+    fn lanes_take_as_long_with_one_swing_in_them_as_with_four() {
         let (tally, model) = (Tally::default(), bare());
         for n_swings in [1, 4] {
             let before = tally.steps();
-            tally.add(&model, n_swings, 1000);
+            tally.add(&model, n_swings, 4, 1000);
             assert_eq!(tally.steps() - before, 4000);
         }
         assert_eq!(tally.simulations(), 5);
