@@ -9,6 +9,7 @@
 mod angle;
 pub mod check;
 mod choose;
+mod chosen;
 mod circle;
 mod clock;
 mod columns;
