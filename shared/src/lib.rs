@@ -23,6 +23,7 @@ pub mod motion;
 pub mod observer;
 pub mod paper;
 pub mod parameters;
+mod protocol;
 pub mod real;
 pub mod rig;
 mod rk4;
