@@ -1,7 +1,7 @@
 //! What a rig itself says of its model.
 
-use crate::bank::findings::Reason;
-use crate::effect::MAX_VALUES;
+use crate::limits::MAX_VALUES;
+use crate::reason::Reason;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
