@@ -23,6 +23,7 @@ mod look;
 mod lost;
 mod measured;
 mod monitor;
+pub mod noise;
 mod number;
 mod options;
 mod order;
