@@ -1,39 +1,28 @@
 //! The board, chosen by feature. One file each; nothing outside knows a pin, a clock or an interrupt.
 
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use embassy_time::Instant;
-use firmware::spare::Spare;
-use shared::bank::tape::Tape;
-
 #[cfg(feature = "board-feather-f405")]
 mod feather_f405;
 #[cfg(feature = "board-feather-f405")]
-pub use feather_f405::{IDENTITY, pac, start};
+pub use feather_f405::{pac, start};
 
 #[cfg(feature = "board-nucleo-f446")]
 mod nucleo_f446;
 #[cfg(feature = "board-nucleo-f446")]
-pub use nucleo_f446::{IDENTITY, pac, start};
+pub use nucleo_f446::{pac, start};
 
 #[cfg(feature = "board-qemu")]
 mod qemu;
 #[cfg(feature = "board-qemu")]
-pub use qemu::{CLOCK_HZ, IDENTITY, cycles, pac, start};
+pub use qemu::{pac, start};
 
 #[cfg(feature = "stm32")]
 mod stm32;
-#[cfg(feature = "stm32")]
-pub use stm32::{CLOCK_HZ, cycles};
 
-static TAPE: Tape = Tape::new();
-
-/// What `main` does when nothing else is to be done.
-pub static SPARE: Spare<CriticalSectionRawMutex> = Spare::new(&TAPE);
-
-/// Cycles by the clock, sleep included.
-pub fn cycles_since_start() -> u64 {
-    Instant::now().as_micros() * u64::from(CLOCK_HZ / 1_000_000)
-}
+pub mod cycles;
+mod identity;
+mod log;
+pub mod spare;
+pub mod usage;
 
 /// What must happen before anything else runs.
 pub fn before_all() {

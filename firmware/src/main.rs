@@ -6,11 +6,12 @@
 
 mod board;
 mod crash;
-mod log;
 mod stack;
-mod usage;
 
+use board::cycles::cycles_since_start;
 use board::pac::interrupt;
+use board::spare::SPARE;
+use board::usage;
 use embassy_executor::{InterruptExecutor, Spawner};
 use shared::bank::findings::Room;
 
@@ -25,7 +26,7 @@ fn main() -> ! {
     stack::prepare();
     board::lowest_priority(interrupt::CAN1_TX);
     EXECUTOR.start(interrupt::CAN1_TX).spawn(application().expect("there is one application"));
-    usage::spend(|| board::SPARE.work(ROOM, board::cycles_since_start))
+    usage::spend(|| SPARE.work(ROOM, cycles_since_start))
 }
 
 #[allow(unsafe_code, reason = "a task may only spawn others on its own executor")]

@@ -11,8 +11,10 @@ mod curve;
 mod error;
 mod guess;
 mod gyroscope;
+mod keys;
 mod quantity;
 mod read;
+mod reader;
 mod tolerance;
 mod write;
 

@@ -6,40 +6,20 @@
 
 mod bench;
 mod looks;
-mod paced;
 mod scenario;
 
-pub use paced::Paced;
 pub use scenario::Scenario;
 
-use crate::link::{LinkError, Port};
 use bench::Bench;
 use looks::Looks;
 use shared::potentiometer::FULL_SCALE_12_BIT;
 use shared::rig::{Finished, MAX_STORED, Outcome, Request, Rig, Stored};
 use shared::wire::{self, Command, Deframer, Frame, MAX_FRAME, Refusal, StoreState};
 use std::collections::VecDeque;
-use std::io;
 use std::time::Duration;
 
 /// What the simulated rig says its name is.
 const NAME: &str = "simulated-rig";
-
-/// Every run of the program sees the same noise.
-const SEED: u64 = 1;
-
-/// Opens `sim` or `sim:SCENARIO`; `name` is what messages call it.
-///
-/// # Errors
-/// No such scenario.
-pub fn open(name: &str, scenario: &str) -> Result<Box<dyn Port>, LinkError> {
-    let wanted = if scenario.is_empty() { Scenario::PLAIN } else { scenario };
-    let found = Scenario::by_name(wanted).ok_or_else(|| LinkError::NoSuchScenario {
-        name: wanted.to_owned(),
-        known: Scenario::ALL.iter().map(|scenario| scenario.name.to_owned()).collect(),
-    })?;
-    Ok(Box::new(SimulatedPort { name: name.to_owned(), rig: SimulatedRig::new(found, SEED) }))
-}
 
 /// A rig, its pendulum, and the student who lets it go.
 pub struct SimulatedRig {
@@ -175,31 +155,6 @@ impl SimulatedRig {
 fn put(output: &mut VecDeque<u8>, frame: &Frame) {
     let mut buffer = [0; MAX_FRAME];
     output.extend(wire::encode(frame, &mut buffer).expect("every frame fits the longest"));
-}
-
-/// The simulated rig as a port; its clock is the simulated one.
-struct SimulatedPort {
-    name: String,
-    rig: SimulatedRig,
-}
-
-impl Port for SimulatedPort {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
-        Ok(self.rig.read(buffer, timeout))
-    }
-
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.rig.receive(bytes);
-        Ok(())
-    }
-
-    fn elapsed(&self) -> Duration {
-        Duration::from_secs_f64(self.rig.elapsed_s())
-    }
 }
 
 #[cfg(test)]

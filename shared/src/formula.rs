@@ -8,7 +8,7 @@
 //! sliding only, like friction. Where it gives no number it counts as zero, and it never exceeds
 //! [`MOST_TIMES_GRAVITY`] times m·g·l: a law that ran away must not take the observer with it.
 
-use crate::effect::MAX_VALUES;
+use crate::limits::MAX_VALUES;
 use crate::motion::Motion;
 use crate::real::Real;
 use heapless::Vec;

@@ -11,6 +11,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod action;
 pub mod bank;
 pub mod curve;
 pub mod dual;
@@ -18,14 +19,18 @@ pub mod effect;
 pub mod filter;
 pub mod formula;
 pub mod karnopp;
+mod limits;
 pub mod model;
 pub mod motion;
 pub mod observer;
 pub mod paper;
 pub mod parameters;
+mod protocol;
 pub mod real;
+mod reason;
 pub mod rig;
 mod rk4;
+mod rules;
 pub mod score;
 pub mod sensor;
 pub mod units;

@@ -9,8 +9,8 @@
 
 pub mod bytes;
 
+use crate::protocol::{NEWEST_PROTOCOL, PROTOCOL};
 use crate::units::{Code, Radian};
-use crate::wire::{NEWEST_PROTOCOL, PROTOCOL};
 use core::fmt;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};

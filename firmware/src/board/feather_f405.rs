@@ -10,6 +10,7 @@
 //! | light | red, PC1: 2 Hz while an effect is named; faster without a crystal, and then there is no USB |
 //! | update | `Bootloader` command, then DFU over the same USB |
 
+use super::identity::NAME;
 use super::stm32::usb_endpoints::Careful;
 use super::stm32::{self, Chip, Converter, Input, Inputs, Quadrature, STORE, Sampling, Sectors, usb_recovery};
 use core::convert::Infallible;
@@ -52,12 +53,6 @@ bind_interrupts!(struct Irqs {
 });
 
 type Usb = Careful<Driver<'static, USB_OTG_FS>>;
-
-/// In the greeting.
-const NAME: &str = "feather-f405";
-
-/// By which `host update` knows an image.
-pub const IDENTITY: &str = concat!("pendulum-rig firmware ", env!("CARGO_PKG_VERSION"), " for feather-f405;");
 
 /// Brings the board up.
 pub fn start(spawner: Spawner) -> Board<Sampling, Receiver, Sender, Sectors, Chip> {

@@ -10,6 +10,7 @@
 //! | light | green, PA5: 2 Hz while an effect is named |
 //! | update | the ST-Link; the bootloader too, over USART1 or USB of the chip |
 
+use super::identity::NAME;
 use super::stm32::serial::{self, Receiver};
 use super::stm32::{self, Chip, Converter, Input, Inputs, Quadrature, STORE, Sampling, Sectors};
 use embassy_executor::Spawner;
@@ -36,12 +37,6 @@ bind_interrupts!(struct Irqs {
 });
 
 type Sender = UartTx<'static, mode::Async>;
-
-/// In the greeting.
-const NAME: &str = "nucleo-f446";
-
-/// By which `host update` knows an image.
-pub const IDENTITY: &str = concat!("pendulum-rig firmware ", env!("CARGO_PKG_VERSION"), " for nucleo-f446;");
 
 /// Brings the board up.
 pub fn start(_: Spawner) -> Board<Sampling, Receiver, Sender, Sectors, Chip> {

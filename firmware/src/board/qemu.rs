@@ -10,14 +10,16 @@
 
 mod plant;
 mod ram_flash;
-mod systick;
+pub mod systick;
 mod usart;
 
-use crate::{board, crash, log, stack, usage};
+use super::identity::NAME;
+use super::{log, spare, usage};
+use crate::{crash, stack};
 use defmt_semihosting as _;
 use embassy_executor::Spawner;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use embassy_time::{Instant, Timer};
+use embassy_time::Timer;
 use firmware::ports::{Board, System};
 use firmware::spare::Spare;
 use plant::Plant;
@@ -28,21 +30,6 @@ use usart::{Receiver, Sender};
 
 /// Its serial port knows no rate.
 const MOST_POINTS_PER_S: f32 = 10_000.0;
-
-/// Of the processor.
-pub const CLOCK_HZ: u32 = systick::CLOCK_HZ;
-
-/// Cycles of the processor, from its SysTick: QEMU's cycle counter stands still.
-pub fn cycles() -> u32 {
-    const CYCLES_PER_US: u64 = CLOCK_HZ as u64 / 1_000_000;
-    (Instant::now().as_micros() * CYCLES_PER_US) as u32
-}
-
-/// In the greeting.
-const NAME: &str = "qemu";
-
-/// By which `host update` knows an image.
-pub const IDENTITY: &str = concat!("pendulum-rig firmware ", env!("CARGO_PKG_VERSION"), " for qemu;");
 
 /// Brings the machine up.
 pub fn start(_: Spawner) -> Board<Plant, Receiver, Sender, RamFlash, Machine> {
@@ -84,11 +71,11 @@ impl System for Machine {
     }
 
     fn chip(&self) -> Chip {
-        Chip { clock_hz: CLOCK_HZ, ..Chip::default() }
+        Chip { clock_hz: systick::CLOCK_HZ, ..Chip::default() }
     }
 
     fn cycles() -> u32 {
-        cycles()
+        systick::cycles()
     }
 
     fn can_save(&self) -> bool {
@@ -98,7 +85,7 @@ impl System for Machine {
     fn feed_watchdog(&mut self) {}
 
     fn spare(&self) -> &Spare<CriticalSectionRawMutex> {
-        &board::SPARE
+        &spare::SPARE
     }
 
     fn light(&mut self, _: bool) {}

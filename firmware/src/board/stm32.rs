@@ -1,7 +1,7 @@
 //! What both STM32F4 boards have in common: clocks, sensors' inputs, flash, watchdog, restarts.
 
 mod bootloader;
-mod clock;
+pub mod clock;
 mod converter;
 mod quadrature;
 mod ring;
@@ -19,13 +19,14 @@ mod watchdog;
 
 #[cfg(feature = "board-feather-f405")]
 pub use clock::source as clock_source;
-pub use clock::{CLOCK_HZ, clocks, cycles, start as start_clock};
+pub use clock::{CLOCK_HZ, clocks, start as start_clock};
 pub use converter::{Converter, Input};
 pub use quadrature::Quadrature;
 pub use sampling::{Inputs, Sampling};
 pub use sectors::{STORE, Sectors};
 
-use crate::{board, crash, log, stack, usage};
+use super::{log, spare, usage};
+use crate::{crash, stack};
 use core::fmt::Write;
 use defmt_rtt as _;
 use embassy_stm32::Peri;
@@ -99,7 +100,7 @@ impl System for Chip {
     }
 
     fn cycles() -> u32 {
-        cycles()
+        clock::cycles()
     }
 
     fn can_save(&self) -> bool {
@@ -111,7 +112,7 @@ impl System for Chip {
     }
 
     fn spare(&self) -> &Spare<CriticalSectionRawMutex> {
-        &board::SPARE
+        &spare::SPARE
     }
 
     fn light(&mut self, is_on: bool) {

@@ -13,7 +13,6 @@ pub mod geometry;
 pub mod improve;
 pub mod lanes;
 pub mod look;
-pub mod noise;
 pub mod number;
 pub mod pace;
 pub mod paper;
@@ -27,3 +26,5 @@ pub mod swing;
 pub mod trajectory;
 pub mod verdict;
 pub mod zero_phase;
+
+pub use recording::noise;

@@ -9,6 +9,7 @@
 mod angle;
 pub mod check;
 mod choose;
+mod chosen;
 mod circle;
 mod clock;
 mod columns;
@@ -22,6 +23,7 @@ mod look;
 mod lost;
 mod measured;
 mod monitor;
+pub mod noise;
 mod number;
 mod options;
 mod order;

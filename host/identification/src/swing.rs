@@ -2,8 +2,8 @@
 
 mod step;
 
-use crate::noise::rms_about_line;
 use crate::pace;
+use crate::recording::noise::rms_about_line;
 use crate::recording::plausible::Swings;
 use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
 use crate::recording::turning::half_swing_s;

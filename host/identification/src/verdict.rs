@@ -23,9 +23,9 @@ pub enum Left {
 /// matter of theirs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thresholds {
-    /// Relative error of the noise's variance, as the estimate from differences has it (`noise.rs`: 2 % of the rms at
-    /// worst, usually below 1.5 %). Half of it: simulated rigs without anything missing are searched in vain. Twice:
-    /// weak effects are left in peace.
+    /// Relative error of the noise's variance, as the estimate from differences has it (`recording/noise.rs`: 2 % of the
+    /// rms at worst, usually below 1.5 %). Half of it: simulated rigs without anything missing are searched in vain.
+    /// Twice: weak effects are left in peace.
     pub noise_known: f64,
     /// Standard errors of chance that are allowed besides.
     pub chance_stds: f64,

@@ -1,6 +1,7 @@
-//! Text → model file, with line and key in every message.
+//! Text → model file.
 
-use super::tolerance::PRIOR_KEY;
+use super::keys::{FORMULA_KEY, MEASURED_KEYS, PENDULUM_KEYS, SENSOR_KEYS, TOP_KEYS, VALUE_KEYS};
+use super::reader::{Reader, Result, joined};
 use super::{FORMAT_VERSION, Knowledge, Quantity, RigFile, RigFileError, Source, curve};
 use crate::formula::{self, FormulaError, effect_of};
 use crate::recording::Measured;
@@ -9,19 +10,7 @@ use shared::effect::{CURVE_ID, CURVE_NAME, CUSTOM_FORMULA_NAME, Effect};
 use shared::motion::Pendulum;
 use shared::parameters::{ParameterError, Parameters};
 use shared::sensor::{Calibration, Number, Potentiometer, Sensor};
-use std::ops::Range;
 use toml_edit::{Document, Item, TableLike};
-
-pub(super) type Result<T> = std::result::Result<T, RigFileError>;
-
-const TOP_KEYS: [&str; 5] = ["format", "pendulum", "sensor", "effect", "notes"];
-const PENDULUM_KEYS: [&str; 5] = ["mass", "length", "inertia", "gravity", "normalised"];
-/// Beside the numbers of the sensor.
-const SENSOR_KEYS: [&str; 2] = ["measured", "kind"];
-const FORMULA_KEY: &str = "formula";
-const VALUE_KEYS: [&str; 5] = ["value", "std", "method", "recordings", "measured"];
-/// Of mass, length and inertia.
-const MEASURED_KEYS: [&str; 6] = ["value", "std", "method", "recordings", "measured", PRIOR_KEY];
 
 pub(super) fn parse(file: &str, text: &str) -> Result<RigFile> {
     let reader = Reader { file, text };
@@ -49,11 +38,6 @@ pub(super) fn parse(file: &str, text: &str) -> Result<RigFile> {
     Ok(RigFile { document: document.into_mut(), parameters, knowledge, tolerances, sensor, measured, normalised })
 }
 
-pub(super) struct Reader<'a> {
-    file: &'a str,
-    text: &'a str,
-}
-
 impl Reader<'_> {
     fn check_format(&self, top: &dyn TableLike) -> Result<()> {
         let Some(item) = top.get("format") else {
@@ -65,17 +49,6 @@ impl Reader<'_> {
             }
             Some(version) if version > 0 => Ok(()),
             _ => Err(self.bad(item.span(), "format", format!("expected {FORMAT_VERSION}"))),
-        }
-    }
-
-    /// A key that means nothing is a typing error more often than not.
-    pub(super) fn check_keys(&self, table: &str, keys: &dyn TableLike, known: &[&str]) -> Result<()> {
-        match keys.iter().find(|(key, _)| !known.contains(key)) {
-            None => Ok(()),
-            Some((key, item)) => {
-                let span = keys.key(key).and_then(toml_edit::Key::span).or(item.span());
-                Err(self.bad(span, &joined(table, key), format!("unknown; known are {}", known.join(", "))))
-            }
         }
     }
 
@@ -257,49 +230,4 @@ impl Reader<'_> {
         let value = quantity.get(parameters).unwrap_or(f64::NAN);
         Err(self.bad(span, &joined(&name, quantity.key()), format!("{value} cannot be used: {error}")))
     }
-
-    pub(super) fn number(&self, item: &Item, name: &str) -> Result<f64> {
-        let value = item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64));
-        match value.filter(|value| value.is_finite()) {
-            Some(value) => Ok(value),
-            None => Err(self.bad(item.span(), name, format!("{} is not a finite number", item.to_string().trim()))),
-        }
-    }
-
-    fn flag(&self, table: &dyn TableLike, table_name: &str, key: &str) -> Result<bool> {
-        let Some(item) = table.get(key) else { return Ok(false) };
-        item.as_bool().ok_or_else(|| self.bad(item.span(), &joined(table_name, key), "expected true or false".into()))
-    }
-
-    fn table<'t>(&self, parent: &'t dyn TableLike, parent_name: &str, key: &str) -> Result<&'t dyn TableLike> {
-        let name = joined(parent_name, key);
-        let item = parent.get(key).ok_or_else(|| self.missing(&format!("[{name}]"), format!("a table [{name}]")))?;
-        self.as_table(item, &name)
-    }
-
-    pub(super) fn as_table<'t>(&self, item: &'t Item, name: &str) -> Result<&'t dyn TableLike> {
-        item.as_table_like().ok_or_else(|| self.bad(item.span(), name, format!("expected a table [{name}]")))
-    }
-
-    pub(super) fn bad(&self, span: Option<Range<usize>>, key: &str, problem: String) -> RigFileError {
-        RigFileError::Key { file: self.file.to_owned(), line: self.line(span), key: key.to_owned(), problem }
-    }
-
-    pub(super) fn missing(&self, key: &str, expected: String) -> RigFileError {
-        RigFileError::Missing { file: self.file.to_owned(), key: key.to_owned(), expected }
-    }
-
-    fn syntax(&self, error: &toml_edit::TomlError) -> RigFileError {
-        let line = self.line(error.span());
-        RigFileError::Syntax { file: self.file.to_owned(), line, problem: error.message().to_owned() }
-    }
-
-    fn line(&self, span: Option<Range<usize>>) -> usize {
-        let start = span.map_or(0, |span| span.start.min(self.text.len()));
-        1 + self.text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count()
-    }
-}
-
-pub(super) fn joined(table: &str, key: &str) -> String {
-    if table.is_empty() { key.to_owned() } else { format!("{table}.{key}") }
 }

@@ -4,15 +4,12 @@
 //! for another length, a fit writes that one with the method, and what was measured stays beside it as `prior`, so that
 //! the next fit does not count the same swings twice.
 
-use super::read::{Reader, Result, joined};
+use super::keys::{PRIOR_KEY, PRIOR_KEYS};
+use super::reader::{Reader, Result, joined};
 use super::{Knowledge, Quantity, RigFile, RigFileError, USUAL_NAME, write};
 use crate::fit::tolerance::{Known, Tolerances};
 use shared::motion::Pendulum;
 use toml_edit::{Item, TableLike};
-
-/// What was measured before any swing.
-pub(super) const PRIOR_KEY: &str = "prior";
-const PRIOR_KEYS: [&str; 2] = ["value", "std"];
 
 /// A fit's value of a number with a tolerance has digits down to this share of where its ± would end them: the period
 /// tells all of them together far better than each alone.

@@ -1,6 +1,6 @@
 //! Model file → text: the first version with its comments, and updates that leave a person's own comments alone.
 
-use super::tolerance::PRIOR_KEY;
+use super::keys::PRIOR_KEY;
 use super::{FORMAT_VERSION, Knowledge, Quantity};
 use crate::fit::tolerance::Known;
 use crate::formula::effect_of;

@@ -5,6 +5,8 @@
 //! named if a gain like its own is rarer by chance than the error that the look may spend, over all effects it was
 //! picked from. One window alone names nothing, because F asks all clusters.
 
+pub use crate::reason::Reason;
+
 use super::chance::upper_tail;
 use super::clusters::Clusters;
 use super::column::{Candidate, Columns, MAX_JUDGED, N_BASE, N_STARTS, Strengths};
@@ -15,7 +17,6 @@ use crate::effect::{Effect, MAX_VALUES};
 use crate::parameters::{Parameters, base};
 use crate::real::Real;
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
 
 /// How many suspects are told.
 pub const MAX_SUSPECTS: usize = MAX_JUDGED;
@@ -64,23 +65,6 @@ pub struct Suspect<R: 'static> {
     rank: R,
     /// Can't be told from the first one.
     pub is_tied: bool,
-}
-
-/// Why nothing is named.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Reason {
-    /// The swings give too few windows yet.
-    TooFewSwings,
-    /// No friction and inertia make the model follow these swings.
-    NotThisPendulum,
-    /// What is wrong are the model's own numbers: with others it follows to the noise.
-    WrongNumbers,
-    /// Friction about rest differs from the model's, and may look like other effects.
-    FrictionAboutRest,
-    /// More than noise is left, but nothing in the list explains it on every part of the swings.
-    Unexplained,
-    /// The model follows to the noise.
-    NothingMissing,
 }
 
 /// What a look found.

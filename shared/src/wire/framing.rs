@@ -1,6 +1,6 @@
 //! Frames on the wire: a message and its check sum, stuffed so that a zero byte only ends them.
 
-use super::{ForRig, Frame};
+use super::frame::{ForRig, Frame};
 use heapless::Vec;
 use serde::Deserialize;
 

@@ -1,5 +1,7 @@
 use super::*;
+use crate::effect::Effect;
 use crate::parameters::Parameters;
+use heapless::{String, Vec};
 
 fn full_parameters() -> Parameters<f32> {
     let mut p = Parameters::paper().map(|v| v as f32);

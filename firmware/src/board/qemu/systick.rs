@@ -6,6 +6,7 @@ use core::task::Waker;
 use cortex_m::peripheral::{SCB, SYST, syst::SystClkSource};
 use cortex_m_rt::exception;
 use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
+use embassy_time::Instant;
 use embassy_time_driver::Driver;
 use embassy_time_queue_utils::Queue;
 
@@ -40,6 +41,11 @@ pub fn start() {
     systick.clear_current();
     systick.enable_counter();
     systick.enable_interrupt();
+}
+
+/// Cycles of the processor, from its SysTick: QEMU's cycle counter stands still.
+pub fn cycles() -> u32 {
+    (Instant::now().as_micros() * u64::from(CYCLES_PER_US)) as u32
 }
 
 impl Driver for SysTickDriver {

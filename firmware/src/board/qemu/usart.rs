@@ -2,12 +2,12 @@
 //! which makes QEMU hold the rest back.
 #![allow(unsafe_code, reason = "interrupts are unmasked when their handler has what it needs")]
 
-use super::pac::{self, Interrupt, interrupt, usart::Usart};
 use core::convert::Infallible;
 use cortex_m::peripheral::NVIC;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
 use embedded_io_async::{ErrorType, Read, Write};
+use stm32_metapac::{self as pac, Interrupt, interrupt, usart::Usart};
 
 /// More than the longest frame, and four times what the plant sends ahead.
 const PIPE: usize = 512;

@@ -1,8 +1,8 @@
 //! A swing to be judged, with what its recording tells beside it: noise of its still stretches, what was cut, and what
 //! is not there.
 
-use crate::noise;
 use crate::recording::Recording;
+use crate::recording::noise;
 use crate::recording::segment::{SegmentOptions, Segments};
 use crate::swing::{Swing, SwingError};
 use serde::Serialize;

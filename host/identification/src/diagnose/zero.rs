@@ -13,8 +13,8 @@ use crate::fit::fitted::Fitted;
 use crate::fit::linear::Steps;
 use crate::fit::problem::{PER_SWING, Problem};
 use crate::fit::refine::Band;
-use crate::noise::smallest_step;
 use crate::recording::Measured;
+use crate::recording::noise::smallest_step;
 use crate::swing::{Swing, Window};
 use shared::effect::Effect;
 

@@ -2,9 +2,11 @@
 
 mod names;
 mod rivals;
+mod standing;
 mod time;
 
 use super::angle::Angles;
+use super::chosen::{ReadingSource, Sources, TimeSource};
 use super::circle::{Circle, is_arc};
 use super::clock;
 use super::columns::Columns;
@@ -21,69 +23,12 @@ use super::told::Told;
 use super::units::{AngleUnit, RateUnit};
 use super::words::{self, Meaning, is_of_sine, is_size, meaning};
 use names::{all_best, ambiguous, bare_axes, example, find, no_angle, note_rivals, the_one};
+use standing::unnamed_time;
 use std::f64::consts::{FRAC_PI_2, PI};
-pub(super) use time::TimeSource;
-use time::{as_time, choose_time, plotted_axes, unit_in_cell, unnamed_time};
+use time::{as_time, choose_time, plotted_axes, unit_in_cell};
 
 /// What goes round is no point that swings, wherever it lies.
 const NO_CIRCLE: Fault = Fault::NoCircle { off_percent: 100.0 };
-
-/// Where each quantity comes from.
-pub(super) struct Sources {
-    pub(super) time: TimeSource,
-    pub(super) reading: ReadingSource,
-    pub(super) code: Option<usize>,
-    /// What could be told if the column of the readings turns out to be a wrong one.
-    otherwise: String,
-}
-
-/// Where what was measured comes from.
-#[derive(Debug)]
-pub(super) enum ReadingSource {
-    /// Angles.
-    Angle {
-        idx: usize,
-        unit: Option<AngleUnit>,
-    },
-    /// One of several columns with names alike, which only all of their rows can tell.
-    Rivals {
-        columns: Vec<usize>,
-    },
-    /// Angular velocities; of several axes the one that moves most counts.
-    Rates {
-        columns: Vec<usize>,
-        unit: Option<RateUnit>,
-    },
-    /// Of a point on the pendulum. Where neither the user nor the names say so (`is_guess`), x is an angle if they lie on
-    /// no circle after all.
-    Point {
-        x: usize,
-        y: usize,
-        is_guess: bool,
-    },
-    Codes,
-}
-
-impl ReadingSource {
-    /// The columns whose numbers are needed.
-    pub(super) fn columns(&self) -> Vec<usize> {
-        match self {
-            Self::Angle { idx, .. } => vec![*idx],
-            Self::Rates { columns, .. } | Self::Rivals { columns } => columns.clone(),
-            Self::Point { x, y, .. } => vec![*x, *y],
-            Self::Codes => Vec::new(),
-        }
-    }
-
-    /// The column before which its own time is looked for.
-    fn first_idx(&self) -> Option<usize> {
-        match self {
-            Self::Angle { idx, .. } => Some(*idx),
-            Self::Rates { columns, .. } | Self::Rivals { columns } => columns.first().copied(),
-            Self::Point { .. } | Self::Codes => None,
-        }
-    }
-}
 
 impl Sources {
     /// Chooses the columns of a table; what is assumed is noted.
@@ -134,26 +79,6 @@ impl Sources {
         log::debug!("columns: time from {time:?}, readings from {reading:?}, code from {code:?}");
         let otherwise = example(table, "angle", &[], reading.columns().first().copied());
         Ok(Self { time, reading, code, otherwise })
-    }
-
-    /// What the readings are.
-    pub(super) fn measured(&self) -> Measured {
-        match self.reading {
-            ReadingSource::Rates { .. } => Measured::Rate,
-            _ => Measured::Angle,
-        }
-    }
-
-    /// Stands a word in the row where the time would be, as in a summary below a table?
-    pub(super) fn has_words_as_time(&self, table: &Table) -> bool {
-        let fields = table.fields();
-        let field = self.time.column().and_then(|idx| fields.get(idx));
-        field.is_some_and(|field| field.starts_with(char::is_alphabetic) && Numerals::new().read(field) == Cell::Text)
-    }
-
-    /// Do rows that are left out leave their time behind?
-    pub(super) fn counts_rows(&self) -> bool {
-        matches!(self.time, TimeSource::Rate(_))
     }
 
     /// Angles (rad) or rates (rad/s) from the numbers that were read.
@@ -225,11 +150,6 @@ impl Sources {
                 Rates { times_s, is_ours, options, names, told, notes }.of_columns(&samples.readings, *unit)
             }
         }
-    }
-
-    /// The columns, for messages.
-    pub(super) fn told(&self) -> Told {
-        Told { time: self.time.column(), reading: self.reading.columns().first().copied().unwrap_or_default() }
     }
 
     /// What tells of one of these columns that it is an angular velocity.

@@ -6,8 +6,8 @@
 //! the middle find the places, and the number of samples is the one that leaves the least of the step.
 
 use super::median_step_s;
+use super::noise;
 use super::turning;
-use crate::noise;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 

@@ -7,9 +7,9 @@
 
 use super::error::Fault;
 use super::median;
+use super::noise;
 use super::told::Told;
 use super::turning::{self, TurningPoint};
-use crate::noise;
 use std::f64::consts::{PI, TAU};
 
 /// Nobody swings a pendulum of less than 2.5 mm …

@@ -9,7 +9,7 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::Recording;
-use super::choose::Sources;
+use super::chosen::Sources;
 use super::error::{Fault, ReadError};
 use super::grid;
 use super::header::{Header, HeaderReader};

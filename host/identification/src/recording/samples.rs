@@ -1,6 +1,6 @@
 //! The rows of a table, one after the other: numbers of the chosen columns, gaps, what was cut off.
 
-use super::choose::{Sources, TimeSource};
+use super::chosen::{Sources, TimeSource};
 use super::clock;
 use super::error::{Fault, check_step};
 use super::grid;

@@ -14,8 +14,8 @@ mod start;
 mod stretch;
 
 use super::Recording;
+use super::noise::{self, Noise};
 use super::turning::{self, TurningPoint};
-use crate::noise::{self, Noise};
 use law::{Law, State, states};
 use start::Start;
 use std::ops::Range;

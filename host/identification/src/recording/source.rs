@@ -6,6 +6,7 @@
 
 use super::error::Fault;
 use super::foreign;
+use super::limits::MOST_BYTES_WHOLE;
 use std::io::{self, BufRead, Cursor, Read};
 
 /// So much of a file is looked at to tell what it is.
@@ -16,9 +17,6 @@ const LONGEST_LINE: u64 = 1 << 20;
 
 /// A text file is read up to here: ten hours at 1 kHz have 1 GB.
 const MOST_BYTES: u64 = 4 << 30;
-
-/// What must be in memory as a whole (archives, MATLAB files, UTF-16) has at most so many bytes.
-pub(super) const MOST_BYTES_WHOLE: u64 = 256 << 20;
 
 /// Lines of a file.
 pub(super) struct Lines<'a> {

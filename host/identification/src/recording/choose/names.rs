@@ -7,8 +7,7 @@ use super::super::words::{
     Meaning, is_acceleration, is_duration, is_of_carrier, is_of_pendulum, is_quaternion, is_raw, meaning,
     says_nothing_else,
 };
-use super::time::rises_evenly;
-use super::unnamed_time;
+use super::standing::{rises_evenly, unnamed_time};
 
 /// So many examples are shown of what could be told.
 const SHOWN: usize = 3;

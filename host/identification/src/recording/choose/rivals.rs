@@ -1,13 +1,14 @@
 //! Of several columns that could be the angle, the one that their readings tell: the only one that moves, or the liveliest
 //! of the three angles of an orientation. Names can't tell that, and the first rows may be those of a pendulum at rest.
 
+use super::super::chosen::{ReadingSource, Sources};
 use super::super::error::Fault;
 use super::super::options::ReadOptions;
 use super::super::samples::Samples;
 use super::super::table::Table;
 use super::super::words::is_turn_of_body;
+use super::angle_unit_of;
 use super::names::{ambiguous, listed};
-use super::{ReadingSource, Sources, angle_unit_of};
 
 /// A step of more than this share of all that a column covers is an angle that wraps around: by a whole turn, and it
 /// covers no more than that. A pendulum moves so far in half a period, which has more samples than two.

@@ -1,13 +1,14 @@
 //! Which column is the time, or what tells it; and in what unit it counts.
 
+use super::super::chosen::TimeSource;
 use super::super::clock;
 use super::super::columns::Columns;
 use super::super::error::Fault;
 use super::super::header::Header;
 use super::super::limits::{LONGEST_STEP_S, MIN_SAMPLES};
+use super::super::median_step_s;
 use super::super::number;
 use super::super::options::ReadOptions;
-use super::super::order;
 use super::super::plausible::{LONGEST_PERIOD_S, SHORTEST_PERIOD_S, Swings};
 use super::super::samples::Samples;
 use super::super::table::Table;
@@ -15,48 +16,13 @@ use super::super::ticks;
 use super::super::told::Told;
 use super::super::units::TimeUnit;
 use super::super::words::{self, Meaning, meaning};
-use super::super::{median, median_step_s};
-use super::names::{all_best, ambiguous};
-use super::{find, the_one};
+use super::names::{all_best, ambiguous, find, the_one};
+use super::standing::{rises_evenly, unnamed_time};
 
 /// Times of unstated unit beyond this many seconds count from 1970, in the unit that puts them within a century of it.
 const EPOCH_BEGINS_S: f64 = 1e8;
 
-/// Where time comes from.
-#[derive(Debug)]
-pub(in crate::recording) enum TimeSource {
-    Column {
-        idx: usize,
-        unit: Option<TimeUnit>,
-    },
-    /// Clock times, with or without a date.
-    Clock {
-        idx: usize,
-    },
-    /// Numbers of frames or samples, some of which may be missing, at so many a second.
-    Counter {
-        idx: usize,
-        rate_hz: f64,
-    },
-    Rate(f64),
-}
-
 impl TimeSource {
-    pub(super) fn column(&self) -> Option<usize> {
-        match self {
-            Self::Column { idx, .. } | Self::Clock { idx } | Self::Counter { idx, .. } => Some(*idx),
-            Self::Rate(_) => None,
-        }
-    }
-
-    /// Seconds of one unit as far as it is known while rows are read.
-    pub(in crate::recording) fn scale(&self) -> f64 {
-        match self {
-            Self::Column { unit, .. } => unit.unwrap_or(TimeUnit::Seconds).seconds(),
-            _ => 1.0,
-        }
-    }
-
     /// Times in s from the numbers that were read.
     pub(in crate::recording) fn times_s(
         &self,
@@ -216,55 +182,6 @@ pub(super) fn plotted_axes(table: &Table, asked: &Columns) -> Option<(usize, usi
     let axes = the_one(table, Meaning::X).zip(the_one(table, Meaning::Y))?;
     let x = table.first_numbers(axes.0);
     (x.len() > MIN_SAMPLES && (rises_evenly(&x) || ticks::is_even(&x) || ticks::is_straight(&x))).then_some(axes)
-}
-
-/// The column of time where none has a name: the first one, unless another one is more of a clock.
-pub(super) fn unnamed_time(table: &Table) -> usize {
-    let standing = |idx: usize| Standing::of(&table.first_numbers(idx));
-    let best = standing(0);
-    // Of equals the first.
-    (1..table.n_columns).map(|idx| (idx, standing(idx))).fold((0, best), |a, b| if b.1 > a.1 { b } else { a }).0
-}
-
-/// How much a column looks like a clock in the first rows.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-enum Standing {
-    /// It goes back, or never moves.
-    No,
-    /// By even steps, but for a row or so that is out of order.
-    RisesButForStrays,
-    /// A coarse clock, or an angle that begins to move.
-    NeverFalls,
-    /// By steps that are even for the most part, as those of a swing are not.
-    RisesEvenly,
-}
-
-impl Standing {
-    fn of(numbers: &[f64]) -> Self {
-        let never_falls = numbers.windows(2).all(|pair| pair[1] >= pair[0]) && numbers.last() > numbers.first();
-        match never_falls {
-            _ if numbers.len() < MIN_SAMPLES => Self::No,
-            true if rises_evenly(numbers) => Self::RisesEvenly,
-            true => Self::NeverFalls,
-            false if rises_evenly(&without_strays(numbers)) => Self::RisesButForStrays,
-            false => Self::No,
-        }
-    }
-}
-
-/// The numbers without those that are out of order where the others go on; all of them where that are more than a few.
-fn without_strays(numbers: &[f64]) -> Vec<f64> {
-    let Some(kept) = order::kept(numbers, |_| false) else { return numbers.to_vec() };
-    numbers.iter().zip(kept).filter(|(_, kept)| *kept).map(|(number, _)| *number).collect()
-}
-
-/// Nine of ten steps are about as long as the typical one, and none is none.
-pub(super) fn rises_evenly(numbers: &[f64]) -> bool {
-    let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let typical = median(&mut steps.clone());
-    let is_even = |step: &f64| (0.5 * typical..=1.5 * typical).contains(step);
-    let n_even = steps.iter().filter(|step| is_even(step)).count();
-    steps.iter().all(|step| *step > 0.0) && 10 * n_even > 9 * steps.len()
 }
 
 /// What stands behind the number in the first row: `57.3 deg`.

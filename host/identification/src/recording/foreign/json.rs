@@ -1,7 +1,7 @@
 //! JSON: an object a line (`{"t": 0.01, "theta": 0.5}`), an array of such objects or of arrays (`[[0.01, 0.5], …]`), or one
 //! object of arrays, however deep it lies.
 
-use super::{refused, text_of};
+use super::as_text::{refused, text_of};
 use crate::recording::clock::{self, Moment};
 use crate::recording::error::Fault;
 use serde_json::{Map, Value};

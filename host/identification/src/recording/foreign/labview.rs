@@ -3,7 +3,7 @@
 //! `Separator`, `Decimal_Separator` and `X_Columns` (No, One, Multi) say how to read the rows; without X columns X0 and
 //! Delta_X of the segment do. After the specification of LabVIEW measurement files, versions 1 and 2.
 
-use super::refused;
+use super::as_text::refused;
 use crate::recording::error::Fault;
 
 const END: &str = "***End_of_Header***";

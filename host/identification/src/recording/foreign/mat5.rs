@@ -4,7 +4,7 @@
 //! read such files read no structures (matfile), or not those that SciPy writes (matrw), and all of them panic on damaged
 //! ones. Nothing panics here, and no more is unpacked than fits into memory.
 
-use super::super::source::MOST_BYTES_WHOLE;
+use crate::recording::limits::MOST_BYTES_WHOLE;
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 

@@ -4,8 +4,9 @@
 //! Of structures the fields count, and of those that Simulink logs (`Structure With Time`) each signal's values, under
 //! its label, or else under the name of the variable.
 
+use super::as_text::{refused, text_of};
 use super::mat5::{Problem, Variable};
-use super::{mat4, mat5, refused, text_of};
+use super::{mat4, mat5};
 use crate::recording::error::Fault;
 use crate::recording::limits::MIN_SAMPLES;
 

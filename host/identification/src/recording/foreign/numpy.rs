@@ -1,7 +1,7 @@
 //! Arrays of NumPy: what `numpy.save` writes (.npy), and in an archive what `numpy.savez` does (.npz), after the format's
 //! versions 1 to 3. A vector is a column; of a matrix the shorter side counts the columns, as in MATLAB files.
 
-use super::{refused, text_of};
+use super::as_text::{refused, text_of};
 use crate::recording::error::Fault;
 
 const MAGIC: &[u8] = b"\x93NUMPY";

@@ -4,8 +4,8 @@
 //! phyphox exports a sheet of readings beside some of what the phone is. Nothing is calculated: a cell with a formula has
 //! the value that the program left there.
 
-use super::refused;
-use super::zipped::{only_one, unpacked};
+use super::archive::{only_one, unpacked};
+use super::as_text::refused;
 use crate::recording::error::Fault;
 use crate::recording::limits::MIN_SAMPLES;
 use std::io::Cursor;

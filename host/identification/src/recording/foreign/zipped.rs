@@ -2,11 +2,12 @@
 //! a table for each sensor of a phone that of the gyroscope is read, because no other one can be fitted. Workbooks are
 //! archives, and so are several arrays of NumPy in one file.
 
-use super::{Kind, numpy, refused, text_of, workbook};
+use super::archive::{bytes_of, only_one, stem, unreadable};
+use super::as_text::{refused, text_of};
+use super::kind::Kind;
+use super::{numpy, workbook};
 use crate::recording::error::Fault;
-use crate::recording::source::MOST_BYTES_WHOLE;
-use crate::recording::words::is_gyroscope;
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use zip::ZipArchive;
 
 /// The table, and what it is called in the archive.
@@ -48,22 +49,6 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, S
     Ok((text, stem(name).to_owned()))
 }
 
-fn unreadable(error: zip::result::ZipError) -> Fault {
-    refused("zip archive", &format!("it can't be unpacked ({error})"))
-}
-
-/// A file of the archive.
-fn bytes_of(archive: &mut ZipArchive<Cursor<&[u8]>>, name: &str) -> Result<Vec<u8>, Fault> {
-    let mut bytes = Vec::new();
-    archive.by_name(name).map_err(unreadable)?.take(MOST_BYTES_WHOLE).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 == MOST_BYTES_WHOLE { Err(Fault::TooLarge) } else { Ok(bytes) }
-}
-
-/// A file of the archive as text.
-pub(super) fn unpacked(archive: &mut ZipArchive<Cursor<&[u8]>>, name: &str) -> Result<String, Fault> {
-    Ok(String::from_utf8_lossy(&bytes_of(archive, name)?).into_owned())
-}
-
 /// Arrays by their names; the columns of a matrix are numbered.
 fn arrays(archive: &mut ZipArchive<Cursor<&[u8]>>, files: &[String]) -> Result<(Vec<u8>, String), Fault> {
     let (mut names, mut columns) = (Vec::new(), Vec::new());
@@ -77,21 +62,6 @@ fn arrays(archive: &mut ZipArchive<Cursor<&[u8]>>, files: &[String]) -> Result<(
     }
     let is_lone = files.len() == 1 && columns.len() > 1;
     Ok((text_of(if is_lone { &[] } else { &names }, &columns), String::new()))
-}
-
-/// The only table, the one that is called `Gyroscope`, or the only one of a gyroscope.
-pub(super) fn only_one<'a>(tables: &[&'a String]) -> Option<&'a String> {
-    let only = |is_it: &dyn Fn(&str) -> bool| {
-        let mut found = tables.iter().copied().filter(|name| is_it(stem(name)));
-        found.next().filter(|_| found.next().is_none())
-    };
-    only(&|_| true).or_else(|| only(&|stem| stem.eq_ignore_ascii_case("gyroscope"))).or_else(|| only(&is_gyroscope))
-}
-
-/// The name of a file without its folder and its ending.
-fn stem(name: &str) -> &str {
-    let file = name.rsplit('/').next().unwrap_or(name);
-    file.rsplit_once('.').map_or(file, |(stem, _)| stem)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::super::median;
 use super::super::turning::{ROUGH_FALL_SHARE, TurningPoint};
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
-use crate::noise::rms_about_line;
+use crate::recording::noise::rms_about_line;
 use std::f64::consts::PI;
 use std::ops::Range;
 

@@ -1,6 +1,9 @@
 //! The words of rotary pendulums: theta of the arm, alpha of the pendulum; elsewhere alpha is an acceleration.
 
-use super::{Meaning, RATE, has_derivative_sign, is_derivative, meaning, words};
+use super::derivative::{has_derivative_sign, is_derivative};
+use super::meaning::{Meaning, meaning};
+use super::split::words;
+use super::vocabulary::{RATE, SPEED};
 
 /// What stands beside theta: nothing, or `qube` of `thetaQube`.
 pub(in crate::recording) fn beside_theta(name: &str) -> Option<Vec<String>> {
@@ -39,7 +42,3 @@ pub(in crate::recording) fn is_speed(name: &str) -> bool {
     let is_one = |word: &String| SPEED.contains(&word.as_str()) || RATE.contains(&word.as_str()) || is_derivative(word);
     matches!(meaning(name), Meaning::Rate { .. }) || has_derivative_sign(name) || words.iter().any(is_one)
 }
-
-/// Words of a speed.
-pub(super) const SPEED: &[&str] =
-    &["dot", "punkt", "velocity", "vel", "velo", "speed", "v", "geschwindigkeit", "vitesse", "velocidad", "velocità"];

@@ -1,6 +1,7 @@
 //! What names say of a sensor: a gyroscope, the angles of an orientation, accelerations, a light gate.
 
-use super::{angle_unit, words};
+use super::split::words;
+use crate::recording::units::angle_unit;
 
 /// The three angles of a body that an orientation sensor gives.
 pub(super) const TURNS_OF_BODY: &[&str] =

@@ -4,7 +4,7 @@
 //! cycle counter before and after. Only the time awake is counted, in cycles, since a chip's counter may stand still
 //! while it sleeps; a flash erase, which stops the processor, counts as awake.
 
-use crate::board;
+use super::cycles::{CLOCK_HZ, cycles};
 use core::cell::Cell;
 use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
 use embassy_time::Instant;
@@ -22,7 +22,7 @@ struct Awake {
 impl Awake {
     /// Up to now; then counting goes on or stands still.
     fn counted(self, goes_on: bool) -> Self {
-        let now = board::cycles();
+        let now = cycles();
         let more = self.counts_from.map_or(0, |from| now.wrapping_sub(from));
         Self { cycles: self.cycles + u64::from(more), counts_from: goes_on.then_some(now), ..self }
     }
@@ -71,6 +71,6 @@ pub fn measure(health: &mut Health) {
         counted
     });
     let passed_us = since_us.saturating_sub(awake.since_us).max(1);
-    let awake_us = awake.cycles / u64::from(board::CLOCK_HZ / 1_000_000);
+    let awake_us = awake.cycles / u64::from(CLOCK_HZ / 1_000_000);
     health.cpu_permille = (awake_us * 1000 / passed_us).clamp(1, 1000) as u16;
 }

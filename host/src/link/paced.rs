@@ -1,6 +1,6 @@
 //! The simulated rig in the time of the wall clock, for somebody who watches it.
 
-use crate::link::Port;
+use super::port::Port;
 use std::io;
 use std::time::{Duration, Instant};
 

@@ -1,0 +1,33 @@
+//! A column name in its words.
+
+/// Lower-case words of a name, split at signs and where a small letter meets a capital; digits at the end fall off.
+pub(super) fn words(name: &str) -> Vec<String> {
+    name.split(|letter: char| !letter.is_alphanumeric() && letter != '°')
+        .flat_map(|part| if is_unit_with_prefix(part) { vec![part.to_owned()] } else { humps(part) })
+        .map(|word| word.to_lowercase().trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned())
+        .filter(|word| !word.is_empty())
+        .collect()
+}
+
+/// `timeMs` in two.
+fn humps(part: &str) -> Vec<String> {
+    let mut humps = vec![String::new()];
+    let mut before_is_small = false;
+    for letter in part.chars() {
+        if before_is_small && letter.is_uppercase() {
+            humps.push(String::new());
+        }
+        before_is_small = letter.is_lowercase();
+        if let Some(hump) = humps.last_mut() {
+            hump.push(letter);
+        }
+    }
+    humps
+}
+
+/// `µT`, `mV`, `kHz`: of a unit with a capital its prefix is no word.
+fn is_unit_with_prefix(part: &str) -> bool {
+    let mut rest = part.chars();
+    let is_prefix = rest.next().is_some_and(|letter| matches!(letter, 'n' | 'u' | 'µ' | 'μ' | 'm' | 'c' | 'h' | 'k'));
+    is_prefix && matches!(rest.as_str(), "T" | "G" | "V" | "A" | "W" | "N" | "J" | "K" | "Hz" | "Pa")
+}

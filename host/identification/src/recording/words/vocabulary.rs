@@ -1,0 +1,206 @@
+//! The words themselves, in all languages.
+
+/// Words after which a column is not the angle itself, whatever else it says.
+pub(super) const DERIVED: &[&str] = &[
+    "omega",
+    "ω",
+    "velocity",
+    "vel",
+    "velo",
+    "speed",
+    "acceleration",
+    "acc",
+    "accel",
+    "accl",
+    "alpha",
+    "α",
+    "rate",
+    "dot",
+    "target",
+    "setpoint",
+    "reference",
+    "ref",
+    "v",
+    "gyro",
+    "gyr",
+    "gyroscope",
+    "gyroskop",
+    "tacho",
+    "tachometer",
+    "rpm",
+    "derivative",
+    "error",
+    "residual",
+    "model",
+    "fit",
+    "std",
+    "sigma",
+    "noise",
+    "punkt",
+    "geschwindigkeit",
+    "winkelgeschwindigkeit",
+    "drehrate",
+    "beschleunigung",
+    "winkelbeschleunigung",
+    "drehzahl",
+    "sollwert",
+    "ableitung",
+    "vitesse",
+    "accélération",
+    "consigne",
+    "gyromètre",
+    "gyroscope",
+    "velocidad",
+    "aceleración",
+    "aceleracion",
+    "giroscopio",
+    "consigna",
+    "derivada",
+    "velocità",
+    "velocita",
+    "accelerazione",
+];
+
+/// Words of an angular velocity among them, if the unit does not say it.
+pub(super) const RATE: &[&str] = &[
+    "omega",
+    "ω",
+    "gyro",
+    "gyr",
+    "gyroscope",
+    "gyroskop",
+    "gyromètre",
+    "giroscopio",
+    "tacho",
+    "tachometer",
+    "rate",
+    "drehrate",
+    "winkelgeschwindigkeit",
+    "rpm",
+    "drehzahl",
+];
+
+pub(super) const TIME: &[&str] = &[
+    "t",
+    "time",
+    "times",
+    "timestamp",
+    "datetime",
+    "elapsed",
+    "clock",
+    "epoch",
+    "zeit",
+    "zeitpunkt",
+    "zeitstempel",
+    "uhrzeit",
+    "messzeit",
+    "temps",
+    "heure",
+    "horodatage",
+    "tiempo",
+    "hora",
+    "tempo",
+    "ora",
+    "ts",
+    "tout",
+    "tijd",
+    "tid",
+    "aika",
+    "czas",
+    "čas",
+    "idő",
+    "zaman",
+    "время",
+    "час",
+    "时间",
+    "時間",
+    "时刻",
+    "時刻",
+    "시간",
+];
+
+/// Words of a day, and of the time since the row before, which are the time where nothing else is.
+pub(super) const DATE: &[&str] = &["date", "datum", "fecha", "dt", "δt"];
+
+pub(super) const ANGLE: &[&str] = &[
+    "theta",
+    "th",
+    "tita",
+    "teta",
+    "angle",
+    "ang",
+    "position",
+    "pos",
+    "phi",
+    "θ",
+    "φ",
+    "ϑ",
+    "winkel",
+    "auslenkwinkel",
+    "pendelwinkel",
+    "drehwinkel",
+    "ángulo",
+    "angulo",
+    "angolo",
+    "ângulo",
+    "hoek",
+    "vinkel",
+    "kulma",
+    "kąt",
+    "kat",
+    "úhel",
+    "uhel",
+    "szög",
+    "açı",
+    "угол",
+    "кут",
+    "角度",
+    "각도",
+];
+pub(super) const TILT: &[&str] =
+    &["tilt", "inclination", "neigung", "neigungswinkel", "inclinaison", "inclinación", "inclinazione"];
+
+pub(super) const CODE: &[&str] = &["code", "codes", "adc"];
+
+/// Words of a point in a picture.
+pub(super) const X: &[&str] = &["x", "cx", "xc", "xpos", "posx", "xcoord"];
+pub(super) const Y: &[&str] = &["y", "cy", "yc", "ypos", "posy", "ycoord"];
+
+/// Of a sensor or a program that gives no angle, but these.
+pub(super) const SINE: &[&str] = &["sin", "sine", "sinus", "sen", "seno"];
+pub(super) const COSINE: &[&str] = &["cos", "cosine", "cosinus", "kosinus", "coseno"];
+
+/// Units that no angle and no time has.
+pub(super) const OTHER_UNITS: &[&str] = &[
+    "m", "cm", "mm", "px", "pixel", "pixels", "in", "inch", "volt", "volts", "mv", "hz", "percent", "counts", "count",
+    "ticks", "raw",
+];
+
+/// Words and units of what is neither a time nor of the pendulum, though its name may hold a `t` or an `x`.
+pub(super) const OTHER_QUANTITIES: &[&str] = &[
+    "ut",
+    "µt",
+    "μt",
+    "nt",
+    "mt",
+    "gauss",
+    "tesla",
+    "field",
+    "feld",
+    "magnetic",
+    "magnetfeld",
+    "mag",
+    "magnetometer",
+    "force",
+    "kraft",
+    "temperature",
+    "temperatur",
+    "celsius",
+    "°c",
+    "pressure",
+    "hpa",
+];
+
+/// Words of a speed.
+pub(super) const SPEED: &[&str] =
+    &["dot", "punkt", "velocity", "vel", "velo", "speed", "v", "geschwindigkeit", "vitesse", "velocidad", "velocità"];

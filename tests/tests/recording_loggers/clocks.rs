@@ -1,0 +1,153 @@
+//! Times: in whatever unit, rounded, coarse, counted, begun anew or stopped.
+
+use crate::swing::{RATE_HZ, Row, check, check_found, open, swing, table, told};
+use host::recording::ReadOptions;
+
+#[test]
+fn the_unit_of_the_time_is_the_one_in_which_a_pendulum_swings_so() {
+    for (factor, name) in [(1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds")] {
+        let text = table("", |(t, a, _)| format!("{},{a:.5}", (7.0 + factor * t).round()));
+        check_found(&text, 1e-5, name);
+    }
+    let days = |(t, a, _): Row| format!("{};{}", 46_082.5 + t / 86_400.0, a.to_degrees()).replace('.', ",");
+    check_found(&table("Datum;Winkel (°)\n", days), 1e-9, "in days");
+    // A pendulum of 17 s, a sample a second: in no other unit would that be one.
+    let slow = swing(RATE_HZ, 20).into_iter().step_by(6).enumerate().map(|(idx, (_, a, _))| format!("{idx},{a:.5}\n"));
+    let slow = open(slow.collect::<String>().as_bytes(), &ReadOptions::default()).unwrap();
+    assert!(slow.notes().join("; ").contains("in seconds") && slow.step_s() == 1.0, "{:?}", slow.notes());
+    // Time since the start-up of a microcontroller is no year, however many microseconds have gone by.
+    let long_on = table("", |(t, a, _)| format!("{},{a:.5}", (9e8 + 1e6 * t).round()));
+    check_found(&long_on, 1e-5, "microseconds");
+}
+
+#[test]
+fn counters_that_begin_anew_go_on() {
+    let wrapped = |bits: u32| {
+        move |(t, a, _): Row| {
+            let range = 1_i64 << bits;
+            format!("{},{a:.5}", (range - 4000 + (1e3 * t).round() as i64) % range)
+        }
+    };
+    check_found(&table("ms,rad\n", wrapped(16)), 1e-5, "counts of 16 bits that begin anew 1 times");
+    check_found(&table("ms,rad\n", wrapped(32)), 1e-5, "counts of 32 bits");
+    let signed =
+        |(t, a, _): Row| format!("{},{a:.5}", ((28_000 + (1e3 * t).round() as i64 + 32_768) % 65_536) - 32_768);
+    check_found(&table("ms,rad\n", signed), 1e-5, "16 bits");
+    // An encoder about the zero of its counter, and one of 12 bits about its own zero.
+    let counts = |range: i64| {
+        move |(t, a, _): Row| format!("{t},{}", ((a * 8192.0 / std::f64::consts::TAU).round() as i64).rem_euclid(range))
+    };
+    let half_a_count = 4e-4;
+    check(&table("t,counts\n", counts(65_536)), &told("theta=counts:8192/turn"), half_a_count, "begin anew");
+    check(&table("t,counts\n", counts(8192)), &told("theta=counts:8192/turn"), half_a_count, "wraps around");
+}
+
+#[test]
+fn a_clock_coarser_than_the_samples_is_spread_and_a_stopped_one_refused() {
+    let seconds = table("time,angle\n", |(t, a, _)| format!("12:00:{:02},{a:.5}", t as u32));
+    check_found(&seconds, 1e-5, "coarser than the samples");
+    let fast: Vec<Row> = swing(3000, 8);
+    let text: String = fast.iter().map(|(t, a, _)| format!("{},{a:.5}\n", (1e3 * t) as u64)).collect();
+    let recording = open(format!("ms,rad\n{text}").as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(recording.len(), fast.len());
+    let off_s = recording.times_s().iter().zip(&fast).map(|(time_s, row)| (time_s - row.0).abs()).fold(0.0, f64::max);
+    assert!(off_s < 4e-4, "{off_s}");
+    // Two decimals are too few for 200 samples a second.
+    let fast: Vec<Row> = swing(200, 20);
+    let text: String = fast.iter().map(|(t, a, _)| format!("{t:.2},{:.5}\n", a.to_degrees())).collect();
+    let recording = open(format!("t,deg\n{text}").as_bytes(), &ReadOptions::default()).unwrap();
+    let begin_s = recording.times_s()[0];
+    let off_s = recording.times_s().iter().zip(&fast).map(|(time_s, row)| (time_s - begin_s - row.0).abs());
+    assert!(recording.len() == fast.len() && off_s.fold(0.0, f64::max) < 2e-4, "{:?}", recording.notes());
+    let stopped = table("t,theta\n", |(t, a, _)| format!("{:.2},{a:.5}", t.min(15.0)));
+    let refused = open(stopped.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("15 s stands there 500 times in a row") && refused.contains("--rate"), "{refused}");
+}
+
+/// As a spreadsheet writes them, `1.87E+01`: a tenth of a second from 10 s on, and a second from 100 s on.
+#[test]
+fn times_of_three_digits_are_even_again_with_names_and_without() {
+    let rows = swing(RATE_HZ, 130);
+    for head in ["", "x y dx dy\n", "t theta e1 e2\n"] {
+        let text: String = rows.iter().map(|(t, a, _)| format!("{:.2e}\t{a:.5}\t0.02\t0.05\n", 11.3 + t)).collect();
+        let recording = open(format!("{head}{text}").as_bytes(), &ReadOptions::default()).unwrap();
+        let begin_s = recording.times_s()[0];
+        let off_s = recording.times_s().iter().zip(&rows).map(|(time_s, row)| (time_s - begin_s - row.0).abs());
+        // Which way a five is rounded, of the ten rows of a tick, is worth half a row.
+        assert!(recording.len() == rows.len() && off_s.fold(0.0, f64::max) < 1e-2, "{:?}", recording.notes());
+        assert!(recording.notes().iter().any(|note| note.contains("rounded to 3 digits")), "{:?}", recording.notes());
+    }
+}
+
+#[test]
+fn when_it_was_measured_is_the_time_and_not_when_it_arrived() {
+    let late = |t: f64| 3e-3 * (1.0 + (77.0 * t).sin());
+    let row = |(t, a, _): Row| format!("{:.6},{:.9},{a:.5}", 1.7e9 + t + late(t), 1.7e9 + t);
+    let text = table("__time,/joint_states/header/stamp,/joint_states/pendulum/position\n", row);
+    check_found(
+        &text,
+        1e-5,
+        "1 (/joint_states/header/stamp) taken as the time, when it was measured, and not 0 (__time)",
+    );
+    // Nobody filled it in.
+    let unset = table("%time,field.header.stamp,field.position\n", |(t, a, _)| format!("{:.6},0,{a:.5}", 1.7e9 + t));
+    check_found(&unset, 1e-5, "from 1970");
+}
+
+#[test]
+fn a_rate_that_is_told_stands_for_the_x_of_a_plot() {
+    let options = ReadOptions { rate_hz: Some(100.0), ..ReadOptions::default() };
+    let text = table("x y dx dy\n", |(t, a, _)| format!("{t:.2}\t{a:.5}\t0.02\t0.01"));
+    check(&text, &options, 1e-5, "0 (x) goes on evenly: left out where the rate is told, and 1 (y) as the angle");
+}
+
+/// A spreadsheet keeps three digits from 9.03 s on: some rows are finer than the first lines that are looked at, others
+/// coarser.
+#[test]
+fn times_whose_digits_become_coarser_among_the_first_rows_are_those_of_a_plot() {
+    let rows = swing(RATE_HZ, 40);
+    let text: String = rows.iter().map(|(t, a, _)| format!("{:.2e}\t{a:.5}\t0.02\t0.05\n", 9.03 + t)).collect();
+    let recording = open(format!("x y dx dy\n{text}").as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(recording.len(), rows.len());
+    let begin_s = recording.times_s()[0];
+    let off_s = recording.times_s().iter().zip(&rows).map(|(time_s, row)| (time_s - begin_s - row.0).abs());
+    assert!(off_s.fold(0.0, f64::max) < 1e-2, "{:?}", recording.notes());
+}
+
+#[test]
+fn times_since_the_row_before_are_added_up() {
+    // Milliseconds that scatter by one as rounded steps do; the sum is off by half a one at most.
+    let ms = |t: f64| (1000.0 * t + 3.0 * (7.0 * t).sin()).round();
+    let steps = table("angle,elapsed\n", |(t, a, _)| format!("{a:.5},{}", ms(t + 0.01) - ms(t)));
+    let recording = open(steps.as_bytes(), &ReadOptions::default()).unwrap();
+    let notes = recording.notes().join("; ");
+    assert!(notes.contains("the time since the row before: added up") && notes.contains("in milliseconds"), "{notes}");
+    let (first_s, last_s) = (recording.times_s()[0], recording.times_s()[1999]);
+    assert!((last_s - first_s - 19.99).abs() < 0.01, "{first_s} {last_s}");
+}
+
+#[test]
+fn a_clock_stands_behind_an_angle_that_is_held_at_first() {
+    let held = (0..300).map(|idx| (f64::from(idx) / 100.0, 1.0));
+    let rows = held.chain(swing(RATE_HZ, 20).into_iter().map(|(t, a, _)| (3.0 + t, a)));
+    let creeping = |t: f64, a: f64| if t < 3.0 && t > 1.0 { a + 0.001 } else { a };
+    for creeps in [false, true] {
+        let angle = |t: f64, a: f64| if creeps { creeping(t, a) } else { a };
+        let text: String =
+            rows.clone().map(|(t, a)| format!("{:.4},0.0,{}\n", angle(t, a), 272_900.0 + 1e3 * t)).collect();
+        let recording = open(text.as_bytes(), &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let notes = recording.notes().join("; ");
+        assert!(notes.contains("column 2 read as time"), "{notes}");
+        assert!((recording.angles_rad()[325] - swing(RATE_HZ, 1)[25].1).abs() < 1e-4, "{notes}");
+    }
+}
+
+#[test]
+fn times_that_a_video_rounded_are_even_again() {
+    let truth = swing(30, 20);
+    let rows = truth.iter().map(|(t, a, _)| format!("{t:.2},{a:.5}\n")).collect::<String>();
+    let recording = open(format!("t,theta\n{rows}").as_bytes(), &ReadOptions::default()).unwrap();
+    assert!(recording.notes().join("; ").contains("30.0000 a second"), "{:?}", recording.notes());
+    let off_s = recording.times_s().iter().zip(&truth).map(|(time_s, row)| (time_s - row.0).abs()).fold(0.0, f64::max);
+    assert!(off_s < 2e-4, "{off_s}");
+}

@@ -1,0 +1,177 @@
+//! Which column is the angle, the rate or a point, among others and with names of all kinds.
+
+use crate::swing::{CENTIDEGREES, RATE_HZ, Row, check, check_found, open, swing, table, told};
+use host::recording::{Measured, ReadOptions, read_bytes};
+
+#[test]
+fn of_several_angles_the_one_that_names_the_pendulum_is_taken() {
+    let cart = |(t, a, _): Row| format!("{t:.2},{:.5},{a:.5}", 0.3 - 0.01 * a);
+    for head in ["Time,CartPos,PendPos\n", "t,arm_angle,pendulum_angle\n", "time,angle,Pendelwinkel\n"] {
+        check_found(&table(head, cart), 1e-5, "by its name");
+    }
+    check_found(&table("t,motor_angle,link_angle\n", cart), 1e-5, "by its name");
+    let refused = open(table("t,angle_a,angle_b\n", cart).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("several columns could be the angle"), "{refused}");
+}
+
+#[test]
+fn of_names_alike_the_column_that_moves_is_the_angle() {
+    let arm = table("t,theta_1,theta_2\n", |(t, a, _)| format!("{t:.2},0.0,{a:.5}"));
+    check_found(&arm, 1e-5, "2 (theta_2) taken as the angle, because 1 (theta_1) never moves");
+    // At rest for longer than the lines that are looked at first, beside one that drifts.
+    let late = |(t, a, _): Row| (t, if t < 3.0 { 1.0 } else { a });
+    let late = |row: Row| format!("{:.2},{:.5},{:.5},{:.5}", late(row).0, 0.2 * late(row).0, late(row).1, 0.01 * row.1);
+    let body = open(table("t,yaw,pitch,roll\n", late).as_bytes(), &ReadOptions::default()).unwrap();
+    assert!(body.notes().join("; ").contains("of 3 angles of the sensor 2 (pitch) moves most"), "{:?}", body.notes());
+    assert!((body.angles_rad()[0] - 1.0).abs() < 1e-5);
+    let both = table("t,theta_1,theta_2\n", |(t, a, _)| format!("{t:.2},{:.5},{a:.5}", 0.1 * a));
+    let refused = open(both.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("several columns could be the angle: 1 (theta_1), 2 (theta_2)"), "{refused}");
+}
+
+#[test]
+fn an_arm_that_is_held_and_a_run_that_was_never_made_are_no_rivals() {
+    let held = table("t,joint0_position,joint1_position\n", |(t, a, _)| format!("{t:.2},{:.5},{a:.5}", 0.3 + 2e-3 * a));
+    check_found(&held, 1e-5, "2 (joint1_position) taken as the angle, because 1 (joint0_position) hardly moves");
+    let other_unit = table("t,theta1 (rad),theta2 (deg)\n", |(t, a, _)| format!("{t:.2},{a:.5},{:.4}", 115.0 * a));
+    let refused = open(other_unit.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("several columns could be the angle"), "{refused}");
+    let empty = table("Run 1:Time(s),Run 1:Angle(rad),Run 2:Time(s),Run 2:Angle(rad)\n", |(t, a, _)| {
+        format!("{t:.2},{a:.5},,")
+    });
+    check_found(&empty, 1e-5, "");
+}
+
+#[test]
+fn x_and_y_are_read_where_the_angle_was_never_worked_out() {
+    let point = |(t, a, _): Row| format!("{t:.2},{:.4},{:.4},0.0", 640.0 + 300.0 * a.sin(), 100.0 + 300.0 * a.cos());
+    check_found(
+        &table("time,x,y,theta\n", point),
+        1e-4,
+        "3 (theta) does not move: x and y of the point are read instead",
+    );
+}
+
+#[test]
+fn settings_beside_the_columns_are_no_angle() {
+    let settings = ["Record Length,2000,,", "Sample Interval,0.01,,", "Source,CH1,,"];
+    let beside = |settings: &[&str]| -> String {
+        let rows = swing(RATE_HZ, 20).into_iter().enumerate();
+        rows.map(|(idx, (t, a, _))| format!("{}{t:.2},{a:.5},\n", settings.get(idx).unwrap_or(&",,,"))).collect()
+    };
+    check_found(&beside(&settings), 1e-5, "column 3 read as time");
+    let in_volts = beside(&[&settings[..], &["Vertical Units,V,,"]].concat());
+    let refused = open(in_volts.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("--columns t=3,theta=4:54.5deg") && refused.contains("--zero"), "{refused}");
+    check(&in_volts, &told("t=3,theta=4:57.29578deg"), 2e-5, "");
+}
+
+#[test]
+fn a_name_that_says_nothing_is_the_angles_where_nothing_else_was_measured() {
+    let epoch = |t: f64| 1_700_000_000_000_000_000_u64 + (1e9 * t).round() as u64;
+    let topic = table("%time,field.data\n", |(t, a, _)| format!("{},{a:.5}", epoch(t)));
+    check_found(&topic, 1e-5, "1 (field.data) says nothing else and is read as the angle");
+    let database = |(t, a, _): Row| {
+        let day = "2026-03-01T";
+        format!(",,0,{day}09:00:00Z,{day}11:00:00Z,{day}10:00:{t:06.3}Z,{a:.5},angle,rig")
+    };
+    let head = ",result,table,_start,_stop,_time,_value,_field,_measurement\n";
+    check_found(&table(head, database), 1e-5, "6 (_value) says nothing else");
+    check_found(&table("tout,simout\n", |(t, a, _)| format!("{t:.2},{a:.5}")), 1e-5, "1 (simout) says nothing else");
+    let three = |(t, a, v): Row| format!("{t:.2},{a:.5},{v:.5}");
+    for head in ["t,data,value\n", "t,data,temperature\n"] {
+        let refused = open(table(head, three).as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("no angle column"), "{refused}");
+    }
+}
+
+#[test]
+fn omega_about_three_axes_is_a_gyroscopes() {
+    let text = table("time,wx,wy,wz\n", |(t, _, v)| format!("{t:.2},{:.5},{v:.5},0.001", 0.01 * v));
+    let phone = open(text.as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(phone.measured(), Measured::Rate);
+    assert!((phone.angles_rad()[25] - swing(RATE_HZ, 1)[25].2).abs() < 1e-5, "{:?}", phone.notes());
+}
+
+#[test]
+fn bare_axes_are_rates_where_the_file_is_a_gyroscopes_and_no_point_where_it_is_not() {
+    let epoch = |t: f64| 1_700_000_000_000_000_000_u64 + (1e9 * t).round() as u64;
+    let row = |(t, _, v): Row| format!("{},{t:.2},{v:.5},{:.5},{:.5}", epoch(t), 0.01 * v, -0.02 * v);
+    let text = table("time,seconds_elapsed,z,y,x\n", row);
+    let phone = read_bytes("Gyroscope.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(phone.measured(), Measured::Rate);
+    let truth = swing(RATE_HZ, 20);
+    let off = |idx: usize| phone.angles_rad()[idx] - truth[idx].2;
+    assert!((0..truth.len()).all(|idx| off(idx).abs() < 1e-5), "{:?}", phone.notes());
+    let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("the axes of a gyroscope") && refused.contains("t=1,rate=2"), "{refused}");
+}
+
+#[test]
+fn the_right_columns_are_taken_whatever_stands_beside_them() {
+    check_found(&table("", |(t, a, _)| format!("{a:.5},{t:.2}")), 1e-5, "column 1 read as time");
+    let cart = |(t, a, v): Row| format!("{t:.2},{:.5},{:.5},{a:.5},{v:.5},0", 0.01 * a, 0.01 * v);
+    check_found(&table("time,cart_pos,cart_vel,pole_angle,pole_vel,force\n", cart), 1e-5, "");
+    let greek = |(t, a, _): Row| format!("{t:.2}\t{:.2}", a.to_degrees()).replace('.', ",");
+    check_found(&table("t / s\tα / °\n", greek), CENTIDEGREES, "");
+    // Names between spaces above columns between tabs; x and y of the bob stand before the angle.
+    let tabs = |(t, a, _): Row| format!("{t:.2}\t{:.5}\t{:.5}\t{a:.5}", 0.25 * a.sin(), -0.25 * a.cos());
+    let recording = check_found(&table("time x y theta\n", tabs), 1e-5, "");
+    assert!(recording.notes().is_empty(), "{:?}", recording.notes());
+    for head in ["x y dx dy\n", "x\ty\tdx\tdy\n"] {
+        let plotted = |(t, a, _): Row| format!("{t:.2}\t{a:.5}\t0.02\t0.01");
+        check_found(&table(head, plotted), 1e-5, "0 (x) goes on evenly: read as the time");
+    }
+    let six = |(t, a, v): Row| format!("{t:.2},{:.3},{:.3},0.02,0.1,-0.2,{v:.5}", 9.81 * a.sin(), 9.81 * a.cos());
+    let imu = open(table("time,ax,ay,az,gx,gy,gz\n", six).as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(imu.measured(), Measured::Rate);
+    assert!((imu.angles_rad()[25] - swing(RATE_HZ, 1)[25].2).abs() < 1e-5, "{:?}", imu.notes());
+    for (head, unit) in [("Tempo (s);Ângulo (graus)\n", 1.0), ("Tijd;Hoek [graden]\n", 1.0), ("时间(s);角度(°)\n", 1.0)]
+    {
+        check_found(&table(head, |(t, a, _)| format!("{t:.2};{:.3}", unit * a.to_degrees())), CENTIDEGREES, "");
+    }
+}
+
+#[test]
+fn a_magnetometer_beside_the_angle_is_neither_time_nor_point() {
+    let three = |(t, a, v): Row| format!("{t:.2},{:.2},{:.2},{:.3}", 40.0 + v, 30.0 * a, a.to_degrees());
+    for head in ["Time (s),Magnetic Field x (µT),Magnetic Field y (µT),Angle (°)\n", "t_s,mx_uT,B (T),angle_deg\n"] {
+        let recording = check_found(&table(head, three), CENTIDEGREES, "");
+        assert!(recording.notes().is_empty(), "{:?}", recording.notes());
+    }
+    let alone = table("Time (s),Magnetic Field x (µT),Magnetic Field y (µT),T (°C)\n", three);
+    let refused = open(alone.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("no angle column"), "{refused}");
+    let rates = table("t_s,mx_uT,gx_dps\n", |(t, a, v)| format!("{t:.2},{:.2},{:.4}", 30.0 * a, v.to_degrees()));
+    let rates = open(rates.as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(rates.measured(), Measured::Rate);
+    assert!((rates.angles_rad()[25] - swing(RATE_HZ, 1)[25].2).abs() < 1e-5, "{:?}", rates.notes());
+}
+
+#[test]
+fn two_columns_that_lie_on_a_circle_at_first_only_are_no_point() {
+    let beside =
+        |(t, a, _): Row| format!("{t:.2},{a:.6},{:.6}", if t < 5.0 { 1.0 - (1.0 - a * a / 1.44).sqrt() } else { 0.3 });
+    let recording = check_found(&table("", beside), 1e-5, "column 0 read as time");
+    assert!(!recording.notes().join("; ").contains("circle"), "{:?}", recording.notes());
+}
+
+/// Rotary pendulums call the arm theta and the pendulum alpha.
+#[test]
+fn alpha_beside_theta_is_the_pendulum_the_acceleration_or_asked_for() {
+    let read = |head: &str, arm: f64, more: &str| {
+        let row = |(t, angle, _): Row| format!("{t},{:.6},{angle:.6}{more}", arm * (9.0 * t).sin());
+        open(table(head, row).as_bytes(), &ReadOptions::default())
+    };
+    for (head, more) in [("t,theta,alpha\n", ""), ("t,theta,alpha,theta_dot,alpha_dot\n", ",0,0")] {
+        let held = read(head, 1e-3, more).unwrap();
+        assert!((held.angles_rad()[0] - 1.0).abs() < 1e-6);
+        let note = "2 (alpha) taken as the angle, because 1 (theta) hardly moves";
+        assert!(held.notes().iter().any(|found| found == note), "{:?}", held.notes());
+        let error = read(head, 0.1, more).unwrap_err();
+        assert!(error.contains("several columns could be the angle: 1 (theta), 2 (alpha)"), "{error}");
+    }
+    let row = |(t, angle, velocity): Row| format!("{t},{angle:.6},{velocity:.6},{:.6}", -40.0 * angle.sin());
+    let recording = open(table("t,theta,omega,alpha\n", row).as_bytes(), &ReadOptions::default()).unwrap();
+    assert!((recording.angles_rad()[0] - 1.0).abs() < 1e-6, "{:?}", recording.notes());
+}

@@ -1,0 +1,134 @@
+//! What can not be read is refused, with what could be told or recorded instead.
+
+use crate::swing::{Row, check, open, table, told};
+use host::recording::ReadOptions;
+
+#[test]
+fn a_project_of_another_program_is_named_with_what_to_export() {
+    for head in ["<?xml version=\"1.0\"?>\n<object class=\"TrackerPanel\">\n", "\u{feff}<!DOCTYPE html>\n<html>\n"] {
+        let text = table(head, |(t, a, _)| format!("<point>{t:.2}, {a:.5}</point>"));
+        let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("XML") && refused.contains("Tracker"), "{refused}");
+    }
+}
+
+#[test]
+fn volts_counts_and_quaternions_are_refused_with_what_to_tell() {
+    let two = |(t, a, _): Row| format!("{t:.2},{:.4}", 1.65 + a);
+    for head in
+        ["Time(s),CH1(V)\n", "x-axis,1\nsecond,Volt\n", "Time,Channel A\n(s),(V)\n\n", "Source,CH1\nSecond,Volt\n"]
+    {
+        let refused = open(table(head, two).as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("t=0,theta=1:54.5deg") && refused.contains("--zero"), "{refused}");
+    }
+    let counts = table("micros,counts\n", |(t, a, _)| format!("{},{}", (1e6 * t).round(), (650.0 * a).round()));
+    let refused = open(counts.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("--columns t=0,theta=1:4096/turn"), "{refused}");
+    check(&counts, &told("t=0,theta=1:4084.07/turn"), 1e-3, "");
+    let turned = |(t, a, _): Row| format!("{t:.2},{:.5},{:.5},0,0", (a / 2.0).cos(), (a / 2.0).sin());
+    let refused = open(table("timestamp,qw,qx,qy,qz\n", turned).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("quaternion") && refused.contains("roll, pitch, yaw"), "{refused}");
+}
+
+#[test]
+fn what_is_known_and_not_read_is_named_with_the_cure() {
+    let cases: [(&[u8], &str, &str); 6] = [
+        (b"\x80\x04\x95\x10", "pickle", "numpy.savetxt"),
+        (b"PAR1\x15\x04", "Parquet", "to_csv"),
+        (b"#ROSBAG V2.0\n\x00", "bag of ROS", "rostopic echo -p"),
+        (b"\x1f\x8b\x08\x00", "gzip", "unpack it first"),
+        (b"\x00\x00\x00\x20ftypisom", "video", "Tracker"),
+        (b"TDSm\x0e\x00", "TDMS", ".lvm"),
+    ];
+    for (bytes, what, cure) in cases {
+        let refused = open(&[bytes, &[0; 600]].concat(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains(what) && refused.contains(cure), "{refused}");
+    }
+}
+
+#[test]
+fn periods_of_a_light_gate_are_named_as_such() {
+    let text: String = (1..40).map(|idx| format!("{:.6}\t2.133149\t0.031032\n", f64::from(idx) * 1.0665)).collect();
+    let text = format!("#Time\tPeriod\tTransit time\n#[s]\t[s]\t[s]\n{text}");
+    let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("light gate") && refused.contains("record the angle"), "{refused}");
+}
+
+#[test]
+fn counts_and_volts_are_told_by_what_one_is_worth() {
+    let counts = table("time_ms,encoder\n", |(t, a, _)| {
+        format!("{},{}", (1e3 * t).round(), (a * 2400.0 / std::f64::consts::TAU).round())
+    });
+    let refused = open(counts.as_bytes(), &told("theta=encoder")).unwrap_err();
+    assert!(refused.contains("4096/turn"), "{refused}");
+    check(&counts, &told("theta=encoder:2400/turn"), 1.4e-3, "");
+    check(&counts, &told("theta=encoder:0.15deg"), 1.4e-3, "");
+    let volts = table("t,pot (V)\n", |(t, a, _)| format!("{t},{:.5}", 1.65 + a.to_degrees() / 54.5));
+    let options = ReadOptions { zero: Some(1.65), ..told("t=0,theta=1:54.5deg") };
+    check(&volts, &options, 1e-5, "");
+}
+
+#[test]
+fn accelerations_are_refused_with_what_to_record_instead() {
+    let three = |(t, a, v): Row| format!("{t:.2},{:.4},{:.4},{:.4}", 9.81 * a.sin(), 9.81 * a.cos(), 0.1 * v);
+    let phone = "Time (s),Acceleration x (m/s^2),Acceleration y (m/s^2),Absolute acceleration (m/s^2)\n";
+    for head in [phone, "t_s,ax_g,ay_g,az_g\n", "Zeit (s),Beschleunigung x (m/s²),Beschleunigung y (m/s²),Betrag\n"] {
+        let refused = open(table(head, three).as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("accelerations, which can't be fitted") && refused.contains("gyroscope"), "{refused}");
+    }
+}
+
+#[test]
+fn what_could_be_told_names_columns_of_this_very_file() {
+    let five = |(t, a, v): Row| format!("0,{a:.5},7,{v:.5},{t:.2}");
+    let refused = |head: &str, options: &ReadOptions| open(table(head, five).as_bytes(), options).unwrap_err();
+    let angles = refused("a,theta1,b,theta2,t\n", &ReadOptions::default());
+    assert!(angles.contains("e.g. t=4,theta=1 or t=4,theta=3"), "{angles}");
+    let times = refused("Time A,b,c,d,Time B\n", &told("x=1,y=3"));
+    assert!(times.contains("e.g. t=0,theta=1 or t=4,theta=1"), "{times}");
+    let unknown = refused("a,theta1,b,c,t\n", &told("theta=9"));
+    assert!(unknown.contains("no column 9") && unknown.contains("e.g. t=4,theta=1"), "{unknown}");
+    let still = refused("a,b,theta,c,t\n", &ReadOptions::default());
+    assert!(still.contains("2 (theta) does not move") && still.contains("e.g. t=4,theta=1"), "{still}");
+    let counted = table("n,t,theta,c\n", |(t, a, _)| format!("{:.0},{t:.2},0,{a:.5}", 100.0 * t));
+    let still = open(counted.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(still.contains("e.g. t=1,theta=3"), "{still}");
+}
+
+#[test]
+fn a_column_that_never_moves_is_named_with_the_others() {
+    let text = table("t,theta,beta\n", |(t, a, _)| format!("{t:.2},0.001,{a:.5}"));
+    let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+    for word in ["1 (theta) does not move", "0.001", "beta", "--columns"] {
+        assert!(refused.contains(word), "{refused}");
+    }
+    check(&text, &told("t=0,theta=beta"), 1e-5, "");
+}
+
+#[test]
+fn a_stated_unit_that_the_period_contradicts_is_doubted() {
+    let in_pi = table("t,angle (x pi rad)\n", |(t, a, _)| format!("{t:.2},{:.6}", a / std::f64::consts::PI));
+    let notes = open(in_pi.as_bytes(), &ReadOptions::default()).unwrap().notes().join("; ");
+    assert!(notes.contains("doubtful") && notes.contains("as large"), "{notes}");
+    // Half degrees grow a quarter as much: no degrees, and nothing that could be guessed.
+    let halves = table("", |(t, a, _)| format!("{t:.2},{:.4}", 2.0 * a.to_degrees()));
+    let refused = open(halves.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("--degrees") && refused.contains("4096/turn"), "{refused}");
+}
+
+#[test]
+fn an_old_workbook_is_named_as_such() {
+    let bytes = [b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1".as_slice(), &[0; 600]].concat();
+    let refused = open(&bytes, &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("workbook") && refused.contains("save the sheet as CSV"), "{refused}");
+}
+
+#[test]
+fn gx_gy_and_gz_are_asked_for_as_the_axes_of_a_gyroscope() {
+    let row = |(t, _, velocity): Row| format!("{t},0.1,0.2,{velocity:.6}");
+    let error = open(table("t,gx,gy,gz\n", row).as_bytes(), &ReadOptions::default()).unwrap_err();
+    for words in ["axes of a gyroscope", "--columns t=0,rate=1 or t=0,rate=2 or t=0,rate=3"] {
+        assert!(error.contains(words), "{error}");
+    }
+    assert!(open(table("t,gx,gy,gz\n", row).as_bytes(), &told("t=0,rate=3:rad/s")).is_ok());
+}
