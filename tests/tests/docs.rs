@@ -18,6 +18,7 @@ const PAGES: [&str; 23] = [
     "docs/board-checks.md",
     "docs/board-emulator.md",
     "docs/calibration.md",
+    "docs/constants.md",
     "docs/diagnosis.md",
     "docs/performance.md",
     "docs/real.md",

@@ -1,0 +1,270 @@
+#!/usr/bin/env python3
+"""What each tuned constant of fit and diagnosis decides: the forty rigs of discover_many are diagnosed with half and with
+twice its value, and a table tells what became of them.
+
+A copy of the tree asks for its constants at run time, so that it is compiled once. CONSTANTS picks those whose file or
+name contains one of its words, all without it. Writes docs/constants.md, keeping the rows of constants that were not
+picked.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+TREE = Path(__file__).resolve().parents[2]
+BUILT = Path(os.environ.get("CARGO_TARGET_DIR", TREE / "target")) / "constants"
+SOURCES = Path("host/identification/src")
+TABLE = TREE / "docs/constants.md"
+LOOKED_AT = ["diagnose", "fit", "verdict.rs"]
+
+DEFINITION = re.compile(
+    r"^(?P<head>pub(?:\([a-z]+\))? |)const (?P<name>[A-Z][A-Z0-9_]*): (?P<kind>f64|usize|u64) = (?P<value>[0-9._e-]+);$",
+    re.MULTILINE,
+)
+
+# Numbers of books, of processors and of the code itself: no other value makes sense, or the compiler wants it.
+NOT_TUNED = {
+    "diagnose/formulas.rs:LINEAR",
+    "diagnose/formulas.rs:POWER",
+    "fit/clusters.rs:KIEFER_95",
+    "fit/clusters.rs:NORMAL_95",
+    "fit/problem.rs:PER_SWING",
+    "fit/state_grid.rs:ANGLE_KNOTS",
+    "fit/state_grid.rs:SPEED_KNOTS",
+    "fit/tests.rs:RELEASE_RAD",
+    "fit/uncertainty.rs:PROFILE_95",
+}
+
+# What a constant becomes: a function that looks once whether another value was asked for.
+FUNCTION = """#[allow(non_snake_case)]
+{head}fn {name}() -> {kind} {{
+    static VALUE: std::sync::OnceLock<{kind}> = std::sync::OnceLock::new();
+    *VALUE.get_or_init(|| crate::tuned("{place}", "{value}").parse().unwrap())
+}}"""
+
+# The three that stand in one structure.
+THRESHOLDS = re.compile(r"pub const USUAL: Self = Self \{ (?P<fields>[^}]*) \};")
+THRESHOLD = """
+impl Thresholds {{
+    fn tuned() -> Self {{
+        Self {{ {fields} }}
+    }}
+}}
+"""
+
+LOOK_UP = """
+/// The value of a constant, or another one that was asked for; notes that it was needed.
+pub fn tuned(place: &str, usual: &str) -> String {
+    eprintln!("needed {place}");
+    match std::env::var("TUNED").ok().and_then(|it| it.split_once('=').map(|(a, b)| (a.to_owned(), b.to_owned()))) {
+        Some((wanted, value)) if wanted == place => value,
+        _ => usual.to_owned(),
+    }
+}
+"""
+
+
+@dataclass
+class Constant:
+    """A number of the code: where it stands and its value as it is written there."""
+
+    place: str
+    kind: str
+    value: str
+
+    def changed(self, factor):
+        """Its value times a factor; whole numbers are rounded up."""
+        number = float(self.value.replace("_", "")) * factor
+        return repr(number) if self.kind == "f64" else str(max(1, int(number + 0.5)))
+
+
+@dataclass
+class Rates:
+    """What became of forty rigs."""
+
+    rigs: dict
+    first: str
+    pairs: str
+    settled: str
+    accused: str
+    exact: str
+    million_steps: int
+
+    def cells(self):
+        return [self.exact, self.first, self.pairs, self.settled, self.accused, str(self.million_steps)]
+
+
+def main():
+    words = os.environ.get("CONSTANTS", "").split()
+    tree = copied()
+    constants = [constant for constant in made_tunable(tree) if not words or any(it in constant.place for it in words)]
+    if not constants:
+        sys.exit(f"no constant has one of {words} in its place; places are like diagnose/search.rs:BEAM")
+    program = compiled(tree)
+    usual, needed = judged(program, None)
+    print(f"as they are: {usual.cells()}", flush=True)
+    rows = read_rows()
+    rows["as they are"] = row("as they are", "", usual, usual)
+    for constant in constants:
+        rows = {label: line for label, line in rows.items() if not label.startswith(f"{constant.place} ")}
+        if constant.place in needed:
+            values = [value for value in map(constant.changed, (0.5, 2.0)) if value != constant.value]
+            with ThreadPoolExecutor() as pool:
+                found = list(pool.map(lambda value: judged(program, f"{constant.place}={value}")[0], values))
+            for value, rates in zip(values, found):
+                told = row(constant.place, f"{value} for {constant.value}", rates, usual)
+                rows[f"{constant.place} {value}"] = told
+                print(told, flush=True)
+        write_rows(rows, usual=rows["as they are"])
+
+
+def copied():
+    """A copy of the files that are under version control, as they are now."""
+    tree = BUILT / "tree"
+    shutil.rmtree(tree, ignore_errors=True)
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=TREE, check=True, capture_output=True, text=True).stdout
+    for name in filter(None, listed.split("\0")):
+        if (TREE / name).is_file():
+            (tree / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(TREE / name, tree / name)
+    return tree
+
+
+def made_tunable(tree):
+    """Turns the constants of a copy into functions; gives them."""
+    root, found, public = tree / SOURCES, [], []
+    files = sorted(file for part in LOOKED_AT for file in [*(root / part).rglob("*.rs"), root / part] if file.is_file())
+    for file in files:
+        text = file.read_text()
+        for match in list(DEFINITION.finditer(text)):
+            place = f"{file.relative_to(root)}:{match['name']}"
+            if place in NOT_TUNED or is_in_a_type(match["name"], file):
+                continue
+            found.append(Constant(place, match["kind"], match["value"]))
+            function = FUNCTION.format(place=place, **match.groupdict())
+            text = called(text.replace(match[0], "\0"), match["name"]).replace("\0", function)
+            if match["head"]:
+                public.append(match["name"])
+        text, thresholds = tunable_thresholds(text)
+        found += thresholds
+        file.write_text(text)
+    users = [file for part in (SOURCES, "host/src", "tests") for file in (tree / part).rglob("*.rs")]
+    for file in users:
+        text = file.read_text()
+        for name in public:
+            if re.search(rf"^\s*(pub )?use [^;]*\b{name}\b", text, re.MULTILINE):
+                text = called(text, name)
+            text = re.sub(rf"^(?!\s*(?:pub )?use |\s*//)(.*::{name})\b(?!\()", r"\1()", text, flags=re.MULTILINE)
+        file.write_text(text)
+    library = root / "lib.rs"
+    library.write_text(library.read_text() + LOOK_UP)
+    return found
+
+
+def is_in_a_type(name, file):
+    """Is it the length of an array or the like, which the compiler has to know?"""
+    return re.search(rf"; {name}\]|, {name}>", file.read_text()) is not None
+
+
+def tunable_thresholds(text):
+    """The structure of thresholds, if it stands in this text, asks for its fields; gives these."""
+    match = THRESHOLDS.search(text)
+    if not match:
+        return text, []
+    pairs = [field.split(": ") for field in match["fields"].split(", ")]
+    found = [Constant(f"verdict.rs:{name}", "f64", value) for name, value in pairs]
+    fields = ", ".join(f'{it.place.split(":")[1]}: crate::tuned("{it.place}", "{it.value}").parse().unwrap()' for it in found)
+    return text.replace("(&Thresholds::USUAL)", "(&Thresholds::tuned())") + THRESHOLD.format(fields=fields), found
+
+
+def called(text, name):
+    """Calls a name wherever it stands by itself, but for comments and imports."""
+    lines, in_use = [], False
+    for line in text.split("\n"):
+        in_use = in_use or re.match(r"\s*(pub(\([a-z]+\))? )?use ", line) is not None
+        if not in_use and not line.lstrip().startswith("//"):
+            line = re.sub(rf"(?<![\w:]){name}\b(?!\()", f"{name}()", line)
+        in_use = in_use and ";" not in line
+        lines.append(line)
+    return "\n".join(lines)
+
+
+def compiled(tree):
+    """The test program of the forty rigs."""
+    command = ["cargo", "test", "--locked", "-p", "tests", "--test", "discover_many", "--no-run"]
+    done = subprocess.run(
+        command, cwd=tree, env=os.environ | {"CARGO_TARGET_DIR": str(BUILT)}, stderr=subprocess.PIPE, text=True
+    )
+    if done.returncode != 0:
+        sys.exit(done.stderr)
+    return tree / "tests", BUILT / re.search(r"\(.*?(debug/deps/discover_many-\w+)\)", done.stderr)[1]
+
+
+def judged(program, tuned):
+    """Diagnoses the forty rigs; gives what became of them and the constants that were needed."""
+    folder, binary = program
+    # One thread each: two values run side by side.
+    env = os.environ | {"CARGO_MANIFEST_DIR": str(folder), "RAYON_NUM_THREADS": "1", "TUNED": tuned or ""}
+    done = subprocess.run([binary, "forty_rigs", "--nocapture"], cwd=folder, env=env, capture_output=True, text=True)
+    lines = done.stdout.split("\n")
+    marked = [line for line in lines if " million steps, " in line]
+    if len(marked) < 37:
+        return Rates({}, "", "", "", "", "no result", 0), set()
+    rigs = {line[6:].split()[0]: line[:6].strip() + " " + line.split(" -> ")[1].split(", undecided")[0] for line in marked}
+    told = {line.split(": ")[0]: line.split(": ")[1].split(",")[0] for line in lines if ", at least " in line}
+    accused, exact = next(line for line in lines if line.startswith("accused ")).split("; exact ")
+    rates = Rates(
+        rigs=rigs,
+        first=told["what is named first is hidden"],
+        pairs=told["both of two are named"],
+        settled=told["noise is left, or more is said to be"],
+        accused=accused.removeprefix("accused "),
+        exact=exact,
+        million_steps=sum(int(line.split(" million steps, ")[0].split()[-1]) for line in marked),
+    )
+    return rates, set(re.findall(r"^needed (\S+)", done.stderr, re.MULTILINE))
+
+
+def row(place, value, rates, usual):
+    others = [label for label, told in rates.rigs.items() if told != usual.rigs[label]]
+    told = ", ".join(f"`{label}`" for label in others) or "none"
+    return "| " + " | ".join([f"`{place}`", value, *rates.cells(), told]) + " |"
+
+
+HEAD = """# What constants decide
+
+The forty rigs of `tests/tests/discover_many.rs`, diagnosed with half and with twice the value of a constant of `fit`,
+`diagnose` or `verdict.rs`; made by `tests/more constants`, which can be given places, so that a row is as old as its
+constant. Constants that these rigs never ask for, such as those of a friction curve, are not listed.
+
+- **exact**: all that is hidden is named, and nothing else
+- **first**: what is named first is hidden
+- **pairs**: both of two are named
+- **settled**: only noise is left, or more is said to be
+- **accused**: rigs that lack nothing and are told to
+- **steps**: millions of simulated steps that the forty diagnoses take together
+- **told otherwise**: rigs whose verdict is another one than with the constant as it is
+"""
+
+
+def read_rows():
+    """The rows of the table that stands, by constant and value."""
+    lines = TABLE.read_text().split("\n") if TABLE.exists() else []
+    cells = [(line, line.split("|")) for line in lines if line.startswith("| `")]
+    return {f"{parts[1].strip(' `')} {parts[2].split(' for ')[0].strip()}": line for line, parts in cells}
+
+
+def write_rows(rows, usual):
+    names = ["constant", "value", "exact", "first", "pairs", "settled", "accused", "steps", "told otherwise"]
+    head = ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
+    others = [line for _, line in sorted(rows.items()) if line != usual]
+    TABLE.write_text(HEAD + "\n" + "\n".join([*head, usual, *others]) + "\n")
+
+
+if __name__ == "__main__":
+    main()
