@@ -5,6 +5,7 @@
 
 mod json;
 mod labview;
+mod lists;
 mod mat4;
 mod mat5;
 mod matlab;
@@ -31,6 +32,8 @@ pub(super) enum Kind {
     LabView,
     /// JSON: an object a line, or one array or object.
     Json,
+    /// Lists as programs print them.
+    Lists,
     /// XML or HTML: projects of Tracker and others.
     Markup,
     /// What is known, and not read: its place in [`UNREAD`].
@@ -83,6 +86,7 @@ impl Kind {
             () if begins("MATLAB 7.3") || head.starts_with(b"\x89HDF") => Some(Self::Hdf5),
             () if begins("MATLAB 5.0") || mat5::begins(head) || mat4::begins(head) => Some(Self::Matlab),
             () if begins("LabVIEW Measurement") => Some(Self::LabView),
+            () if lists::begins(head) => Some(Self::Lists),
             () if is_json => Some(Self::Json),
             () if is_markup(head) => Some(Self::Markup),
             () if head.get(4..8) == Some(b"ftyp") => {
@@ -106,6 +110,7 @@ impl Kind {
             Self::OldWorkbook => Err(refused("workbook of a spreadsheet", "save the sheet as CSV in that program")),
             Self::LabView => labview::table(bytes),
             Self::Json => json::table(bytes),
+            Self::Lists => lists::table(bytes),
             Self::Markup => Err(refused(
                 "file of XML or HTML",
                 "Tracker (.trk), Logger Pro (.cmbl), CASSY Lab (.labx) and phyphox (.phyphox) keep their projects so; open \

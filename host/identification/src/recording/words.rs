@@ -11,7 +11,9 @@ use super::units::{AngleUnit, RateUnit, TimeUnit, rate_word};
 pub(super) use super::units::{angle_unit, rate_unit, time_unit};
 pub(super) use rotary::{beside_alpha, beside_theta, is_rate_of_alpha, is_speed};
 use sensors::TURNS_OF_BODY;
-pub(super) use sensors::{is_acceleration, is_duration, is_gyroscope, is_quaternion, is_raw, is_turn_of_body};
+pub(super) use sensors::{
+    is_acceleration, is_duration, is_gyroscope, is_length, is_quaternion, is_raw, is_turn_of_body,
+};
 
 /// What a column name says about its content.
 #[derive(Debug, Clone, Copy, PartialEq)]

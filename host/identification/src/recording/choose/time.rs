@@ -23,7 +23,7 @@ use super::{find, the_one};
 const EPOCH_BEGINS_S: f64 = 1e8;
 
 /// Where time comes from.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(in crate::recording) enum TimeSource {
     Column {
         idx: usize,
