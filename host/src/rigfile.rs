@@ -26,6 +26,7 @@ use crate::error::Failure;
 use crate::files::{self, Existing};
 use crate::fit::tolerance::{KnownRig, Tolerances};
 use crate::recording::Measured;
+use crate::swing::{Swing, kind};
 use shared::effect::CUSTOM_FORMULA_ID;
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
@@ -64,6 +65,12 @@ impl Source {
             names.push(format!("and {more} more"));
         }
         Self { method: method.to_owned(), recordings: names, measured: Measured::Angle }
+    }
+
+    /// Found by a method from these swings.
+    pub fn of_swings(method: &str, swings: &[Swing]) -> Self {
+        let names: Vec<PathBuf> = swings.iter().map(|swing| PathBuf::from(&swing.name)).collect();
+        Self::new(method, &names).of(kind(swings))
     }
 
     /// The same, found from readings of this kind.

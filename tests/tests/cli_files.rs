@@ -152,3 +152,31 @@ fn the_next_command_can_be_copied_whatever_the_names() {
     let next = text.lines().find(|line| line.starts_with("next")).unwrap_or_default();
     assert!(next.contains("copy0.csv") && next.contains("10 recordings") && !next.contains("copy9.csv"), "{text}");
 }
+
+/// Every command that takes recordings takes the runs of a file as several of them.
+#[test]
+fn the_runs_of_a_file_are_recordings_of_one_rig() {
+    let folder = folder();
+    let path = folder.path();
+    let rows = |start: &str| {
+        host(path, &format!("simulate --seconds 12 --rate 100 --start {start} --exact -o one.csv --force")).succeeded();
+        let text = fs::read_to_string(path.join("one.csv")).unwrap();
+        let rows = text.lines().filter(|line| line.starts_with(|sign: char| sign.is_ascii_digit()));
+        rows.map(|row| format!("{row}\n")).collect::<String>()
+    };
+    let named = |run: u32, start: &str| rows(start).lines().map(|row| format!("{run},{row}\n")).collect::<String>();
+    let text = format!("run,t,theta\n{}{}", named(1, "1.4"), named(2, "-1.0"));
+    fs::write(path.join("both.csv"), text).unwrap();
+    let fit = host(path, "fit both.csv --method least-squares --json -o fitted.toml");
+    let fields: serde_json::Value = serde_json::from_str(fit.succeeded()).unwrap();
+    let note = "note: both.csv, run 1: the file holds 2 runs (column 0 (run): 1, 2), each read as a recording; --run 2";
+    assert!(fit.stderr.contains(note), "{}", fit.stderr);
+    assert_eq!(fields["recordings"], serde_json::json!(["both.csv, run 1", "both.csv, run 2"]));
+    assert!(fs::read_to_string(path.join("fitted.toml")).unwrap().contains("\"both.csv, run 2\""));
+    let compared = host(path, "compare both.csv --run 2 --rig fitted.toml --json");
+    let fields: serde_json::Value = serde_json::from_str(compared.succeeded()).unwrap();
+    assert_eq!(fields["recordings"][0]["name"], "both.csv, run 2");
+    assert_eq!(fields["recordings"].as_array().map(Vec::len), Some(1));
+    host(path, "fit both.csv --run 1 --hold-out both.csv").failed(2, &["fitted", "held out"]);
+    host(path, "fit both.csv --run 3").failed(1, &["no run 3", "2 runs", "--run"]);
+}

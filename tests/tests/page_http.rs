@@ -156,6 +156,23 @@ fn fifty_requests_at_once_are_all_answered() {
 }
 
 #[test]
+fn a_file_of_several_runs_comes_in_as_several_recordings() {
+    let (folder, server) = server("");
+    let made = String::from_utf8(swing(folder.path(), "")).unwrap();
+    let rows: String =
+        made.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())).map(|r| format!("{r}\n")).collect();
+    let file = format!("t,theta,other\n{rows}{rows}");
+    let id = server.upload("swings.csv", file.as_bytes()).json();
+    let state = server.tab().wait_for(|state| state["recordings"].as_array().is_some_and(|all| all.len() == 2));
+    let names: Vec<&str> = (0..2).filter_map(|k| state["recordings"][k]["name"].as_str()).collect();
+    assert_eq!(names, ["swings.csv, run 1", "swings.csv, run 2"]);
+    assert_eq!(state["recordings"][0]["id"], id);
+    let kept = server.get(&format!("/download/recording/{id}"));
+    assert!(kept.head.contains("swings.csv\""), "{}", kept.head);
+    assert_eq!(kept.body, file.as_bytes());
+}
+
+#[test]
 fn ten_tabs_see_one_state() {
     let (folder, server) = server("--port sim:drag --sim-speed 5");
     let id = server.upload("swing.csv", &swing(folder.path(), "")).json();

@@ -136,9 +136,9 @@ fn a_row_out_of_the_order_of_time_is_left_out_where_the_clock_goes_on() {
         );
     let recording = parse(&late).unwrap();
     assert_eq!((recording.len(), recording.gaps()[0].n_missing), (39, Some(1)));
-    // Joined recordings, and a clock in milliseconds that was set back by two samples and a half.
+    // Joined recordings are two runs; a clock in milliseconds that was set back by two samples and a half is neither.
     let joined = format!("{}{}", plain(), plain().replace("t,theta\n", ""));
-    check_refused(&joined, &["line 42", "from 0.39 s to 0 s", "split the file"]);
+    check_refused(&joined, &["holds 2 runs", "--run 2"]);
     let set = |t: f64| if t < 0.2 { 5000.0 + 1e3 * t } else { 4975.0 + 1e3 * t };
     check_refused(&table("t,theta\n", |t, a| format!("{},{a}", set(t))), &["from 5190 to 5175,", "split the file"]);
 }

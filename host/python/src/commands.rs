@@ -1,7 +1,7 @@
 //! The commands: each gives the text of its `--json`, and beside it what a text can't hold.
 
 use crate::errors::raised;
-use crate::recording::{Given, Options, PyRecording, measurements, names, swings};
+use crate::recording::{Given, Options, PyRecording, measurements, swings};
 use crate::rig::{PyRig, effect_of, source};
 use crate::wait::compute;
 use host::compare::{Options as CompareOptions, compare as compare_with};
@@ -44,7 +44,7 @@ impl Asked {
         notes.extend(told);
         refuse_doubles(&swings, &held_out)?;
         notes.extend(doubts(rig.parameters(), &swings)?);
-        Ok(Self { file: rig, names: names(fitted), swings, held_out, notes })
+        Ok(Self { file: rig, names: json::all_named(&swings), swings, held_out, notes })
     }
 }
 

@@ -25,8 +25,25 @@ pub(crate) struct Options {
     zero: Option<f64>,
     pivot: Option<[f64; 2]>,
     mirror: bool,
+    run: Option<RunName>,
     start: Option<f64>,
     end: Option<f64>,
+}
+
+/// A run by its name, or by its number from 1.
+#[derive(FromPyObject)]
+enum RunName {
+    Number(u32),
+    Name(String),
+}
+
+impl RunName {
+    fn in_words(&self) -> String {
+        match self {
+            Self::Number(number) => number.to_string(),
+            Self::Name(name) => name.clone(),
+        }
+    }
 }
 
 impl Options {
@@ -49,6 +66,7 @@ impl Options {
                 zero: self.zero,
                 pivot: self.pivot,
                 mirrored: self.mirror,
+                runs: self.run.iter().map(RunName::in_words).collect(),
                 measured: None,
             },
             segment: SegmentOptions { from_s: self.start, to_s: self.end },
@@ -190,21 +208,20 @@ impl<'py> FromPyObject<'_, 'py> for Given {
 }
 
 impl Given {
+    /// What the recording gives, or each run of the file.
     fn with<T>(
         &self,
         reading: &Reading,
-        use_it: impl FnOnce(&str, &Recording) -> Result<T, Failure>,
-    ) -> Result<T, Failure> {
+        use_it: impl Fn(&str, &Recording) -> Result<T, Failure>,
+    ) -> Result<Vec<T>, Failure> {
         match &self.held {
-            Some(recording) => use_it(&self.name, recording),
-            None => use_it(&self.name, &reading.recording(Path::new(&self.name))?),
+            Some(recording) => Ok(vec![use_it(&self.name, recording)?]),
+            None => {
+                let runs = reading.runs(Path::new(&self.name))?;
+                runs.iter().map(|run| use_it(&run.name_in(&self.name), &run.recording)).collect()
+            }
         }
     }
-}
-
-/// The names, as results tell them.
-pub(crate) fn names(given: &[Given]) -> Vec<String> {
-    given.iter().map(|given| given.name.clone()).collect()
 }
 
 /// The free swings, and what was noticed.
@@ -212,15 +229,18 @@ pub(crate) fn swings(given: &[Given], reading: &Reading) -> Result<(Vec<Swing>, 
     let read = |given: &Given| given.with(reading, |name, recording| reading.swing(name, recording));
     let read: Vec<_> = given.par_iter().map(read).collect();
     let (mut swings, mut notes) = (Vec::new(), Vec::new());
-    for swing in read {
-        let (swing, told) = swing?;
-        swings.push(swing);
-        notes.extend(told);
+    for of_file in read {
+        for (swing, told) in of_file? {
+            swings.push(swing);
+            notes.extend(told);
+        }
     }
     Ok((swings, notes))
 }
 
 /// The free swings with what is known around them.
 pub(crate) fn measurements(given: &[Given], reading: &Reading) -> Result<Vec<Measurement>, Failure> {
-    given.par_iter().map(|given| given.with(reading, |name, recording| reading.measurement(name, recording))).collect()
+    let of_file = |given: &Given| given.with(reading, |name, recording| reading.measurement(name, recording));
+    let read: Vec<Vec<Measurement>> = given.par_iter().map(of_file).collect::<Result<_, Failure>>()?;
+    Ok(read.into_iter().flatten().collect())
 }

@@ -47,6 +47,18 @@ def test_each_is_told(rig, swing, call, words):
         call(rig, swing)
 
 
+def test_a_file_of_several_runs_is_asked_for_one_of_them(rig, swing, tmp_path):
+    times, readings = swing.times_s, swing.readings
+    rows = [f"{run},{time:.6f},{reading:.7f}" for run in (1, 2) for time, reading in zip(times, run * readings / 2)]
+    path = tmp_path / "both.csv"
+    path.write_text("run,t,theta\n" + "\n".join(rows) + "\n")
+    with pytest.raises(pr.Failed, match="holds 2 runs .*--run 2"):
+        pr.read(path)
+    assert numpy.allclose(pr.read(path, pr.Reading(run=2)).readings, readings, atol=1e-6)
+    with pytest.raises(pr.Failed, match="no run 3"):
+        pr.fit(path, rig, reading=pr.Reading(run=3))
+
+
 def test_no_file_is_replaced_unasked(rig, swing, tmp_path):
     for thing in (rig, swing):
         path = tmp_path / type(thing).__name__

@@ -9,7 +9,7 @@ use crate::link::Session;
 use crate::number::significant;
 use crate::operations::sensor;
 use crate::recording::segment::SegmentOptions;
-use crate::recording::{self, ReadOptions, sensor_name};
+use crate::recording::{self, ReadOptions, Recording, sensor_name};
 use crate::rigfile::{RigFile, USUAL_NAME};
 use crate::swing::Swing;
 use clap::Args;
@@ -186,22 +186,29 @@ fn at_rig(options: &Options, session: &mut Session) -> Result<Calibrated, Failur
     Ok(done)
 }
 
+/// All recordings of these files, by their names.
+fn recordings(paths: &[PathBuf]) -> Result<Vec<(String, Recording)>, Failure> {
+    let mut all = Vec::new();
+    for path in paths {
+        let runs = recording::read_runs(path, &ReadOptions::default()).map_err(Failure::failed)?;
+        all.extend(runs.into_iter().map(|run| (run.name_in(&path.display().to_string()), run.recording)));
+    }
+    Ok(all)
+}
+
 /// The gain from swings; each is measured with the gain that its file names, or else the one in use.
 fn by_swings(options: &Options, file: &RigFile, done: &mut Calibrated) -> Result<(), Failure> {
     check_gain(&done.before)?;
     let mut swings = Vec::new();
     let mut gain = f64::from(done.before.line().radian_per_code);
-    for path in &options.recording {
-        let recording = recording::read(path, &ReadOptions::default()).map_err(Failure::failed)?;
+    for (name, recording) in recordings(&options.recording)? {
         let of_another =
             recording.header().sensor.clone().filter(|_| recording.header().sensor != sensor_name(&done.before));
         if let Some(sensor) = of_another {
-            let what =
-                format!("{} was recorded from a sensor of kind {sensor}, the model file means another", path.display());
+            let what = format!("{name} was recorded from a sensor of kind {sensor}, the model file means another");
             return Err(Failure::wrong_use(what).next("use recordings of the sensor to be calibrated"));
         }
         gain = recording.header().calibration.as_ref().map_or(gain, |calibration| calibration.radians_per_code);
-        let name = path.display().to_string();
         let (swing, _) = Swing::from_recording(&name, &recording, &SegmentOptions::default())
             .map_err(|error| Failure::failed(format!("{name}: {error}")))?;
         swings.push(swing);

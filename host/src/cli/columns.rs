@@ -11,7 +11,7 @@ use crate::rigfile::RigFile;
 use crate::swing::Swing;
 use clap::Args;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Options for reading recordings.
 #[derive(Clone, Debug, Args)]
@@ -44,6 +44,9 @@ pub(super) struct Reading {
     /// The free swing ends here, s by the same clock
     #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
     to: Option<f64>,
+    /// Of files that hold several runs only these, by name or by number from 1, such as 2 or 1,3
+    #[arg(long, value_name = "RUN", value_delimiter = ',')]
+    run: Vec<String>,
     /// What the model file says of recordings that do not say it.
     #[arg(skip)]
     measured: Option<Measured>,
@@ -60,11 +63,6 @@ impl Reading {
         Self { measured: model.measured(), ..self.clone() }
     }
 
-    /// Reads a recording.
-    pub(super) fn read(&self, path: &Path) -> Result<Recording, Failure> {
-        self.rules().recording(path)
-    }
-
     /// How files are read.
     pub(super) fn options(&self) -> ReadOptions {
         let angle_unit = match (self.degrees, self.radians) {
@@ -79,6 +77,7 @@ impl Reading {
             zero: self.zero,
             pivot: self.pivot,
             mirrored: self.mirror,
+            runs: self.run.clone(),
             measured: self.measured,
         }
     }
@@ -90,23 +89,37 @@ impl Reading {
 
     /// Reads the swings of several recordings and says what was noticed.
     pub(super) fn swings(&self, paths: &[PathBuf]) -> Result<Vec<Swing>, Failure> {
-        let read: Vec<_> = paths.par_iter().map(|path| self.swing(path)).collect();
-        let told = |read: Result<(Swing, Vec<String>), Failure>| {
-            let (swing, notes) = read?;
-            notes.iter().for_each(|note| output::warn(note));
-            Ok(swing)
+        let (swings, notes) = self.swings_quietly(paths)?;
+        notes.iter().for_each(|note| output::warn(note));
+        Ok(swings)
+    }
+
+    /// The same; gives what was noticed.
+    pub(super) fn swings_quietly(&self, paths: &[PathBuf]) -> Result<(Vec<Swing>, Vec<String>), Failure> {
+        let read = self.each_run(paths, |rules, name, recording| rules.swing(name, recording))?;
+        let (swings, notes): (Vec<Swing>, Vec<Vec<String>>) = read.into_iter().unzip();
+        Ok((swings, notes.concat()))
+    }
+
+    /// Reads recordings and finds their free swings, with what is known around them.
+    pub(super) fn measurements(&self, paths: &[PathBuf]) -> Result<Vec<Measurement>, Failure> {
+        self.each_run(paths, |rules, name, recording| rules.measurement(name, recording))
+    }
+
+    /// What each run of these files gives, in their order.
+    fn each_run<T: Send>(
+        &self,
+        paths: &[PathBuf],
+        find: impl Fn(&reading::Reading, &str, &Recording) -> Result<T, Failure> + Sync,
+    ) -> Result<Vec<T>, Failure> {
+        let rules = self.rules();
+        let of_file = |path: &PathBuf| {
+            let file = path.display().to_string();
+            let runs = rules.runs(path)?;
+            runs.iter().map(|run| find(&rules, &run.name_in(&file), &run.recording)).collect::<Result<Vec<T>, _>>()
         };
-        read.into_iter().map(told).collect()
-    }
-
-    /// Reads a recording and finds its free swing; gives what was noticed on the way too.
-    pub(super) fn swing(&self, path: &Path) -> Result<(Swing, Vec<String>), Failure> {
-        self.rules().swing(&path.display().to_string(), &self.read(path)?)
-    }
-
-    /// Reads a recording and finds its free swing, with what is known around it.
-    pub(super) fn measurement(&self, path: &Path) -> Result<Measurement, Failure> {
-        self.rules().measurement(&path.display().to_string(), &self.read(path)?)
+        let read: Vec<Result<Vec<T>, Failure>> = paths.par_iter().map(of_file).collect();
+        Ok(read.into_iter().collect::<Result<Vec<Vec<T>>, Failure>>()?.into_iter().flatten().collect())
     }
 
     fn rules(&self) -> reading::Reading {

@@ -1,10 +1,8 @@
 //! `host compare`: show where a fitted model fails.
 
-use super::columns::Reading;
 use super::comparison::text;
 use super::given::{Given, check_geometry};
 use super::output;
-use crate::compare::measurement::Measurement;
 use crate::compare::pictures::pictures;
 use crate::compare::recording::Curves;
 use crate::compare::{self, Comparison, compare};
@@ -12,7 +10,6 @@ use crate::error::Failure;
 use crate::plot::svg::svg;
 use crate::report::report;
 use clap::Args;
-use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Show how well the model follows recordings, where it fails, and whether noise or physics is left.
@@ -48,8 +45,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let model = options.given.model()?;
     check_outputs(options)?;
     let reading = options.given.reading.of(&model);
-    let measurements = measurements(&reading, &options.given.recordings)?;
-    let held_out = self::measurements(&reading, &options.hold_out)?;
+    let measurements = reading.measurements(&options.given.recordings)?;
+    let held_out = reading.measurements(&options.hold_out)?;
     let swings: Vec<_> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
     check_geometry(model.parameters(), &swings)?;
     let settings = compare::Options { fit_first: model.is_fresh(), question_numbers: true };
@@ -69,10 +66,6 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         output::result(&text(&comparison))
     }
     Ok(())
-}
-
-fn measurements(reading: &Reading, paths: &[PathBuf]) -> Result<Vec<Measurement>, Failure> {
-    paths.par_iter().map(|path| reading.measurement(path)).collect()
 }
 
 /// Neither what is read nor an earlier report is replaced; nor earlier pictures, known by their ending until it is

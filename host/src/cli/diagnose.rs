@@ -59,7 +59,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let wishes = Wishes { typed: options.effect, formulas: options.formulas, at_first_look: Some(first_look) };
     let diagnosis = diagnose_with(&swings, &held_out, model.known(), wishes);
     if options.given.json {
-        output::json("diagnose", &Fields { recordings: &all_named(&options.given.recordings), diagnosis: &diagnosis });
+        output::json("diagnose", &Fields { recordings: &all_named(&swings), diagnosis: &diagnosis });
     } else {
         output::result(&evidence::in_words(&diagnosis));
     }

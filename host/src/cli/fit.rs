@@ -19,7 +19,7 @@ use crate::operations::json::named;
 use crate::record::{in_words, unused_path};
 use crate::recording::Existing;
 use crate::rigfile::{RigFile, Source};
-use crate::swing::{Swing, kind};
+use crate::swing::Swing;
 use clap::{ArgGroup, Args, ValueEnum};
 use progress::Screen;
 use result::Shown;
@@ -130,13 +130,13 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     };
     let reading = options.reading.of(&model);
     let swings = reading.swings(&recordings)?;
-    let held_out = swings_quietly(&reading, &options.hold_out)?;
+    let (held_out, _) = reading.swings_quietly(&options.hold_out)?;
     refuse_doubles(&swings, &held_out)?;
     check_geometry(model.parameters(), &swings)?;
 
     let outcome = identify(options, &swings, &held_out, &model)?;
     let fit = &outcome.fit;
-    let source = Source::new(options.method.words(), &recordings).of(kind(&swings));
+    let source = Source::of_swings(options.method.words(), &swings);
     model.adopt_fit(fit, &source)?;
     if let Some(path) = &options.output {
         model.save(path)?;
@@ -173,10 +173,6 @@ fn record(session: &mut Session, options: &Options, suffix: &str) -> Result<Path
     Ok(path)
 }
 
-fn swings_quietly(reading: &Reading, recordings: &[PathBuf]) -> Result<Vec<Swing>, Failure> {
-    recordings.iter().map(|path| reading.swing(path).map(|(swing, _)| swing)).collect()
-}
-
 /// The fit itself, and what is told meanwhile.
 fn identify(options: &Options, swings: &[Swing], held_out: &[Swing], rig: &RigFile) -> Result<Outcome, Failure> {
     let method = options.method.into();
@@ -193,9 +189,9 @@ fn push_and_check(session: &mut Session, options: &Options, fit: &Fit) -> Result
     session.push(&fit.parameters)?;
     output::say(&format!("saved in {} and read back the same; a second swing shows the gain", session.firmware()));
     let recording = record(session, options, "-check")?;
-    let (swing, _) = options.reading.swing(&recording)?;
+    let (swings, _) = options.reading.swings_quietly(std::slice::from_ref(&recording))?;
     let bandwidth_rad_s = f64::from(session.settings()?.bandwidth_rad_s);
-    let innovation = |parameters| innovation_rms_rad(parameters, bandwidth_rad_s, &swing);
+    let innovation = |parameters| innovation_rms_rad(parameters, bandwidth_rad_s, &swings[0]);
     Ok(Check {
         bandwidth_rad_s,
         innovation_before_rad: innovation(&before),

@@ -68,7 +68,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     draw(options, &improved)?;
     if let Some(path) = &options.output {
-        let source = Source::new(METHOD, &options.given.recordings).of(kind(&swings));
+        let source = Source::of_swings(METHOD, &swings);
         improved.write_into(&mut model, &source)?;
         model.save(path)?;
         output::say(&format!("wrote {}", path.display()));

@@ -29,7 +29,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let file = options.given.model()?;
     let swings = options.given.swings(&file)?;
     output::say("looking for the leading explanations, then simulating experiments with each …");
-    let planned = Planned::new(&all_named(&options.given.recordings), &swings, &file);
+    let planned = Planned::new(&all_named(&swings), &swings, &file);
     if options.given.json {
         output::json("plan", &planned);
     } else {

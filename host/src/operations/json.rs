@@ -1,7 +1,8 @@
 //! The one object of `--json`: the command's own fields behind its name.
 
+use crate::swing::Swing;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Version of every `--json` object.
 const FORMAT: u32 = 1;
@@ -26,7 +27,7 @@ pub fn named(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
-/// Several of them.
-pub fn all_named(paths: &[PathBuf]) -> Vec<String> {
-    paths.iter().map(|path| named(path)).collect()
+/// The recordings of these swings: their files, and of files that hold several the run too.
+pub fn all_named(swings: &[Swing]) -> Vec<String> {
+    swings.iter().map(|swing| swing.name.clone()).collect()
 }

@@ -3,7 +3,7 @@
 use crate::compare::measurement::Measurement;
 use crate::error::Failure;
 use crate::recording::segment::SegmentOptions;
-use crate::recording::{self, ReadOptions, Recording};
+use crate::recording::{self, ReadOptions, Recording, Run};
 use crate::rigfile::RigFile;
 use crate::swing::Swing;
 use std::path::Path;
@@ -37,7 +37,15 @@ impl Reading {
         Self { options: ReadOptions { measured: model.measured(), ..self.options }, ..self }
     }
 
-    /// Reads a recording.
+    /// Reads the recordings of a file, one for each run.
+    ///
+    /// # Errors
+    /// As [`recording::read_runs`].
+    pub fn runs(&self, path: &Path) -> Result<Vec<Run>, Failure> {
+        recording::read_runs(path, &self.options).map_err(Failure::failed)
+    }
+
+    /// Reads the recording of a file that holds only one.
     ///
     /// # Errors
     /// As [`recording::read`].

@@ -78,8 +78,8 @@ impl App {
         self.revision.subscribe()
     }
 
-    /// Takes a recording in and looks at everything anew.
-    pub(super) fn take_in(&self, loaded: Loaded) -> Result<u32, Failure> {
+    /// Takes the recordings of a file in and looks at everything anew; gives the first one's id.
+    pub(super) fn take_in(&self, loaded: Vec<Loaded>) -> Result<u32, Failure> {
         let id = self.change(|state| state.add(loaded))?;
         self.jobs.ask_for_a_look();
         Ok(id)

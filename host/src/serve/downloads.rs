@@ -43,7 +43,7 @@ pub(super) async fn report_html(State(app): State<Arc<App>>) -> Result<Response,
 
 pub(super) async fn recording(State(app): State<Arc<App>>, Path(id): Path<u32>) -> Result<Response, Refused> {
     let recording = app.read(|state| state.recording(id))?;
-    let name = recording.name.clone();
+    let name = recording.file.clone();
     let gone = format!("{name} can't be read any more");
     let failed = move |error| Failure::failed(format!("{gone}: {error}")).next("load it again");
     let Json(bytes) = blocking(move || std::fs::read(recording.kept.path()).map_err(failed)).await?;

@@ -41,7 +41,8 @@ pub(super) fn preview(wish: &LoadingWish, path: &Path, settings: &Settings) -> R
     let seen = look(path, N_ROWS).map_err(named)?;
     let (reading, fault) = match read_as(wish, path, settings) {
         Err(failure) => (None, Some(failure.what().to_owned())),
-        Ok(recording) => {
+        Ok(runs) => {
+            let recording = &runs[0].recording;
             let (times_s, readings) = decimated(recording.times_s(), recording.angles_rad(), N_POINTS);
             let (measured, notes) = (recording.measured(), recording.notes().to_vec());
             (Some(Reading { measured, unit: measured.unit(), notes, times_s, readings }), None)

@@ -3,7 +3,7 @@
 use super::settings::Settings;
 use crate::compare::measurement::Measurement;
 use crate::error::Failure;
-use crate::recording::{self, Columns, ReadError, ReadOptions, Recording};
+use crate::recording::{self, Columns, ReadError, ReadOptions, Run};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -45,6 +45,8 @@ pub(super) struct Loaded {
     pub(super) id: u32,
     /// What people call it; never a path.
     pub(super) name: String,
+    /// What they call its file, which may hold other runs too.
+    pub(super) file: String,
     pub(super) held_out: bool,
     /// The rig's, where this page listened to it.
     pub(super) port: Option<String>,
@@ -56,14 +58,14 @@ pub(super) struct Loaded {
 impl Loaded {
     /// The same recording, taking part or not.
     pub(super) fn with_held_out(&self, held_out: bool) -> Self {
-        let Self { id, name, port, kept, measurement, .. } = self;
-        let (name, port, kept, measurement) = (name.clone(), port.clone(), kept.clone(), measurement.clone());
-        Self { id: *id, name, held_out, port, kept, measurement }
+        let Self { id, name, file, port, kept, measurement, .. } = self;
+        let (name, file, port) = (name.clone(), file.clone(), port.clone());
+        Self { id: *id, name, file, held_out, port, kept: kept.clone(), measurement: measurement.clone() }
     }
 }
 
-/// Reads a file of this computer.
-pub(super) fn of_file(path: &Path, settings: &Settings) -> Result<Loaded, Failure> {
+/// Reads a file of this computer: one recording, or one for each run.
+pub(super) fn of_file(path: &Path, settings: &Settings) -> Result<Vec<Loaded>, Failure> {
     let name = path.display().to_string();
     loaded(&LoadingWish::named(&name), Kept::Here(path.to_owned()), settings)
 }
@@ -100,31 +102,42 @@ impl LoadingWish {
     }
 }
 
-/// Reads what somebody sent.
-pub(super) fn of_upload(wish: &LoadingWish, file: NamedTempFile, settings: &Settings) -> Result<Loaded, Failure> {
+/// Reads what somebody sent, likewise.
+pub(super) fn of_upload(wish: &LoadingWish, file: NamedTempFile, settings: &Settings) -> Result<Vec<Loaded>, Failure> {
     loaded(wish, Kept::Uploaded(file), settings)
 }
 
 /// Reads a release that the live view has listened to.
-pub(super) fn of_release(file: NamedTempFile, settings: &Settings) -> Result<Loaded, Failure> {
+pub(super) fn of_release(file: NamedTempFile, settings: &Settings) -> Result<Vec<Loaded>, Failure> {
     loaded(&LoadingWish::named(RELEASE), Kept::Uploaded(file), settings)
 }
 
-/// Reads a file as it was wished; `name` is what messages call it.
-pub(super) fn read_as(wish: &LoadingWish, path: &Path, settings: &Settings) -> Result<Recording, Failure> {
-    let options = wish.options(settings)?;
-    let named = |error: ReadError| Failure::failed(ReadError { file: short_name(&wish.name), ..error });
-    recording::read(path, &options).map_err(named)
+/// The same, of the rig at this port.
+pub(super) fn of_port(loaded: Vec<Loaded>, port: Option<&str>) -> Vec<Loaded> {
+    loaded.into_iter().map(|loaded| Loaded { port: port.map(str::to_owned), ..loaded }).collect()
 }
 
-fn loaded(wish: &LoadingWish, kept: Kept, settings: &Settings) -> Result<Loaded, Failure> {
-    let name = short_name(&wish.name);
+/// Reads a file as it was wished; `name` is what messages call it.
+pub(super) fn read_as(wish: &LoadingWish, path: &Path, settings: &Settings) -> Result<Vec<Run>, Failure> {
+    let options = wish.options(settings)?;
+    let named = |error: ReadError| Failure::failed(ReadError { file: short_name(&wish.name), ..error });
+    recording::read_runs(path, &options).map_err(named)
+}
+
+fn loaded(wish: &LoadingWish, kept: Kept, settings: &Settings) -> Result<Vec<Loaded>, Failure> {
     let hint = "say what its columns are, or choose a recording: lines of time and angle, separated by commas";
-    let recording = read_as(wish, kept.path(), settings).map_err(|failure| failure.next(hint))?;
-    let measurement = Measurement::from_recording(&name, &recording, &settings.segment).map_err(|error| {
+    let runs = read_as(wish, kept.path(), settings).map_err(|failure| failure.next(hint))?;
+    let kept = Arc::new(kept);
+    runs.iter().map(|run| of_run(run, &wish.name, &kept, settings)).collect()
+}
+
+fn of_run(run: &Run, file: &str, kept: &Arc<Kept>, settings: &Settings) -> Result<Loaded, Failure> {
+    let file = short_name(file);
+    let name = run.name_in(&file);
+    let measurement = Measurement::from_recording(&name, &run.recording, &settings.segment).map_err(|error| {
         Failure::failed(format!("{name}: {error}")).next("record again and let the pendulum swing freely")
     })?;
-    Ok(Loaded { id: 0, name, held_out: false, port: None, kept: Arc::new(kept), measurement })
+    Ok(Loaded { id: 0, name, file, held_out: false, port: None, kept: kept.clone(), measurement })
 }
 
 /// The last part of a path, printable and not too long.
@@ -142,11 +155,12 @@ pub(super) fn unused_name(others: &[Arc<Loaded>], name: &str) -> String {
 }
 
 /// Refuses what would fill the memory.
-pub(super) fn check_room(others: &[Arc<Loaded>], loaded: &Loaded) -> Result<(), Failure> {
-    let n_samples: usize = others.iter().map(|other| other.measurement.swing.len()).sum();
-    let too_many = others.len() >= MOST_RECORDINGS || n_samples + loaded.measurement.swing.len() > MOST_SAMPLES;
-    if too_many {
-        let what = format!("there is no room for {} beside {} recordings", loaded.name, others.len());
+pub(super) fn check_room(others: &[Arc<Loaded>], new: &[Loaded]) -> Result<(), Failure> {
+    let all = others.iter().map(Arc::as_ref).chain(new);
+    let n_samples: usize = all.map(|recording| recording.measurement.swing.len()).sum();
+    let too_many = others.len() + new.len() > MOST_RECORDINGS || n_samples > MOST_SAMPLES;
+    if let (Some(first), true) = (new.first(), too_many) {
+        let what = format!("there is no room for {} beside {} recordings", first.name, others.len());
         return Err(Failure::wrong_use(what).next("take a recording out of the list first"));
     }
     Ok(())

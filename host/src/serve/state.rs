@@ -111,17 +111,20 @@ impl State {
         self.data_changed();
     }
 
-    /// Takes a recording in; what was seen before is looked at anew.
+    /// Takes the recordings of a file in, all or none; what was seen before is looked at anew. Gives the first one's id.
     ///
     /// # Errors
     /// There are too many already.
-    pub(super) fn add(&mut self, loaded: Loaded) -> Result<u32, Failure> {
+    pub(super) fn add(&mut self, loaded: Vec<Loaded>) -> Result<u32, Failure> {
         recordings::check_room(&self.recordings, &loaded)?;
-        self.next_id += 1;
-        let name = recordings::unused_name(&self.recordings, &loaded.name);
-        self.recordings.push(Arc::new(Loaded { id: self.next_id, name, ..loaded }));
+        let first_id = self.next_id + 1;
+        for loaded in loaded {
+            self.next_id += 1;
+            let name = recordings::unused_name(&self.recordings, &loaded.name);
+            self.recordings.push(Arc::new(Loaded { id: self.next_id, name, ..loaded }));
+        }
         self.data_changed();
-        Ok(self.next_id)
+        Ok(first_id)
     }
 
     /// Other recordings: what was found from the old ones no longer counts.

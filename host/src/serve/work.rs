@@ -98,7 +98,7 @@ impl Data {
 pub(super) fn read_first(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
     let paths = &app.settings.recordings;
     progress.say(&format!("reading {} recordings", paths.len()), None);
-    let read: Vec<Result<Loaded, Failure>> =
+    let read: Vec<Result<Vec<Loaded>, Failure>> =
         paths.par_iter().map(|path| recordings::of_file(path, &app.settings)).collect();
     let mut failed = None;
     app.change(|state| {
@@ -280,7 +280,7 @@ fn take_releases_in(app: &Arc<App>) -> Result<(), Failure> {
     for release in releases {
         let taken = release.file().and_then(|file| recordings::of_release(file, &app.settings));
         match taken {
-            Ok(loaded) => drop(app.change(|state| state.add(Loaded { port: port.clone(), ..loaded }))?),
+            Ok(loaded) => drop(app.change(|state| state.add(recordings::of_port(loaded, port.as_deref())))?),
             Err(failure) => fault = Some(failure),
         }
     }

@@ -17,12 +17,13 @@ use super::measured::Measured;
 use super::number::{Cell, Numerals};
 use super::options::ReadOptions;
 use super::rate::Rates;
+use super::runs;
 use super::samples::{MOST_COLUMNS, Samples};
 use super::table::Table;
 use super::told::Told;
 use super::units::{AngleUnit, RateUnit};
 use super::words::{self, Meaning, is_of_sine, is_size, meaning};
-use names::{all_best, ambiguous, bare_axes, example, find, no_angle, note_rivals, the_one};
+use names::{all_best, ambiguous, bare_axes, example, find, is_of_periods, no_angle, note_rivals, the_one};
 use standing::unnamed_time;
 use std::f64::consts::{FRAC_PI_2, PI};
 use time::{as_time, choose_time, plotted_axes, unit_in_cell};
@@ -54,8 +55,15 @@ impl Sources {
             }
             None => {
                 let reading = choose_reading(table, header, options, &asked, code);
+                if let Err(fault @ Fault::OnlyDurations { .. }) = reading {
+                    return Err(fault);
+                }
                 let reading_idx = reading.as_ref().ok().and_then(ReadingSource::first_idx);
-                (choose_time(table, header, options, &asked, reading_idx, notes)?, reading?)
+                let time = choose_time(table, header, options, &asked, reading_idx, notes)?;
+                if asked.time.is_none() && time.column().is_some_and(|idx| is_of_periods(table, idx)) {
+                    return Err(Fault::OnlyDurations { available: table.available() });
+                }
+                (time, reading?)
             }
         };
         if let (ReadingSource::Angle { idx, .. }, None) = (&reading, &asked.angle) {
@@ -78,7 +86,15 @@ impl Sources {
         }
         log::debug!("columns: time from {time:?}, readings from {reading:?}, code from {code:?}");
         let otherwise = example(table, "angle", &[], reading.columns().first().copied());
-        Ok(Self { time, reading, code, otherwise })
+        let needed: Vec<usize> = reading.columns().into_iter().chain(time.column()).chain(code).collect();
+        let run = runs::column(table, |idx| !needed.contains(&idx)).filter(|_| header.version.is_none());
+        Ok(Self { time, reading, code, run, otherwise })
+    }
+
+    /// The same, where another run of the file shows that its angles are degrees and nothing else says so.
+    pub(super) fn in_degrees(&self) -> Option<Self> {
+        let ReadingSource::Angle { idx, unit: None } = self.reading else { return None };
+        Some(Self { reading: ReadingSource::Angle { idx, unit: Some(AngleUnit::Degrees) }, ..self.clone() })
     }
 
     /// Angles (rad) or rates (rad/s) from the numbers that were read.
@@ -210,6 +226,7 @@ fn choose_reading(
             Err(
                 fault @ (Fault::NoAngleColumn { .. }
                 | Fault::OnlyAccelerations { .. }
+                | Fault::OnlyDurations { .. }
                 | Fault::OnlyRaw { .. }
                 | Fault::OnlyQuaternions { .. }),
             ),

@@ -7,16 +7,19 @@ use super::told::Told;
 use super::units::{AngleUnit, RateUnit, TimeUnit};
 
 /// Where each quantity comes from.
+#[derive(Clone)]
 pub(super) struct Sources {
     pub(super) time: TimeSource,
     pub(super) reading: ReadingSource,
     pub(super) code: Option<usize>,
+    /// What names the run, where a file may hold several.
+    pub(super) run: Option<usize>,
     /// What could be told if the column of the readings turns out to be a wrong one.
     pub(super) otherwise: String,
 }
 
 /// Where what was measured comes from.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) enum ReadingSource {
     /// Angles.
     Angle {
@@ -91,7 +94,7 @@ impl Sources {
 }
 
 /// Where time comes from.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) enum TimeSource {
     Column {
         idx: usize,

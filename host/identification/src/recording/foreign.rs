@@ -8,6 +8,7 @@ mod as_text;
 mod json;
 mod kind;
 mod labview;
+mod lists;
 mod mat4;
 mod mat5;
 mod matlab;
@@ -36,6 +37,7 @@ impl Kind {
             Self::OldWorkbook => Err(refused("workbook of a spreadsheet", "save the sheet as CSV in that program")),
             Self::LabView => labview::table(bytes),
             Self::Json => json::table(bytes),
+            Self::Lists => lists::table(bytes),
             Self::Markup => Err(refused(
                 "file of XML or HTML",
                 "Tracker (.trk), Logger Pro (.cmbl), CASSY Lab (.labx) and phyphox (.phyphox) keep their projects so; open \

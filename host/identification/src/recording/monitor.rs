@@ -1,6 +1,7 @@
 //! Lines of serial monitors and plotters: clock times before an arrow, labels before the numbers, brackets around a row.
 //!
 //! `12:34:05.120 -> 120,57.3`, `[12:34:05.120] 57.3`, `t:120 angle:57.3`, `Time: 120 ms, Angle: 57.3 deg`, `(0.12, 57.3)`.
+//! Tables of Markdown, `| 0.12 | 57.3 |`, are parted by bars.
 //! Each line becomes the row that somebody could have printed without them; the labels become the names of the columns.
 
 use super::clock;
@@ -16,6 +17,8 @@ pub(super) struct Dress {
     pub(super) labels: Option<Vec<String>>,
     /// Some cells hold two numbers.
     pairs: Option<Pairs>,
+    /// Bars part the cells.
+    has_bars: bool,
 }
 
 /// What becomes of the clock times before an arrow.
@@ -42,11 +45,16 @@ impl Dress {
             if has_time { Arrow::Drop } else { Arrow::Keep }
         });
         let pairs = Pairs::of(lines).filter(|_| !has_arrow);
-        Self { arrow, labels, pairs }
+        let n_bars = lines.iter().filter(|line| between_bars(line).is_some()).count();
+        let has_bars = !has_arrow && labels.is_none() && 2 * n_bars > lines.len();
+        Self { arrow, labels, pairs, has_bars }
     }
 
     /// The row in plain text; lines in another dress stay as they are.
     pub(super) fn undress(&self, line: &str) -> Option<String> {
+        if self.has_bars {
+            return between_bars(line);
+        }
         if let Some(pairs) = &self.pairs {
             return Some(pairs.apart(line));
         }
@@ -83,6 +91,16 @@ fn behind_arrow(line: &str) -> Option<(&str, &str)> {
 fn n_words_with_digits(text: &str) -> usize {
     let words = text.split(|letter: char| letter.is_whitespace() || matches!(letter, ',' | ';'));
     words.filter(|word| word.bytes().any(|byte| byte.is_ascii_digit())).count()
+}
+
+/// The cells between bars; nothing of the line that parts the names from the rows.
+fn between_bars(line: &str) -> Option<String> {
+    let line = line.trim();
+    let inside = line.strip_prefix('|').unwrap_or(line);
+    let inside = inside.strip_suffix('|').unwrap_or(inside);
+    let cells: Vec<&str> = inside.split('|').map(str::trim).collect();
+    let is_rule = cells.iter().all(|cell| cell.contains('-') && cell.trim_matches(['-', ':']).is_empty());
+    (cells.len() > 1).then(|| if is_rule { String::new() } else { cells.join("\t") })
 }
 
 /// `(0.1, 0.2)` and `[0.1, 0.2]`, as a program prints several values at once; `(ms),(V)` are two pairs.
@@ -190,6 +208,13 @@ mod tests {
         let two = ["12:34:05.120 -> angle=57.3 deg, raw=652"];
         check(&two, Some(&["clock", "angle deg", "raw"]), &[Some("12:34:05.120\t57.3\t652")]);
         check(&["12:34:05.120 -> t=120, angle=57.3"], Some(&["t", "angle"]), &[Some("120\t57.3")]);
+    }
+
+    #[test]
+    fn bars_of_a_markdown_table_part_its_cells() {
+        let lines = ["| t (s) | theta |", "|:---|---:|", "| 0.0 | -1.5 |", "0.1 | 1.4", "words"];
+        check(&lines, None, &[Some("t (s)\ttheta"), Some(""), Some("0.0\t-1.5"), Some("0.1\t1.4"), None]);
+        check(&["t=1|angle=2"], Some(&["t", "angle"]), &[Some("1\t2")]);
     }
 
     #[test]

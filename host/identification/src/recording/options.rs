@@ -19,6 +19,8 @@ pub struct ReadOptions {
     pub pivot: Option<[f64; 2]>,
     /// `--mirror`: it counts the other way, clockwise positive.
     pub mirrored: bool,
+    /// `--run`: of a file that holds several runs these, by name or by number from 1; none for all.
+    pub runs: Vec<String>,
     /// What a file holds that does not say it.
     pub measured: Option<Measured>,
 }

@@ -8,6 +8,7 @@ use super::limits::{LONGEST_STEP_S, MOST_SAMPLES};
 use super::median_step_s;
 use super::number::{Cell, Numerals};
 use super::order;
+use super::runs::Labels;
 use super::spikes;
 use super::table::Table;
 use super::ticks;
@@ -30,9 +31,15 @@ pub(super) struct Samples {
     pub(super) codes: Vec<u16>,
     /// Which rows they are, where the rate tells the time and rows are missing.
     pub(super) rows: Vec<u32>,
+    /// Which run each row belongs to, where a column says so.
+    pub(super) labels: Labels,
+    /// Rows above which the names of the columns stand again, where the rate tells the time; the first one with them.
+    pub(super) headings: Vec<usize>,
     /// Day of the first clock time.
     first_day: Option<i64>,
     n_midnights: u32,
+    /// Rows that repeat the one before.
+    n_doubled: usize,
     /// The first time that does not increase, where it may be cured once all are known.
     standstill: Option<Fault>,
 }
@@ -51,7 +58,7 @@ enum Taken {
 }
 
 impl Samples {
-    /// Reads all rows; what is dropped is noted.
+    /// Reads all rows, of however many runs; what is dropped is noted.
     pub(super) fn collect(
         table: &mut Table,
         sources: &Sources,
@@ -59,12 +66,12 @@ impl Samples {
         notes: &mut Vec<String>,
     ) -> Result<Self, Fault> {
         let columns = sources.reading.columns();
-        let mut samples = Self { readings: vec![Vec::new(); columns.len()], ..Self::default() };
+        let mut samples = Self { readings: vec![Vec::new(); columns.len()], headings: vec![0], ..Self::default() };
         let mut numerals = table.numerals.clone();
         let mut missing = Missing::default();
         let mut words = Missing::default();
         let mut below: Vec<Fault> = Vec::new();
-        let (mut n_doubled, mut row_idx) = (0_usize, 0_u32);
+        let mut row_idx = 0_u32;
         while table.advance()? {
             // Our own writer ends every line: in a row without an end, even what looks like a number may be the
             // beginning of one. The writers of others often leave out the last end.
@@ -75,12 +82,15 @@ impl Samples {
                 Some(Ok(Taken::Sample)) => {
                     samples.rows.extend(sources.counts_rows().then_some(row_idx));
                     match samples.is_doubled(samples.len() - 1) {
-                        true => n_doubled += 1,
+                        true => samples.n_doubled += 1,
                         false => samples.check_last(table, sources, is_ours)?,
                     }
                 }
                 Some(Ok(Taken::Gap { column })) if table.is_complete() => missing.count(table, column),
                 Some(Err(_)) if !is_ours && has_no_number(table) => {
+                    if sources.counts_rows() && table.is_heading() {
+                        samples.headings.push(samples.len());
+                    }
                     words.count(table, 0);
                     continue;
                 }
@@ -88,6 +98,7 @@ impl Samples {
                     below.push(fault);
                     continue;
                 }
+                Some(Err(_)) if is_ours && table.is_heading() => return Err(Fault::Joined { line: table.line() }),
                 Some(Err(fault)) if table.is_complete() => return Err(fault),
                 _ => {
                     notes.push(format!("line {}: cut off while it was written, left out", table.line()));
@@ -96,24 +107,66 @@ impl Samples {
             }
             row_idx += 1;
         }
-        if samples.set_clock_right(notes)? {
-            n_doubled = 0;
-        }
-        samples.drop_doubled(n_doubled);
-        if n_doubled > 0 {
-            notes.push(format!("{n_doubled} rows stood there twice (same time, same angle), left out once each"));
-        }
         notes.extend(missing.in_words("rows without a value are gaps"));
         notes.extend(words.in_words("lines without any number left out"));
         if !below.is_empty() {
             let lines = if below.len() == 1 { "1 line".to_owned() } else { format!("{} lines", below.len()) };
             notes.push(format!("{lines} below the table left out, with words where the time would be"));
         }
-        if samples.n_midnights > 0 {
+        Ok(samples)
+    }
+
+    /// What only all rows of a run tell: clocks are set right, and rows that stand there twice left out.
+    pub(super) fn finish(&mut self, notes: &mut Vec<String>) -> Result<(), Fault> {
+        if self.set_clock_right(notes)? {
+            self.n_doubled = 0;
+        }
+        self.drop_doubled();
+        if self.n_doubled > 0 {
+            notes
+                .push(format!("{} rows stood there twice (same time, same angle), left out once each", self.n_doubled));
+        }
+        if self.n_midnights > 0 {
             notes.push("the clock passed midnight: a day added".to_owned());
         }
-        samples.shrink();
-        Ok(samples)
+        self.shrink();
+        Ok(())
+    }
+
+    /// The rows of each run as samples of their own.
+    pub(super) fn by_runs(self, of_rows: &[u32], n_runs: usize) -> impl Iterator<Item = Self> {
+        let empty = || Self { readings: vec![Vec::new(); self.readings.len()], ..Self::default() };
+        let mut runs: Vec<Self> = (0..n_runs).map(|_| empty()).collect();
+        let mut first_rows = vec![None; n_runs];
+        for (row, place) in of_rows.iter().enumerate() {
+            let run = &mut runs[*place as usize];
+            run.times.extend(self.times.get(row));
+            run.codes.extend(self.codes.get(row));
+            run.rows.extend(self.rows.get(row).map(|idx| idx - *first_rows[*place as usize].get_or_insert(*idx)));
+            run.readings.iter_mut().zip(&self.readings).for_each(|(list, all)| list.push(all[row]));
+        }
+        runs.into_iter().map(Self::looked_over)
+    }
+
+    /// With what is seen of a run while a file of its own is read.
+    fn looked_over(mut self) -> Self {
+        self.n_doubled = (0..self.len()).filter(|idx| self.is_doubled(*idx)).count();
+        let wrong =
+            (1..self.times.len()).find(|idx| self.times[*idx] <= self.times[*idx - 1] && !self.is_doubled(*idx));
+        self.standstill = wrong.and_then(|idx| {
+            check_step(|| format!("row {} of the run", idx + 1), "", self.times[idx - 1], self.times[idx]).err()
+        });
+        self
+    }
+
+    /// The largest reading, in the file's unit.
+    pub(super) fn largest_reading(&self) -> f64 {
+        self.readings.iter().flatten().fold(0.0, |largest, reading| f64::max(largest, reading.abs()))
+    }
+
+    /// Does the time go back or stand anywhere?
+    pub(super) fn goes_back(&self) -> bool {
+        self.standstill.is_some()
     }
 
     /// Reads one row as a whole or not at all.
@@ -146,6 +199,9 @@ impl Samples {
                 found => found,
             },
         };
+        if let Some(label) = sources.run.and_then(|idx| row.fields.get(idx)) {
+            self.labels.push(label);
+        }
         self.times.extend(time);
         self.readings.iter_mut().zip(readings).for_each(|(list, reading)| list.push(reading));
         self.codes.extend(code);
@@ -238,8 +294,8 @@ impl Samples {
         repeats(&self.times) && self.readings.iter().all(repeats)
     }
 
-    fn drop_doubled(&mut self, n_doubled: usize) {
-        if n_doubled > 0 {
+    fn drop_doubled(&mut self) {
+        if self.n_doubled > 0 {
             let kept: Vec<bool> = (0..self.len()).map(|idx| !self.is_doubled(idx)).collect();
             self.keep(&kept);
         }
@@ -303,7 +359,7 @@ impl Samples {
         }
     }
 
-    fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.readings.first().map_or(self.codes.len(), Vec::len)
     }
 

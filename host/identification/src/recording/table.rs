@@ -145,6 +145,13 @@ impl<'a> Table<'a> {
         split(&self.row.text, self.separator)
     }
 
+    /// Do the names of the columns stand in the row again?
+    pub(super) fn is_heading(&self) -> bool {
+        let bare = |name: &str| name.to_lowercase().replace(char::is_whitespace, "");
+        let fields: Vec<String> = self.fields().into_iter().map(bare).collect();
+        self.names.as_ref().is_some_and(|names| names.iter().map(|name| bare(name)).eq(fields))
+    }
+
     /// Line of the row, counted from 1.
     pub(super) fn line(&self) -> usize {
         self.row.number

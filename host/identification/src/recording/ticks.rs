@@ -4,7 +4,7 @@
 //! anything else is wrong with them.
 
 /// Counters of microcontrollers begin anew behind so many.
-const COUNTERS: [f64; 2] = [65_536.0, 4_294_967_296.0];
+pub(super) const COUNTERS: [f64; 2] = [65_536.0, 4_294_967_296.0];
 
 /// A step back by more than this share of a counter's range is its new beginning. Encoders move by less than a quarter of
 /// theirs between two samples; a clock moves by less still.

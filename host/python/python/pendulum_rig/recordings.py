@@ -26,6 +26,7 @@ class Reading:
         zero: what the sensor reads while the pendulum hangs, in the file's unit.
         pivot: the pivot in the file's x and y, for a point that was followed in a video.
         mirror: the sensor counts the other way, clockwise positive.
+        run: of a file that holds several runs this one, by name or by number from 1.
         start: the free swing begins here, s.
         end: the free swing ends here, s.
     """
@@ -37,6 +38,7 @@ class Reading:
     zero: float | None = None
     pivot: Sequence[float] | None = None
     mirror: bool = False
+    run: str | int | None = None
     start: float | None = None
     end: float | None = None
 
@@ -156,7 +158,8 @@ def read(path: str | os.PathLike[str], reading: Reading = Reading()) -> Recordin
         reading: how, if the file does not say.
 
     Raises:
-        Failed: the file can't be a recording; the message names line and column.
+        Failed: the file can't be a recording; the message names line and column. Or it holds several runs, and
+            ``reading`` does not choose one by its ``run``.
     """
     return Recording._of(_native.Recording.read(os.fspath(path), reading))
 

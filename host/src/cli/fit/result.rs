@@ -36,7 +36,7 @@ pub(super) struct Shown<'a> {
 /// Prints it on stdout.
 pub(super) fn show(options: &Options, recordings: &[PathBuf], shown: &Shown) {
     if options.json {
-        output::json("fit", &shown.outcome.fields(&all_named(recordings), options.method.into(), shown.check));
+        output::json("fit", &shown.outcome.fields(&all_named(shown.swings), options.method.into(), shown.check));
     } else {
         if let Some(found) = &shown.outcome.discovery {
             output::result(&format!("{}\n", evidence::in_words(found)));

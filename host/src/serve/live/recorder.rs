@@ -8,7 +8,7 @@ use crate::now;
 use crate::record::{Limits, Live, Plan, Stage, Watch, in_words, record, unused_path, usable};
 use crate::recording::Existing;
 use crate::serve::app::App;
-use crate::serve::recordings::{self, Loaded};
+use crate::serve::recordings;
 use shared::wire;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -36,7 +36,7 @@ impl Owner<'_> {
         match note.and_then(|note| Ok((note, recordings::of_file(&path, &app.settings)?))) {
             Ok((note, loaded)) => {
                 self.show(|rig| rig.note = Some(note));
-                app.take_in(Loaded { port: Some(port), ..loaded })?;
+                app.take_in(recordings::of_port(loaded, Some(&port)))?;
             }
             Err(failure) => app.change(|state| state.failure = Some(failure)),
         }

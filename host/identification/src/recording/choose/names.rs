@@ -2,9 +2,10 @@
 
 use super::super::columns::ColumnRef;
 use super::super::error::Fault;
+use super::super::runs::is_one_of_several;
 use super::super::table::Table;
 use super::super::words::{
-    Meaning, is_acceleration, is_duration, is_of_carrier, is_of_pendulum, is_quaternion, is_raw, meaning,
+    Meaning, is_acceleration, is_duration, is_length, is_of_carrier, is_of_pendulum, is_quaternion, is_raw, meaning,
     says_nothing_else,
 };
 use super::standing::{rises_evenly, unnamed_time};
@@ -29,9 +30,20 @@ pub(super) fn bare_axes(table: &Table) -> Option<Vec<usize>> {
 /// can.
 pub(super) fn no_angle(table: &Table) -> Fault {
     let available = table.available();
+    let runs: Vec<usize> = table
+        .names
+        .iter()
+        .flatten()
+        .enumerate()
+        .filter(|(_, name)| is_one_of_several(name))
+        .map(|(idx, _)| idx)
+        .collect();
+    if runs.len() > 1 {
+        return ambiguous(table, "angle", &runs);
+    }
     let first = |is_it: fn(&str) -> bool| table.names.iter().flatten().position(|name| is_it(name));
     let raw = first(is_raw).filter(|idx| table.is_of_numbers(*idx));
-    match (first(is_acceleration), first(is_duration), raw, first(is_quaternion)) {
+    match (first(is_acceleration), periods(table), raw, first(is_quaternion)) {
         (Some(_), ..) => Fault::OnlyAccelerations { available },
         (_, Some(_), ..) => Fault::OnlyDurations { available },
         (.., Some(idx), _) => Fault::OnlyRaw { available, example: example(table, "angle", &[idx], None) },
@@ -39,6 +51,36 @@ pub(super) fn no_angle(table: &Table) -> Fault {
         _ => several_points(table).or(x_alone(table)).unwrap_or(Fault::NoAngleColumn { available }),
     }
 }
+
+/// The column of periods, where there is one: named so, or `T` beside a length or above numbers that stay about the same.
+fn periods(table: &Table) -> Option<usize> {
+    let names = table.names.as_deref()?;
+    let has_length = names.iter().any(|name| is_length(name));
+    let symbol = || (0..names.len()).find(|idx| is_symbol(&names[*idx]) && (has_length || are_alike(table, *idx)));
+    names.iter().position(|name| is_duration(name)).or_else(symbol)
+}
+
+/// Is it the time by its name and yet a few periods, `T` or `Period (s)` above numbers that stay about the same?
+pub(super) fn is_of_periods(table: &Table, idx: usize) -> bool {
+    let name = table.names.as_ref().and_then(|names| names.get(idx));
+    name.is_some_and(|name| is_duration(name) || is_symbol(name)) && are_alike(table, idx)
+}
+
+fn is_symbol(name: &str) -> bool {
+    name.split(|letter: char| !letter.is_alphabetic()).next() == Some("T")
+}
+
+fn are_alike(table: &Table, idx: usize) -> bool {
+    let numbers = table.first_numbers(idx);
+    let (low, high) = numbers.iter().fold((f64::MAX, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
+    (2..MOST_PERIODS).contains(&numbers.len()) && low > 0.0 && high < PERIODS_ALIKE * low
+}
+
+/// Of a pendulum whose length or release angle is changed, nobody measures more periods …
+const MOST_PERIODS: usize = 100;
+
+/// … and from the smallest to the largest release angle they grow by less than this factor, while a time grows from 0.
+const PERIODS_ALIKE: f64 = 3.0;
 
 /// How far a point is to one side is no angle, but nearly is one where it swings little.
 fn x_alone(table: &Table) -> Option<Fault> {

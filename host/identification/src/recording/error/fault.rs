@@ -130,7 +130,7 @@ pub enum Fault {
     },
     /// Nothing but periods and the like.
     #[error(
-        "{available}: among them are durations, as a light gate gives them, which can't be fitted, because they tell nothing \
+        "{available}: among them are durations, periods or what a light gate gives, which can't be fitted, because they tell nothing \
          of the motion in between; record the angle or the angular velocity through the swing. If another column is the \
          angle, name it with --columns theta=..."
     )]
@@ -443,6 +443,45 @@ pub enum Fault {
         fault: Box<Self>,
         /// The columns.
         told: Told,
+    },
+    /// More runs than the one that was asked for.
+    #[error("the file holds {n} runs ({runs}), expected one here; choose one with --run {example}")]
+    SeveralRuns {
+        /// How many.
+        n: usize,
+        /// Their names and lengths.
+        runs: String,
+        /// The second one.
+        example: String,
+    },
+    /// Two of our own files in one.
+    #[error(
+        "line {line}: the names of the columns stand there again, expected another sample; two recordings were joined: \
+         split the file there, and give both"
+    )]
+    Joined {
+        /// Counted from 1.
+        line: usize,
+    },
+    /// Rows of several runs, or of several sensors, in turn.
+    #[error("the rows of several runs or sensors stand there in turn ({by}: {runs}); choose one with --run {example}")]
+    RunsInTurn {
+        /// What names them.
+        by: String,
+        /// Their names.
+        runs: String,
+        /// The first one.
+        example: String,
+    },
+    /// A run that is not there.
+    #[error(
+        "there is no run {wanted}: the file holds {there}; choose one by its name or its number with --run, or leave --run out"
+    )]
+    NoSuchRun {
+        /// As written.
+        wanted: String,
+        /// How many there are, and what they are called.
+        there: String,
     },
     /// `--columns` could not be understood.
     #[error(transparent)]

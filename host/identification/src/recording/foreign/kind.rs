@@ -1,6 +1,6 @@
 //! What a file is, by its first bytes.
 
-use super::{mat4, mat5, numpy};
+use super::{lists, mat4, mat5, numpy};
 
 /// What a file is, by its first bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +19,8 @@ pub(in crate::recording) enum Kind {
     LabView,
     /// JSON: an object a line, or one array or object.
     Json,
+    /// Lists as programs print them.
+    Lists,
     /// XML or HTML: projects of Tracker and others.
     Markup,
     /// What is known, and not read: its place in [`UNREAD`].
@@ -71,6 +73,7 @@ impl Kind {
             () if begins("MATLAB 7.3") || head.starts_with(b"\x89HDF") => Some(Self::Hdf5),
             () if begins("MATLAB 5.0") || mat5::begins(head) || mat4::begins(head) => Some(Self::Matlab),
             () if begins("LabVIEW Measurement") => Some(Self::LabView),
+            () if lists::begins(head) => Some(Self::Lists),
             () if is_json => Some(Self::Json),
             () if is_markup(head) => Some(Self::Markup),
             () if head.get(4..8) == Some(b"ftyp") => {

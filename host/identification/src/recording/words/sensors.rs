@@ -17,6 +17,15 @@ pub(in crate::recording) fn is_duration(name: &str) -> bool {
     words(name).iter().any(|word| DURATION.contains(&word.as_str()))
 }
 
+/// Is it the length of the pendulum? `length (m)`, `l / cm`, `Pendellänge`.
+pub(in crate::recording) fn is_length(name: &str) -> bool {
+    words(name).iter().any(|word| LENGTH.contains(&word.as_str()))
+}
+
+/// Words of a length.
+const LENGTH: &[&str] =
+    &["length", "l", "länge", "laenge", "pendellänge", "fadenlänge", "longueur", "longitud", "lunghezza"];
+
 /// Words of such durations.
 const DURATION: &[&str] = &[
     "period",
