@@ -10,7 +10,7 @@ use tests::program::{PATIENT, host, path};
 use tests::protocol_page;
 
 /// Pages with code blocks, each run by a test of its own.
-const PAGES: [&str; 23] = [
+const PAGES: [&str; 24] = [
     "README.md",
     "docs/add-a-board.md",
     "docs/add-an-effect.md",
