@@ -27,6 +27,12 @@ const BEAM: usize = 2;
 /// Models that cost this much more than the best are not gone on with.
 const BEAM_REACH: f64 = 2.0;
 
+/// Models of one level that are looked at again, at most, …
+const MAX_LOOKED_AT: usize = 8;
+
+/// … if they cost less than so many times the best one.
+const WORTH_A_LOOK: f64 = 3.0;
+
 /// Where the best model leaves more than the noise, so many are looked at from other sides too.
 const RIVALS: usize = 2;
 
@@ -225,11 +231,20 @@ fn found_roughly(
     level.retain(|model| is_sound(rough, model));
     sort(&mut level);
     drop_doubles(&mut level);
-    level
+    looked_at_again(rough, level)
 }
 
 /// A model with the stiction of another one, which may be a property of the bearing and no merit of its effect; what a
 /// model was begun with may have imitated the effect.
 fn with_the_stiction_of(rough: &Problem, stiction: Stiction, model: &Fitted) -> Fitted {
     model.evaluated(rough).better(model.with_stiction(stiction).refined(rough, Band::Held, Tolerance::LONG))
+}
+
+/// A few steps more for models that came within reach of the best, in their new order: the first fits end early.
+fn looked_at_again(problem: &Problem, mut level: Vec<Fitted>) -> Vec<Fitted> {
+    let lowest = level.first().map_or(0.0, |best| best.cost);
+    let n_near = level.iter().take(MAX_LOOKED_AT).take_while(|model| model.cost < WORTH_A_LOOK * lowest).count();
+    level[..n_near].par_iter_mut().for_each(|model| *model = model.refined(problem, Band::Held, Tolerance::ROUGH));
+    sort(&mut level);
+    level
 }
