@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""What each tuned constant of fit and diagnosis decides: the forty rigs of discover_many are diagnosed with half and with
-twice its value, and a table tells what became of them.
+"""What each tuned constant of fit and diagnosis decides: the forty rigs of discover_many and the real recordings that come
+with the project are diagnosed with half and with twice its value, and a table tells what became of them.
 
 A copy of the tree asks for its constants at run time, so that it is compiled once. CONSTANTS picks those whose file or
 name contains one of its words, all without it. Writes docs/constants.md, keeping the rows of constants that were not
 picked.
 """
 
+import json
+import math
 import os
 import re
 import shutil
@@ -40,22 +42,15 @@ NOT_TUNED = {
     "fit/uncertainty.rs:PROFILE_95",
 }
 
+# What lies before is no free swing.
+BEGINS_S = {"dynamicslab_single_arm": "14.2"}
+
 # What a constant becomes: a function that looks once whether another value was asked for.
 FUNCTION = """#[allow(non_snake_case)]
 {head}fn {name}() -> {kind} {{
     static VALUE: std::sync::OnceLock<{kind}> = std::sync::OnceLock::new();
     *VALUE.get_or_init(|| crate::tuned("{place}", "{value}").parse().unwrap())
 }}"""
-
-# The three that stand in one structure.
-THRESHOLDS = re.compile(r"pub const USUAL: Self = Self \{ (?P<fields>[^}]*) \};")
-THRESHOLD = """
-impl Thresholds {{
-    fn tuned() -> Self {{
-        Self {{ {fields} }}
-    }}
-}}
-"""
 
 LOOK_UP = """
 /// The value of a constant, or another one that was asked for; notes that it was needed.
@@ -84,19 +79,50 @@ class Constant:
 
 
 @dataclass
-class Rates:
+class Rigs:
     """What became of forty rigs."""
 
-    rigs: dict
-    first: str
-    pairs: str
-    settled: str
-    accused: str
-    exact: str
+    told: dict
+    counts: list
     million_steps: int
 
     def cells(self):
-        return [self.exact, self.first, self.pairs, self.settled, self.accused, str(self.million_steps)]
+        return [*self.counts, str(self.million_steps)]
+
+
+@dataclass
+class Recordings:
+    """What became of the real recordings: verdict, error left and effort of each."""
+
+    told: dict
+    left: dict
+    million_steps: int
+
+    def cells(self, usual):
+        """The error in the geometric mean beside the usual one, the largest change, and the effort."""
+        changes = {name: math.log(left / usual.left[name]) for name, left in self.left.items()}
+        mean = sum(changes.values()) / len(changes)
+        return [percent(mean), percent(max(changes.values(), key=abs)), str(self.million_steps)]
+
+
+@dataclass
+class Judged:
+    """What a value of a constant leads to."""
+
+    rigs: Rigs
+    recordings: Recordings
+    needed: set
+
+    def row(self, place, value, usual):
+        rigs, recordings = self.rigs, self.recordings
+        others = [name for name, told in rigs.told.items() if told != usual.rigs.told[name]]
+        others += [name for name, told in recordings.told.items() if told != usual.recordings.told[name]]
+        cells = [*rigs.cells(), *recordings.cells(usual.recordings), ", ".join(f"`{it}`" for it in others) or "none"]
+        return "| " + " | ".join([f"`{place}`", value, *cells]) + " |"
+
+
+def percent(logarithm):
+    return f"{100 * math.expm1(logarithm):+.1f} %"
 
 
 def main():
@@ -105,19 +131,19 @@ def main():
     constants = [constant for constant in made_tunable(tree) if not words or any(it in constant.place for it in words)]
     if not constants:
         sys.exit(f"no constant has one of {words} in its place; places are like diagnose/search.rs:BEAM")
-    program = compiled(tree)
-    usual, needed = judged(program, None)
-    print(f"as they are: {usual.cells()}", flush=True)
+    programs = compiled(tree)
+    usual = judged(programs, "")
     rows = read_rows()
-    rows["as they are"] = row("as they are", "", usual, usual)
+    rows["as they are"] = usual.row("as they are", "", usual)
+    print(rows["as they are"], flush=True)
     for constant in constants:
         rows = {label: line for label, line in rows.items() if not label.startswith(f"{constant.place} ")}
-        if constant.place in needed:
+        if constant.place in usual.needed:
             values = [value for value in map(constant.changed, (0.5, 2.0)) if value != constant.value]
             with ThreadPoolExecutor() as pool:
-                found = list(pool.map(lambda value: judged(program, f"{constant.place}={value}")[0], values))
-            for value, rates in zip(values, found):
-                told = row(constant.place, f"{value} for {constant.value}", rates, usual)
+                found = list(pool.map(lambda value: judged(programs, f"{constant.place}={value}"), values))
+            for value, result in zip(values, found):
+                told = result.row(constant.place, f"{value} for {constant.value}", usual)
                 rows[f"{constant.place} {value}"] = told
                 print(told, flush=True)
         write_rows(rows, usual=rows["as they are"])
@@ -150,8 +176,6 @@ def made_tunable(tree):
             text = called(text.replace(match[0], "\0"), match["name"]).replace("\0", function)
             if match["head"]:
                 public.append(match["name"])
-        text, thresholds = tunable_thresholds(text)
-        found += thresholds
         file.write_text(text)
     users = [file for part in (SOURCES, "host/src", "tests") for file in (tree / part).rglob("*.rs")]
     for file in users:
@@ -171,17 +195,6 @@ def is_in_a_type(name, file):
     return re.search(rf"; {name}\]|, {name}>", file.read_text()) is not None
 
 
-def tunable_thresholds(text):
-    """The structure of thresholds, if it stands in this text, asks for its fields; gives these."""
-    match = THRESHOLDS.search(text)
-    if not match:
-        return text, []
-    pairs = [field.split(": ") for field in match["fields"].split(", ")]
-    found = [Constant(f"verdict.rs:{name}", "f64", value) for name, value in pairs]
-    fields = ", ".join(f'{it.place.split(":")[1]}: crate::tuned("{it.place}", "{it.value}").parse().unwrap()' for it in found)
-    return text.replace("(&Thresholds::USUAL)", "(&Thresholds::tuned())") + THRESHOLD.format(fields=fields), found
-
-
 def called(text, name):
     """Calls a name wherever it stands by itself, but for comments and imports."""
     lines, in_use = [], False
@@ -194,61 +207,95 @@ def called(text, name):
     return "\n".join(lines)
 
 
+@dataclass
+class Programs:
+    """The test program of the forty rigs, the folder it wants to run in, and `host`."""
+
+    forty: Path
+    folder: Path
+    host: Path
+
+
 def compiled(tree):
-    """The test program of the forty rigs."""
-    command = ["cargo", "test", "--locked", "-p", "tests", "--test", "discover_many", "--no-run"]
-    done = subprocess.run(
-        command, cwd=tree, env=os.environ | {"CARGO_TARGET_DIR": str(BUILT)}, stderr=subprocess.PIPE, text=True
-    )
-    if done.returncode != 0:
-        sys.exit(done.stderr)
-    return tree / "tests", BUILT / re.search(r"\(.*?(debug/deps/discover_many-\w+)\)", done.stderr)[1]
+    env = os.environ | {"CARGO_TARGET_DIR": str(BUILT)}
+    parts = {"forty": ["test", "-p", "tests", "--test", "discover_many", "--no-run"], "host": ["build", "-p", "host"]}
+    told = ""
+    for part in parts.values():
+        done = subprocess.run(["cargo", *part, "--locked"], cwd=tree, env=env, stderr=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            sys.exit(done.stderr)
+        told += done.stderr
+    forty = BUILT / re.search(r"\(.*?(debug/deps/discover_many-\w+)\)", told)[1]
+    return Programs(forty=forty, folder=tree / "tests", host=BUILT / "debug/host")
 
 
-def judged(program, tuned):
-    """Diagnoses the forty rigs; gives what became of them and the constants that were needed."""
-    folder, binary = program
+def judged(programs, tuned):
+    """Diagnoses the forty rigs and the real recordings with a constant changed, `place=value`, or as they are."""
     # One thread each: two values run side by side.
-    env = os.environ | {"CARGO_MANIFEST_DIR": str(folder), "RAYON_NUM_THREADS": "1", "TUNED": tuned or ""}
-    done = subprocess.run([binary, "forty_rigs", "--nocapture"], cwd=folder, env=env, capture_output=True, text=True)
+    env = os.environ | {"CARGO_MANIFEST_DIR": str(programs.folder), "RAYON_NUM_THREADS": "1", "TUNED": tuned}
+    rigs, of_rigs = forty_rigs(programs, env)
+    recordings, of_recordings = real_recordings(programs, env)
+    return Judged(rigs, recordings, of_rigs | of_recordings)
+
+
+def forty_rigs(programs, env):
+    command = [programs.forty, "forty_rigs", "--nocapture"]
+    done = subprocess.run(command, cwd=programs.folder, env=env, capture_output=True, text=True)
     lines = done.stdout.split("\n")
     marked = [line for line in lines if " million steps, " in line]
     if len(marked) < 37:
-        return Rates({}, "", "", "", "", "no result", 0), set()
-    rigs = {line[6:].split()[0]: line[:6].strip() + " " + line.split(" -> ")[1].split(", undecided")[0] for line in marked}
-    told = {line.split(": ")[0]: line.split(": ")[1].split(",")[0] for line in lines if ", at least " in line}
+        sys.exit(f"{env['TUNED'] or 'as they are'}: the forty rigs came to no end\n{done.stderr[-2000:]}")
+    told = {line[6:].split()[0]: line[:6] + line.split(" -> ")[1].split(", undecided")[0] for line in marked}
+    shares = [line.split(": ")[1].split(",")[0] for line in lines if ", at least " in line]
     accused, exact = next(line for line in lines if line.startswith("accused ")).split("; exact ")
-    rates = Rates(
-        rigs=rigs,
-        first=told["what is named first is hidden"],
-        pairs=told["both of two are named"],
-        settled=told["noise is left, or more is said to be"],
-        accused=accused.removeprefix("accused "),
-        exact=exact,
-        million_steps=sum(int(line.split(" million steps, ")[0].split()[-1]) for line in marked),
-    )
-    return rates, set(re.findall(r"^needed (\S+)", done.stderr, re.MULTILINE))
+    million_steps = sum(int(line.split(" million steps, ")[0].split()[-1]) for line in marked)
+    return Rigs(told, [exact, *shares, accused.removeprefix("accused ")], million_steps), needed(done)
 
 
-def row(place, value, rates, usual):
-    others = [label for label, told in rates.rigs.items() if told != usual.rigs[label]]
-    told = ", ".join(f"`{label}`" for label in others) or "none"
-    return "| " + " | ".join([f"`{place}`", value, *rates.cells(), told]) + " |"
+def real_recordings(programs, env):
+    folder = TREE / "host/data/recordings/real"
+    rig = BUILT / "unknown.toml"
+    subprocess.run([programs.host, "init", "--unknown-geometry", "--force", "-o", rig], check=True, capture_output=True)
+    result, asked = Recordings({}, {}, 0), set()
+    for file in sorted(folder.rglob("*.csv")):
+        begin = ["--from", BEGINS_S[file.stem]] if file.stem in BEGINS_S else []
+        command = [programs.host, "diagnose", file, "--rig", rig, "--json", *begin]
+        done = subprocess.run(command, env=env, capture_output=True, text=True)
+        asked |= needed(done)
+        if done.returncode == 0:
+            found = json.loads(done.stdout)
+            result.told[file.stem] = found["verdict"]
+            result.left[file.stem] = found["rmse_after"]
+            result.million_steps += found["effort"]["million_steps"]
+    return result, asked
+
+
+def needed(done):
+    return set(re.findall(r"^needed (\S+)", done.stderr, re.MULTILINE))
 
 
 HEAD = """# What constants decide
 
-The forty rigs of `tests/tests/discover_many.rs`, diagnosed with half and with twice the value of a constant of `fit`,
-`diagnose` or `verdict.rs`; made by `tests/more constants`, which can be given places, so that a row is as old as its
-constant. Constants that these rigs never ask for, such as those of a friction curve, are not listed.
+The forty rigs of `tests/tests/discover_many.rs` and the real recordings of `host/data/recordings/real`, diagnosed with
+half and with twice the value of a constant of `fit`, `diagnose` or `verdict.rs`; made by `tests/more constants`, which can
+be given places, so that a row is as old as its constant. Constants that none of them asks for are not listed.
+
+Of the rigs:
 
 - **exact**: all that is hidden is named, and nothing else
 - **first**: what is named first is hidden
 - **pairs**: both of two are named
 - **settled**: only noise is left, or more is said to be
 - **accused**: rigs that lack nothing and are told to
-- **steps**: millions of simulated steps that the forty diagnoses take together
-- **told otherwise**: rigs whose verdict is another one than with the constant as it is
+- **steps**: millions of simulated steps that the diagnoses take together
+
+Of the real recordings, of which nobody knows what they lack:
+
+- **error**: what is left with what is claimed, in the geometric mean, beside the constant as it is
+- **most**: the largest change of one of them
+- **their steps**: as above
+
+**Told otherwise**: rigs and recordings whose verdict is another one than with the constant as it is.
 """
 
 
@@ -260,7 +307,8 @@ def read_rows():
 
 
 def write_rows(rows, usual):
-    names = ["constant", "value", "exact", "first", "pairs", "settled", "accused", "steps", "told otherwise"]
+    names = ["constant", "value", "exact", "first", "pairs", "settled", "accused", "steps", "error", "most"]
+    names += ["their steps", "told otherwise"]
     head = ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
     others = [line for _, line in sorted(rows.items()) if line != usual]
     TABLE.write_text(HEAD + "\n" + "\n".join([*head, usual, *others]) + "\n")

@@ -1,5 +1,5 @@
-//! Is only noise left? The one answer for fit, comparison, diagnosis, improvement, plan, page and report; and the table
-//! of the constants that decide verdicts.
+//! Is only noise left? The one answer for fit, comparison, diagnosis, improvement, plan, page and report; and the
+//! constants that decide it.
 //!
 //! The reduced chi-square is the sum of squared residuals over σ²·ν, with σ the noise of the sensor and ν the effective
 //! number of samples less the numbers that were fitted. It is 1 where only noise is left, give or take two things: chance,
@@ -19,30 +19,19 @@ pub enum Left {
     Missing,
 }
 
-/// The constants that decide verdicts, in one place. They say what may be claimed; how long a search may take is no
-/// matter of theirs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thresholds {
-    /// Relative error of the noise's variance, as the estimate from differences has it (`recording/noise.rs`: 2 % of the
-    /// rms at worst, usually below 1.5 %). Half of it: simulated rigs without anything missing are searched in vain.
-    /// Twice: weak effects are left in peace.
-    pub noise_known: f64,
-    /// Standard errors of chance that are allowed besides.
-    pub chance_stds: f64,
-    /// A remainder of more than this share of the noise's variance is called missing physics: 1.1 times the rms.
-    pub missing: f64,
-}
+// The constants that decide verdicts, in one place. They say what may be claimed; how long a search may take is no matter
+// of theirs.
 
-impl Thresholds {
-    /// The usual ones.
-    pub const USUAL: Self = Self { noise_known: 0.03, chance_stds: 2.0, missing: 0.21 };
-}
+/// Relative error of the noise's variance, as the estimate from differences has it (`noise.rs`: 2 % of the rms at worst,
+/// usually below 1.5 %). Half of it: simulated rigs without anything missing are searched in vain. Twice: weak effects are
+/// left in peace.
+const NOISE_KNOWN: f64 = 0.03;
 
-impl Default for Thresholds {
-    fn default() -> Self {
-        Self::USUAL
-    }
-}
+/// Standard errors of chance that are allowed besides.
+const CHANCE_STDS: f64 = 2.0;
+
+/// A remainder of more than this share of the noise's variance is called missing physics: 1.1 times the rms.
+const MISSING: f64 = 0.21;
 
 /// A reduced chi-square and the number of samples that it stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,21 +62,16 @@ impl ChiSquare {
     }
 
     /// So much excess may be chance or an error in σ.
-    pub fn tolerance(&self, thresholds: &Thresholds) -> f64 {
-        thresholds.noise_known.hypot(thresholds.chance_stds * (2.0 / self.n_effective).sqrt())
+    fn tolerance(&self) -> f64 {
+        NOISE_KNOWN.hypot(CHANCE_STDS * (2.0 / self.n_effective).sqrt())
     }
 
-    /// The answer, by the usual constants.
+    /// The answer.
     pub fn left(&self) -> Left {
-        self.left_by(&Thresholds::USUAL)
-    }
-
-    /// The answer by other constants.
-    pub fn left_by(&self, thresholds: &Thresholds) -> Left {
-        let tolerance = self.tolerance(thresholds);
+        let tolerance = self.tolerance();
         match self.excess() {
             excess if excess <= tolerance => Left::Noise,
-            excess if excess <= thresholds.missing.max(tolerance) => Left::Nearly,
+            excess if excess <= MISSING.max(tolerance) => Left::Nearly,
             _ => Left::Missing,
         }
     }
