@@ -45,6 +45,7 @@ pub use of_state::OfState;
 pub use summary::{Diagnosis, NotTried, SpecialCase, Step, Suggestion};
 pub use ties::FamilyClaim;
 pub use value::{Candidate, Value};
+pub use verdict::INDISTINGUISHABLE;
 
 use crate::fit::by_least_squares::fitted_as_it_is;
 use crate::fit::identify::problem_of;

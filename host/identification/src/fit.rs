@@ -22,6 +22,7 @@ pub mod free_torque;
 pub mod held_out;
 pub mod identify;
 mod knots;
+mod left_out;
 pub mod levels;
 pub mod linear;
 mod number;

@@ -6,6 +6,7 @@
 //! min over δ of |d − J·δ|²/σ² + δᵀ·P·δ, with d the difference, J the derivatives of the imitating model in the new
 //! experiment, and P the precision (inverse covariance) of its parameters from the present recordings.
 
+pub use crate::diagnose::INDISTINGUISHABLE as DISTINGUISHABLE;
 use crate::fit::fitted::Fitted;
 use crate::fit::linear::{Equations, Steps, equations};
 use crate::fit::problem::{PER_SWING, Point, Problem, Start, Unknown};
@@ -29,9 +30,6 @@ const CHANGES: [(f64, f64); 4] = [(1.5, 1.0), (0.67, 1.0), (1.0, 1.25), (1.0, 0.
 /// A planned recording: length and rate.
 const LENGTH_S: f64 = 30.0;
 const RATE_HZ: f64 = 100.0;
-
-/// Below this nobody can tell two models apart.
-pub const DISTINGUISHABLE: f64 = 25.0;
 
 /// Added to a normal matrix, as a share of its diagonal.
 const RIDGE: f64 = 1e-9;

@@ -18,6 +18,7 @@ mod foreign;
 mod grid;
 mod header;
 mod heading;
+mod labels;
 mod limits;
 mod look;
 mod lost;

@@ -27,8 +27,11 @@ pub enum Left {
 /// left in peace.
 const NOISE_KNOWN: f64 = 0.03;
 
-/// Standard errors of chance that are allowed besides.
-const CHANCE_STDS: f64 = 2.0;
+/// Within so many standard errors something may be chance: 95 % of it is …
+pub const CHANCE_STDS: f64 = 2.0;
+
+/// … and beyond so many it is none, however often one looks: 99.7 % lie within.
+pub const NO_CHANCE_STDS: f64 = 3.0;
 
 /// A remainder of more than this share of the noise's variance is called missing physics: 1.1 times the rms.
 const MISSING: f64 = 0.21;
@@ -77,15 +80,12 @@ impl ChiSquare {
     }
 }
 
-/// Autocorrelations below so many standard errors are taken for none.
-const CORRELATED_STDS: f64 = 3.0;
-
 /// Share of samples that are as good as independent for a variance, from samples of the noise itself (a still pendulum,
 /// a mean of zero): 1/(1 + 2·Σρ²) over the lags that are correlated. 1 for white noise.
 /// Source: M. S. Bartlett, J. R. Stat. Soc. Suppl. 8 (1946) 27.
 pub fn independent_share(noise: &[f64]) -> f64 {
     let square: f64 = noise.iter().map(|x| x * x).sum();
-    let limit = CORRELATED_STDS / (noise.len().max(1) as f64).sqrt();
+    let limit = NO_CHANCE_STDS / (noise.len().max(1) as f64).sqrt();
     let correlation = |lag: usize| noise[lag..].iter().zip(noise).map(|(a, b)| a * b).sum::<f64>() / square;
     let correlated = (1..noise.len() / 4).map(correlation).take_while(|rho| rho.abs() > limit);
     (1.0 + 2.0 * correlated.map(|rho| rho * rho).sum::<f64>()).recip()

@@ -9,6 +9,7 @@
 //! tolerance excuses recordings that contradict each other.
 
 use super::follow::Followed;
+use crate::fit::clusters::NORMAL_95;
 use crate::fit::covariance::{Covariance, with_model_error};
 use crate::fit::descent::{Tolerance, descend};
 use crate::fit::fitted::Fitted;
@@ -25,9 +26,6 @@ use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-
-/// Half width of a 95 % interval in standard deviations.
-const NORMAL_95: f64 = 1.96;
 
 /// Recordings disagree when chance alone would do it more rarely than this.
 const DISAGREEMENT: f64 = 1e-3;

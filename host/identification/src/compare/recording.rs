@@ -12,6 +12,7 @@ use super::rms;
 use super::slope::slopes;
 use super::weak::half_width_s;
 use crate::fit::problem::Start;
+use crate::fit::quality::VELOCITY_CUTOFF_HZ;
 use crate::recording::Measured;
 use crate::swing::{Swing, Window};
 use crate::verdict::{ChiSquare, Left};
@@ -103,9 +104,6 @@ struct StartRecord {
     velocity_rad_s: f64,
     offset_rad: f64,
 }
-
-/// Velocities are compared below this frequency: far above the swing, far below the noise.
-const VELOCITY_CUTOFF_HZ: f64 = 10.0;
 
 /// A block of the slow remainder's test, in half swings.
 const SLOW_BLOCK: f64 = 0.1;

@@ -6,7 +6,7 @@
 //! speed.
 
 use super::budget::Budget;
-use super::models::excess;
+use super::models::{MOST_LEFT, excess};
 use super::resemblance::{Resemblance, of_model};
 use super::score::{Prediction, predictions};
 use super::verdict::Judge;
@@ -20,9 +20,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use shared::effect::{Action, CURVE_NAME, Effect};
 use shared::parameters::Parameters;
-
-/// A curve may leave this share of the excess that the named laws leave; so does an effect beside it of the curve's.
-const MOST_LEFT: f64 = 0.6;
 
 /// An effect beside the curve is fitted only if one linearised step promises this share of the excess. On real recordings
 /// 0.44 and 0.56 were promised where 0.63 and 0.97 came true, but at 0.15 one that removes 0.48 was missed. Twice: it would

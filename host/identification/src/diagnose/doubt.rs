@@ -10,13 +10,11 @@ use crate::fit::identify::{Carries, HeldOut};
 use crate::fit::refine::on_all;
 use crate::fit::tally::Tally;
 use crate::swing::Swing;
+use crate::verdict::CHANCE_STDS;
 use shared::effect::Effect;
 
-/// An exponent is known well enough to say which law it is, up to this standard deviation …
+/// An exponent is known well enough to say which law it is, up to this standard deviation.
 const EXPONENT_KNOWN: f64 = 0.05;
-
-/// … if the special one is within so many of them.
-const EXPONENT_STDS: f64 = 2.0;
 
 /// Which numbers of an effect say where on the way it acts: angles to either side that are no strength.
 fn places(effect: &Effect<f64>) -> Vec<usize> {
@@ -127,7 +125,7 @@ impl Judge<'_, '_> {
             let values = values(self.problem, model);
             let decides = values.iter().filter(|value| value.effect == effect.name).nth(usize::from(at));
             let Some((value, std)) = decides.and_then(|decides| Some((decides.value, decides.std?))) else { continue };
-            if std < EXPONENT_KNOWN && (value - exponent).abs() < EXPONENT_STDS * std {
+            if std < EXPONENT_KNOWN && (value - exponent).abs() < CHANCE_STDS * std {
                 let symbol = effect.parameters[usize::from(at)].symbol;
                 cases.push(SpecialCase { effect: effect.name, symbol, value, std, special });
             }

@@ -25,7 +25,7 @@ const COMBINED: usize = 3;
 const FITTED: usize = 5;
 
 /// Formulas offered, at most.
-const OFFERED: usize = 3;
+pub(super) const OFFERED: usize = 3;
 
 /// A formula that removes less of the excess than this share is not worth a word.
 const WORTH_A_WORD: f64 = 0.25;

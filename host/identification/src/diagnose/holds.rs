@@ -12,6 +12,7 @@ use crate::fit::fitted::Fitted;
 use crate::fit::problem::{Problem, Quantity};
 use crate::fit::refine::on_all;
 use crate::recording::Measured;
+use crate::verdict::{CHANCE_STDS, NO_CHANCE_STDS};
 use serde::Serialize;
 use shared::effect::Effect;
 use shared::score::{MIN_SPARE_CLUSTERS, Normal, score, score_of_few};
@@ -24,10 +25,6 @@ pub const ALPHA: f64 = 0.01;
 
 /// Columns of the test at most: three added effects of four numbers beside the base and an offset for each of a few swings.
 const COLUMNS: usize = 32;
-
-/// A strength this many of its own standard errors from zero is seen, from another value is another.
-const SEEN_STDS: f64 = 2.0;
-const OTHER_STDS: f64 = 3.0;
 
 /// How far a claim goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -262,10 +259,11 @@ fn parts(on: &Problem, test: &Test, k: usize, whole: f64, clusters: &[Cluster]) 
     parts.into_iter().filter_map(part).collect()
 }
 
+/// A strength beyond chance along the whole one is seen; one against it, and surely another, is not.
 fn seen(whole: f64, value: f64, std: Option<f64>) -> Option<bool> {
     let std = std?;
     let (along, apart) = (value * whole.signum(), (value - whole).abs());
-    if along > SEEN_STDS * std { Some(true) } else { (along < 0.0 && apart > OTHER_STDS * std).then_some(false) }
+    if along > CHANCE_STDS * std { Some(true) } else { (along < 0.0 && apart > NO_CHANCE_STDS * std).then_some(false) }
 }
 
 impl Judge<'_, '_> {

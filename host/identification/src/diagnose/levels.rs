@@ -6,9 +6,8 @@
 //! the levels in the base model.
 
 use super::holds::{Holding, Standing, tested_columns};
-use super::models::{excess, is_explained};
-use super::verdict::MOST_LEFT_UNEXPLAINED;
-use crate::fit::clusters::clusters;
+use super::models::{MOST_LEFT_UNEXPLAINED, excess, is_explained};
+use crate::fit::clusters::{RELEASES, clusters};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::levels::{NAME, share};
@@ -16,14 +15,8 @@ use crate::fit::problem::{Part, Problem, Quantity};
 use crate::fit::refine::Band;
 use crate::fit::uncertainty::{Number, Uncertainty, without_bounds};
 use crate::number::with_spread;
+use crate::verdict::NO_CHANCE_STDS;
 use serde::Serialize;
-
-/// From so many releases on, whole releases are the witnesses of a fit, and its ± hold how much they differ already.
-const RELEASES: usize = 6;
-
-/// A level so many of its ± from the mean of all is another one. Not tuned: of the ten levels of five releases with
-/// equal friction, one is so far off by chance in 1 of 40 diagnoses, and they have to hold besides.
-const DIFFERENT_STDS: f64 = 3.0;
 
 /// The friction level of one release against the mean of all.
 #[derive(Clone, Debug, Serialize)]
@@ -118,7 +111,9 @@ fn of_part(problem: &Problem, known: &Uncertainty, wanted: Part) -> PartLevels {
         std: variance(known, &contrasts, swing_idx).map(f64::sqrt),
     };
     let releases: Vec<Level> = (0..problem.swings.len()).map(level).collect();
-    let differs = releases.iter().any(|level| level.std.is_some_and(|std| level.value.abs() > DIFFERENT_STDS * std));
+    // Of the ten levels of five releases with equal friction, one is so far off by chance in 1 of 40 diagnoses, and they have
+    // to hold besides.
+    let differs = releases.iter().any(|level| level.std.is_some_and(|std| level.value.abs() > NO_CHANCE_STDS * std));
     let ends = |(low, high): (f64, f64), level: &Level| (low.min(level.value), high.max(level.value));
     let (low, high) = releases.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
     PartLevels { part: wanted, change: high - low, differs, releases }

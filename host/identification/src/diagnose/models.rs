@@ -5,6 +5,15 @@ pub(super) use crate::fit::fitted::sort;
 use crate::fit::problem::Problem;
 use crate::verdict::Left;
 
+/// An effect may leave this share of the excess that was there before it …
+pub(super) const MOST_LEFT: f64 = 0.6;
+
+/// … and less where the noise is not reached even so: then nobody knows what else is in the swings.
+pub(super) const MOST_LEFT_UNEXPLAINED: f64 = 0.4;
+
+/// Predictions that differ by less than this many noises are called alike.
+pub(super) const ALIKE_NOISES: f64 = 0.05;
+
 /// Costs within this factor of the best are worth a fit to the last digit on decimated swings.
 pub(super) const NEAR: f64 = 1.3;
 

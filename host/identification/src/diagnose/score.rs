@@ -7,6 +7,7 @@ use crate::fit::fitted::Fitted;
 use crate::fit::linear::{Linear, equations_with_added};
 use crate::fit::problem::Problem;
 use crate::fit::refine::Band;
+use crate::fit::solve::ANSWER_DAMPING;
 use crate::pace;
 use crate::swing::Window;
 use rayon::prelude::*;
@@ -32,9 +33,6 @@ impl Prediction {
     }
 }
 
-/// Damping of the step: enough to keep numbers without any effect in place.
-const DAMPING: f64 = 1e-6;
-
 /// Predictions for all start points of all given effects on top of a model whose cost is that of these swings, the best
 /// first.
 pub fn predictions(on: &Problem, model: &Fitted, effects: &[&'static Effect<f64>]) -> Vec<Prediction> {
@@ -58,7 +56,7 @@ fn prediction(
     let larger = model.with(effect, start)?;
     let (problem, point) = (larger.problem(on), larger.point());
     let equations = equations_with_added(&problem, &point, Window::Whole, known);
-    let step = bounded_step(&problem, &point, &equations, DAMPING);
+    let step = bounded_step(&problem, &point, &equations, ANSWER_DAMPING);
     let cost = equations.cost - equations.gain(&step);
     let stepped = Fitted::at(&problem, &stepped(&point, &step, problem.unknowns.len()));
     let model = Fitted { effects: larger.effects, ..stepped };

@@ -3,7 +3,8 @@
 use super::budget::Budget;
 use super::extension::{extensions, swings};
 use super::models::{
-    NEAR, drop_doubles, excess, is_explained, is_well_explained, near_the_best, sort, worth_all_samples,
+    MOST_LEFT_UNEXPLAINED, NEAR, drop_doubles, excess, is_explained, is_well_explained, near_the_best, sort,
+    worth_all_samples,
 };
 use super::physical::is_sound;
 use super::widening::widened;
@@ -18,23 +19,18 @@ use shared::effect::{CUSTOM_FORMULA_NAME, Effect};
 /// At most this many effects are added.
 const MAX_ADDED: usize = 3;
 
-/// From the second effect on, one that leaves more than this share of the excess is the last.
-const WORTH_ANOTHER: f64 = 0.4;
-
 /// Models kept from one level to the next.
 const BEAM: usize = 2;
 
 /// Models that cost this much more than the best are not gone on with.
 const BEAM_REACH: f64 = 2.0;
 
-/// Models of one level that are looked at again, at most, …
+/// Models of one level that are looked at again, at most, … Without any, forty simulated rigs are told alike, but the arm on
+/// ball bearings ends at 12.8 in place of 9.8 mrad, and takes a third longer.
 const MAX_LOOKED_AT: usize = 8;
 
 /// … if they cost less than so many times the best one.
 const WORTH_A_LOOK: f64 = 3.0;
-
-/// Where the best model leaves more than the noise, so many are looked at from other sides too.
-const RIVALS: usize = 2;
 
 /// From another side a velocity band is sought only if first-order answers promise this share of the excess. Of 14
 /// searches on the arm on ball bearings, the cup on a string and the example p04, 12 kept 0.003 at most; 0.012 and 0.024
@@ -90,7 +86,8 @@ pub fn search(
         let before = found.best(found.levels.len());
         let Some(best) = level.first().filter(|best| best.cost < before.cost) else { break };
         let share_left = excess(problem, best) / excess(problem, before);
-        let is_last = is_explained(problem, best) || (n_added > 0 && share_left > WORTH_ANOTHER);
+        // Further effects than the first shall remove what lets them be claimed.
+        let is_last = is_explained(problem, best) || (n_added > 0 && share_left > MOST_LEFT_UNEXPLAINED);
         beam = kept(&level);
         found.levels.push(level);
         if is_last {
@@ -178,8 +175,7 @@ fn best_on_all(
     let mut near: Vec<Vec<Fitted>> = level.par_iter().map(|model| levels(rough, model)).collect();
     near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
     if !is_well_explained(problem, &near[0][0]) && budget.allows_more() {
-        near.par_iter_mut().take(RIVALS).for_each(|levels| seen_from_other_sides(problem, rough, levels));
-        near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
+        seen_from_other_sides(problem, rough, &mut near[0]);
     }
     let limit = worth_all_samples(rough, near[0][0].cost);
     let n_worth_it = near.iter().take_while(|levels| levels[0].cost <= limit).count().max(1);

@@ -3,7 +3,7 @@
 use super::budget::Effort;
 use super::curve::FrictionCurve;
 use super::evidence::{Evidence, evidence};
-use super::formulas::{Found as FoundFormula, formulas};
+use super::formulas::{Found as FoundFormula, OFFERED, formulas};
 use super::holds::Holding;
 use super::levels::{Levels, levels};
 use super::models::excess;
@@ -315,7 +315,7 @@ impl Summary<'_, '_, '_> {
         }
         found.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
         found.retain(|found| found.removed > 0.0);
-        found.truncate(MAX_FORMULAS);
+        found.truncate(OFFERED);
         found
     }
 
@@ -340,9 +340,6 @@ impl Summary<'_, '_, '_> {
         steps
     }
 }
-
-/// At most this many formulas are offered.
-const MAX_FORMULAS: usize = 3;
 
 /// At most this many models are set against the claimed one.
 const MAX_RIVALS: usize = 2;

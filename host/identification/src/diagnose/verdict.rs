@@ -1,7 +1,7 @@
 //! What may be claimed: which effects are missing, which can't be told apart, what stays unexplained.
 
 use super::budget::Budget;
-use super::models::{excess, is_explained};
+use super::models::{ALIKE_NOISES, MOST_LEFT, MOST_LEFT_UNEXPLAINED, NEAR, excess, is_explained};
 use super::replacement::Replacements;
 use super::search::Found;
 use super::value::{Candidate, values};
@@ -13,26 +13,14 @@ use crate::swing::Window;
 use crate::verdict::Left;
 use shared::effect::Effect;
 
-/// An effect may leave this share of the excess that was there before it …
-const MOST_LEFT: f64 = 0.6;
-
-/// … and less where the noise is not reached even so: then nobody knows what else is in the swings.
-pub(super) const MOST_LEFT_UNEXPLAINED: f64 = 0.4;
-
 /// Where the noise is not reached, a simpler model is taken that leaves no more than so many times the excess.
 const SIMPLER_MAY_LEAVE: f64 = 3.0;
 
 /// Sums of squares closer than this, in noise variances, are no reason to prefer one effect over another.
-pub(super) const INDISTINGUISHABLE: f64 = 25.0;
+pub const INDISTINGUISHABLE: f64 = 25.0;
 
 /// So often a claimed model is exchanged for a better one with one effect replaced.
 const MAX_ROUNDS: usize = 3;
-
-/// A cost so many times higher than another one needs no closer look.
-const CLEARLY_MORE: f64 = 1.3;
-
-/// Predictions that differ by less than this many noises are called alike.
-const ALIKE_NOISES: f64 = 0.05;
 
 /// Decides from what the search found.
 pub(super) struct Judge<'a, 'b> {
@@ -180,7 +168,7 @@ impl Judge<'_, '_> {
     /// Judged on decimated swings, and generously: is it worth asking on all samples?
     fn may_be_dispensable(&self, smaller: &Fitted, model: &Fitted) -> bool {
         let excess = |model: &Fitted| excess(self.rough, model);
-        smaller.cost < CLEARLY_MORE * model.cost || excess(model) > 0.5 * MOST_LEFT_UNEXPLAINED * excess(smaller)
+        smaller.cost < NEAR * model.cost || excess(model) > 0.5 * MOST_LEFT_UNEXPLAINED * excess(smaller)
     }
 
     /// The model without an effect, on decimated swings with the stop levels that may suit it: refitted from where it was,

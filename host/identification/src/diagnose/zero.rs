@@ -5,6 +5,7 @@
 //! swings just the same; only their last, small ones differ a little. So where an offset shows, the asymmetry stands
 //! against it.
 
+use super::models::{ALIKE_NOISES, MOST_LEFT};
 use super::physical::is_sound;
 use super::score::predictions;
 use crate::fit::covariance::with_model_error;
@@ -47,12 +48,6 @@ fn visible_rad(problem: &Problem) -> f64 {
 /// Offsets of the recordings may differ by this share of their mean.
 const COMMON: f64 = 0.5;
 
-/// The offset may leave this share of the excess that is there without it.
-const MOST_LEFT: f64 = 0.6;
-
-/// Sums of squares closer than this share mean predictions closer than 0.05 × the noise.
-const ALIKE: f64 = 0.0025;
-
 /// What shifts the swings.
 #[derive(Clone, Debug)]
 pub struct Zero {
@@ -81,7 +76,7 @@ pub fn decide(problem: &Problem, claimed: Fitted, indistinguishable: f64) -> Zer
     if is_sound || without < claimed.cost - indistinguishable {
         return Zero { model: asymmetric, offset_is_missing: false, alike: None };
     }
-    let is_alike = without < claimed.cost + indistinguishable.max(ALIKE * claimed.cost);
+    let is_alike = without < claimed.cost + indistinguishable.max(ALIKE_NOISES.powi(2) * claimed.cost);
     keep(claimed, is_alike.then_some(rival.name))
 }
 

@@ -5,15 +5,13 @@ use super::fitted::Stiction;
 use super::levels;
 use super::linear::{Linear, SwingLinear, dot};
 use super::problem::{PER_SWING, Point, Problem, Start, Unknown};
+use super::solve::ANSWER_DAMPING;
 use nalgebra::DVector;
 use shared::effect::Effect;
 use shared::parameters::{Parameters, base};
 
 /// Rounds of search and descent.
 pub(super) const MAX_ROUNDS: usize = 3;
-
-/// Damping of first-order answers: enough to keep numbers without any effect in place.
-const ANSWER_DAMPING: f64 = 1e-6;
 
 /// Costs of pairs after the smooth parameters have answered to first order.
 pub(super) fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, tried: &[Stiction]) -> Vec<f64> {

@@ -6,8 +6,9 @@
 //! columns as in [`super::clusters`], and shows what the curve says of the loss within it. Near the curve a swing has
 //! one start, so that a block left out also shows what the curve has gathered until then.
 
-use super::clusters::{Sums, beyond, cut, orthonormal, std_of_mean, upward_crossings};
+use super::clusters::{Sums, beyond, orthonormal, std_of_mean, upward_crossings};
 use super::fitted::Fitted;
+use super::left_out::{FEWEST, FOLDS, least_periods, ranges};
 use super::linear::{SwingLinear, dot};
 use super::problem::{PER_SWING, Problem, Quantity, Unknown};
 use super::ridge::roughness;
@@ -29,16 +30,6 @@ const STRENGTHS: std::ops::RangeInclusive<i32> = -7..=1;
 /// come with the project: with half as many the choice follows single blocks, with twice as many a block is too short
 /// to show how the loss bends.
 const WANTED: usize = 24;
-const USUAL_PERIODS: usize = 2;
-
-/// Fewer blocks than this are no basis for a choice: each third has to show all speeds.
-const FEWEST: usize = 6;
-
-/// With so many blocks of two periods there is no need of shorter ones.
-const ENOUGH: usize = 12;
-
-/// Every so many-th block is left out at a time.
-const FOLDS: usize = 3;
 
 /// A block's normal equations over unknowns and knots, counted from no friction at all, and the sum of squares there.
 struct Block {
@@ -238,15 +229,10 @@ fn blocks(on: &Problem, fine: &Fitted, first: usize, curve: &Curve<f64>, begin: 
     let crossings: Vec<Vec<usize>> =
         linear.each(|idx, swing| upward_crossings(on, swing, idx, fine.starts[idx].offset_rad));
     let n_periods: usize = crossings.iter().map(Vec::len).sum();
-    let least = if n_periods < ENOUGH * USUAL_PERIODS { 1 } else { USUAL_PERIODS };
-    let periods = (n_periods / WANTED).max(least);
+    let periods = (n_periods / WANTED).max(least_periods(n_periods));
     let place = Place { first, n_unknowns: linear.n_unknowns(), n_swings: linear.n_swings(), begin };
     let of_swing = |idx: usize, swing: &SwingLinear| -> Vec<Block> {
-        let mut ranges = cut(&crossings[idx], periods, swing.residuals.len());
-        if on.swings[idx].comes_to_rest() {
-            // Where it stops, no linearisation is to be trusted.
-            ranges.pop();
-        }
+        let ranges = ranges(on, idx, &crossings[idx], periods, swing.residuals.len());
         ranges.into_iter().map(|range| place.block(idx, swing, range, curve.torques_nm())).collect()
     };
     linear.each(of_swing).into_iter().flatten().collect()

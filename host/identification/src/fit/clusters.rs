@@ -33,7 +33,7 @@ const PERIODS: [usize; 5] = [8, 5, 3, 2, 1];
 const ENOUGH: usize = 10;
 
 /// From so many releases on, each is a cluster.
-const RELEASES: usize = 6;
+pub const RELEASES: usize = 6;
 
 /// Where one cluster alone tells a number to this share, nothing repeats it.
 const ALONE: f64 = 0.75;
@@ -373,7 +373,7 @@ fn std_of_wandering(values: &[f64]) -> f64 {
 const KIEFER_95: f64 = 4.771;
 
 /// Half width of a 95 % interval in standard deviations.
-const NORMAL_95: f64 = 1.96;
+pub const NORMAL_95: f64 = 1.96;
 
 #[cfg(test)]
 mod tests {

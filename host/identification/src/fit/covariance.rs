@@ -11,10 +11,8 @@ use super::arrow::Arrow;
 use super::clusters::{clusters, spread, upward_crossings};
 use super::linear::{Linear, SwingLinear, dot};
 use super::problem::{PER_SWING, Problem, Start};
+use crate::verdict::NO_CHANCE_STDS;
 use nalgebra::{DMatrix, DVector};
-
-/// Correlation below this many standard errors counts as none.
-const CORRELATION_SIGNIFICANT: f64 = 3.0;
 
 /// Blocks at least this many times longer than the residuals' memory.
 const BLOCK_OF_MEMORIES: usize = 4;
@@ -128,7 +126,7 @@ fn comes_again(swing: &SwingLinear, crossings: &[usize]) -> bool {
     let period = (last - first) / (crossings.len() - 1);
     let n_independent = swing.residuals.len() as f64 / memory(swing).max(1) as f64;
     let (now, later) = (&swing.residuals, &swing.residuals[period.min(swing.residuals.len())..]);
-    dot(&now[..later.len()], later) > CORRELATION_SIGNIFICANT / n_independent.sqrt() * dot(now, now)
+    dot(&now[..later.len()], later) > NO_CHANCE_STDS / n_independent.sqrt() * dot(now, now)
 }
 
 /// Scales rows and columns so that no variance is below that of `least`.
@@ -145,7 +143,7 @@ fn memory(swing: &SwingLinear) -> usize {
     let residuals = &swing.residuals;
     let n_samples = residuals.len();
     let square: f64 = residuals.iter().map(|r| r * r).sum();
-    let significant = CORRELATION_SIGNIFICANT / (n_samples as f64).sqrt();
+    let significant = NO_CHANCE_STDS / (n_samples as f64).sqrt();
     let correlated = |lag: &usize| {
         let product: f64 = residuals[*lag..].iter().zip(residuals).map(|(a, b)| a * b).sum();
         product > significant * square

@@ -7,8 +7,9 @@
 //! once instead of acting as a torque, says what an uneven scale of the sensor would explain: such a scale and a torque
 //! can't be told apart, because a bent angle has a law of motion too.
 
-use super::clusters::{Sums, cut, upward_crossings};
+use super::clusters::{Sums, upward_crossings};
 use super::fitted::Fitted;
+use super::left_out::{self, FEWEST, FOLDS, least_periods};
 use super::linear::{SwingLinear, dot};
 use super::problem::{PER_SWING, Problem};
 use super::response::Path;
@@ -23,15 +24,6 @@ use std::ops::Range;
 
 /// Strengths of the ridge that are tried, in powers of ten of what a knot tells.
 const STRENGTHS: std::ops::RangeInclusive<i32> = -6..=1;
-
-/// Every so many-th block is left out at a time.
-const FOLDS: usize = 3;
-
-/// Blocks are of two periods, or of one where the swings have fewer than so many.
-const PERIODS_FOR_TWO: usize = 24;
-
-/// Fewer blocks show nothing.
-const FEWEST: usize = 6;
 
 /// Less than this share of the noise's variance is no excess that could be split.
 const LEAST_EXCESS: f64 = 0.05;
@@ -80,14 +72,9 @@ fn of_all(on: &Problem, model: &Fitted) -> Option<FreeTorque> {
 fn ranges(on: &Problem, model: &Fitted, swings: &[SwingLinear]) -> Vec<Vec<Range<usize>>> {
     let crossings_of = |(idx, swing)| upward_crossings(on, swing, idx, model.starts[idx].offset_rad);
     let crossings: Vec<Vec<usize>> = swings.iter().enumerate().map(crossings_of).collect();
-    let periods = if crossings.iter().map(Vec::len).sum::<usize>() < PERIODS_FOR_TWO { 1 } else { 2 };
+    let periods = least_periods(crossings.iter().map(Vec::len).sum());
     let blocks_of = |(idx, swing): (usize, &SwingLinear)| {
-        let mut ranges = cut(&crossings[idx], periods, swing.residuals.len());
-        if on.swings[idx].comes_to_rest() {
-            // Where it stops, no linearisation is to be trusted.
-            ranges.pop();
-        }
-        ranges
+        left_out::ranges(on, idx, &crossings[idx], periods, swing.residuals.len())
     };
     swings.iter().enumerate().map(blocks_of).collect()
 }

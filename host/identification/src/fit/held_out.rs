@@ -5,6 +5,7 @@ use super::problem::{Point, Problem};
 use super::start;
 use crate::fit::tally::Tally;
 use crate::swing::Swing;
+use crate::verdict::CHANCE_STDS;
 use serde::Serialize;
 use shared::parameters::Parameters;
 
@@ -31,9 +32,6 @@ pub enum Carries {
 
 /// A held-out swing is cut into so many stretches; each is longer than the residuals' memory on a usual swing.
 const N_STRETCHES: usize = 24;
-
-/// A change of the error counts beyond so many of its own standard errors.
-const COUNTS_STDS: f64 = 2.0;
 
 impl HeldOut {
     /// Of parameters on some swings; `None` without any.
@@ -63,7 +61,7 @@ impl HeldOut {
         let n = changes.len() as f64;
         let mean = changes.iter().sum::<f64>() / n;
         let variance = changes.iter().map(|change| (change - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-        let limit = COUNTS_STDS * (variance / n).sqrt();
+        let limit = CHANCE_STDS * (variance / n).sqrt();
         match mean {
             mean if mean > limit => Carries::Contradicted,
             mean if mean < -limit => Carries::Confirmed,

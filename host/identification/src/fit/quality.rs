@@ -12,7 +12,7 @@ use serde::Serialize;
 use shared::real::Real;
 
 /// Cut-off for the velocities: far above the swing, far below the noise.
-const VELOCITY_CUTOFF_HZ: f64 = 10.0;
+pub const VELOCITY_CUTOFF_HZ: f64 = 10.0;
 
 /// A crossing counts once the angle is this many noises beyond zero.
 const CROSSING_NOISES: f64 = 4.0;

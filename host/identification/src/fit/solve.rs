@@ -7,6 +7,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+/// Damping of first-order answers: enough to keep numbers without any effect in place.
+pub const ANSWER_DAMPING: f64 = 1e-6;
+
 /// Squared remainders of columns of length one that are rounding: some hundred times the machine's precision.
 const RANK: f64 = 1e-13;
 

@@ -2,17 +2,14 @@
 
 use super::problem::{Point, Problem, Quantity, Start};
 use super::ranges::largest_coulomb_nm;
+use super::windows::WINDOWS_S;
 use crate::swing::{Swing, Window};
 use shared::motion::Pendulum;
 use shared::parameters::base;
 
-/// The inertia is first sought by its share of the period in so many seconds of the swing, at the usual pace.
-const FIRST_WINDOW_S: f64 = 1.2;
-
-/// Moments about the pivot that are tried, as factors of the one assumed.
+/// Moments about the pivot that are tried: so many, up to this factor smaller and larger than the one assumed.
 const TRIED_FACTORS: usize = 48;
-const SMALLEST_FACTOR: f64 = 0.25;
-const LARGEST_FACTOR: f64 = 4.0;
+const FARTHEST_FACTOR: f64 = 4.0;
 
 /// Start angles and velocities read off the swings, offset zero.
 pub fn starts(swings: &[Swing]) -> Vec<Start> {
@@ -44,7 +41,8 @@ pub fn guess(problem: &Problem) -> Point {
             trial
         })
         .collect();
-    let costs = problem.costs(Window::First(FIRST_WINDOW_S * problem.pace()), &trials);
+    // The period shows in the first window already.
+    let costs = problem.costs(Window::First(WINDOWS_S[0] * problem.pace()), &trials);
     let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map(|(index, _)| index);
     if let Some(best) = best {
         here.values[inertia] = trials[best].values[inertia];
@@ -78,8 +76,8 @@ fn without_stiction(problem: &Problem, values: &mut [f64]) {
 }
 
 fn tried_factors() -> impl Iterator<Item = f64> {
-    let ratio = LARGEST_FACTOR / SMALLEST_FACTOR;
-    (0..TRIED_FACTORS).map(move |i| SMALLEST_FACTOR * ratio.powf(i as f64 / (TRIED_FACTORS - 1) as f64))
+    let ratio = FARTHEST_FACTOR * FARTHEST_FACTOR;
+    (0..TRIED_FACTORS).map(move |i| ratio.powf(i as f64 / (TRIED_FACTORS - 1) as f64) / FARTHEST_FACTOR)
 }
 
 fn about_centre(pendulum: &Pendulum<f64>, pivot_inertia: f64) -> f64 {

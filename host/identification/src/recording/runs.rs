@@ -4,13 +4,10 @@
 //! that was set back, a column that is a flag or counts rows, and rows out of order are no runs: see [`Runs::find`].
 
 use super::error::Fault;
+use super::labels::MOST_RUNS;
 use super::limits::MIN_SAMPLES;
-use super::number::is_missing;
 use super::samples::Samples;
 use super::table::Table;
-
-/// Nobody records more of them into one file.
-const MOST_RUNS: usize = 200;
 
 /// Each run begins within this share of the shortest one of where the first began. A clock that was set back goes on
 /// from anywhere; a trigger that comes late shifts a run by a few samples.
@@ -69,9 +66,6 @@ const RUN: &[&str] = &[
 /// What may stand beside them.
 const BESIDE: &[&str] = &["id", "no", "nr", "num", "number", "nummer", "name", "idx", "index", "label"];
 
-/// What says yes or no, and names nothing.
-const FLAGS: &[&str] = &["0", "1", "true", "false", "yes", "no", "on", "off"];
-
 /// The column that names the run, by its name; one with a number in it (`Run 2`) is a run itself.
 pub(super) fn column(table: &Table, is_free: impl Fn(usize) -> bool) -> Option<usize> {
     let names = table.names.as_deref()?;
@@ -98,43 +92,6 @@ pub(super) fn says_run(name: &str) -> bool {
 fn words(name: &str) -> Vec<String> {
     let parts = name.split(|letter: char| !letter.is_alphanumeric()).filter(|part| !part.is_empty());
     parts.map(str::to_lowercase).collect()
-}
-
-/// Which run each row belongs to, as the file says it.
-#[derive(Default)]
-pub(super) struct Labels {
-    names: Vec<String>,
-    of_rows: Vec<u32>,
-    is_too_many: bool,
-}
-
-impl Labels {
-    /// The cell of another row; an empty one is as the one above, as where cells were joined.
-    pub(super) fn push(&mut self, cell: &str) {
-        if self.is_too_many {
-            return;
-        }
-        let before = self.of_rows.last().map(|label| *label as usize);
-        let is_same = |label: &usize| self.names[*label] == cell;
-        let known = before.filter(|label| is_missing(cell) || is_same(label));
-        let known = known.or_else(|| self.names.iter().position(|name| name == cell));
-        let label = known.unwrap_or_else(|| {
-            self.names.push(cell.to_owned());
-            self.names.len() - 1
-        });
-        self.of_rows.push(label as u32);
-        if self.names.len() > MOST_RUNS {
-            *self = Self { is_too_many: true, ..Self::default() };
-        }
-    }
-
-    fn n_changes(&self) -> usize {
-        self.of_rows.windows(2).filter(|pair| pair[0] != pair[1]).count()
-    }
-
-    fn are_flags(&self) -> bool {
-        self.names.len() == 2 && self.names.iter().all(|name| FLAGS.contains(&name.to_lowercase().as_str()))
-    }
 }
 
 /// The runs of a file that holds several.
@@ -313,14 +270,5 @@ mod tests {
         // 60 s in ms, and 16 bits of ms.
         assert_eq!(begins(&joined(&[clock(6000, 0.0, 10.0), clock(6000, 0.0, 10.0)])), Some(vec![0, 6000]));
         assert_eq!(begins(&joined(&[clock(6554, 0.0, 10.0), clock(6553, 4.0, 10.0)])), None);
-    }
-
-    #[test]
-    fn an_empty_cell_is_as_the_one_above_and_too_many_names_are_none() {
-        let mut labels = Labels::default();
-        ["A", "", "A", "B", "", "A"].iter().for_each(|cell| labels.push(cell));
-        assert_eq!((labels.of_rows.clone(), labels.n_changes()), (vec![0, 0, 0, 1, 1, 0], 2));
-        (0..1000).for_each(|row| labels.push(&format!("row {row}")));
-        assert!(labels.names.is_empty() && labels.of_rows.is_empty());
     }
 }
