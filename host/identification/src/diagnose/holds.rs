@@ -7,10 +7,11 @@
 //! parts (early, late, left, right, each release) shows where it is seen.
 
 use super::verdict::Judge;
+use super::widening::in_usual_form;
 use crate::fit::clusters::{Cluster, Sums, clusters, spread_of};
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::{Problem, Quantity};
-use crate::fit::refine::on_all;
+use crate::fit::refine::{levels, on_all};
 use crate::recording::Measured;
 use crate::verdict::{CHANCE_STDS, NO_CHANCE_STDS};
 use serde::Serialize;
@@ -291,9 +292,18 @@ impl Judge<'_, '_> {
         holdings(self.problem, model, tried.map(|effect| effect.starts.len()).sum())
     }
 
-    /// The better model with one effect less: the rest of the claimed one, or what the search preferred.
+    /// The model without a claim that does not hold: with its law in the usual form, if it was a wider one, whose further
+    /// numbers may be too many for so few windows; else the better model with one effect less, the rest of the claimed one
+    /// or what the search preferred.
     pub(super) fn without_doubtful(&self, claimed: &Fitted, name: &str) -> Fitted {
         let Some(doubtful) = claimed.effects.iter().find(|effect| effect.name == name) else { return claimed.clone() };
+        let rest = self.with_one_less(claimed, doubtful);
+        let usual =
+            in_usual_form(self.rough, claimed, doubtful).map(|usual| on_all(self.problem, &levels(self.rough, &usual)));
+        usual.filter(|usual| self.is_worth_it(&rest, usual)).unwrap_or(rest)
+    }
+
+    fn with_one_less(&self, claimed: &Fitted, doubtful: &Effect<f64>) -> Fitted {
         let n_left = claimed.effects.len() - 1;
         if n_left == 0 {
             return self.found.base.clone();

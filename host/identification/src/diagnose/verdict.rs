@@ -62,7 +62,7 @@ impl Judge<'_, '_> {
     }
 
     /// Does each effect that a model has more than another remove a substantial part of what that one leaves?
-    fn is_worth_it(&self, before: &Fitted, after: &Fitted) -> bool {
+    pub(super) fn is_worth_it(&self, before: &Fitted, after: &Fitted) -> bool {
         let left = self.excess(before);
         let removed = left - self.excess(after);
         let visible = removed * self.problem.n_samples(Window::Whole) as f64 > 2.0 * INDISTINGUISHABLE;

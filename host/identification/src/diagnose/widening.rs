@@ -43,11 +43,18 @@ impl Widening<'_> {
         });
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         let mut found = vec![levels(rough, &best).swap_remove(0)];
-        let narrow = exchanged(&found[0], self.wide, self.usual, [0.0; MAX_VALUES])?;
-        let narrow = narrow.refined(rough, Band::Held, Tolerance::SCREEN);
+        let narrow = in_usual_form(rough, &found[0], self.wide)?;
         found.extend((narrow.cost < self.model.cost).then_some(narrow));
         Some(found)
     }
+}
+
+/// A model with a law in its usual form in place of the wider one, fitted on decimated swings; `None` where it is no wider
+/// form, or the usual one is there too.
+pub(super) fn in_usual_form(rough: &Problem, model: &Fitted, wide: &'static Effect<f64>) -> Option<Fitted> {
+    let usual = Effect::by_name(wide.generalises?).filter(|usual| !model.has(usual.name))?;
+    let narrow = exchanged(model, wide, usual, [0.0; MAX_VALUES])?;
+    Some(narrow.refined(rough, Band::Held, Tolerance::SCREEN))
 }
 
 /// A model with another law in place of one of its own, not fitted yet: with the numbers of that one, and `values` beyond
