@@ -346,6 +346,16 @@ fn several_runs_in_one_file_are_recordings_of_their_own() {
         ["swing.csv, Versuch 1", "swing.csv, Versuch 2", "swing.csv, Versuch 3"],
         "--run 2 reads one",
     );
+    // The same where some rows end with their last number.
+    let short = |run: usize, row: Row| {
+        let has_name = row.0 == 0.0 || (row.0 * RATE_HZ as f64).round() as usize % 5 != 0;
+        plain(row) + &if has_name { format!(",Versuch {}", run + 1) } else { String::new() }
+    };
+    check_runs(
+        &three("t,theta,Versuch\n", "", short),
+        ["swing.csv, Versuch 1", "swing.csv, Versuch 2", "swing.csv, Versuch 3"],
+        "3 runs (column 2 (Versuch): Versuch 1, Versuch 2, Versuch 3)",
+    );
 }
 
 #[test]

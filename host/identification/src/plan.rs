@@ -6,7 +6,6 @@
 //! min over δ of |d − J·δ|²/σ² + δᵀ·P·δ, with d the difference, J the derivatives of the imitating model in the new
 //! experiment, and P the precision (inverse covariance) of its parameters from the present recordings.
 
-pub use crate::diagnose::INDISTINGUISHABLE as DISTINGUISHABLE;
 use crate::fit::fitted::Fitted;
 use crate::fit::linear::{Equations, Steps, equations};
 use crate::fit::problem::{PER_SWING, Point, Problem, Start, Unknown};

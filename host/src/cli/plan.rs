@@ -3,10 +3,11 @@
 use super::given::Given;
 use super::output;
 use super::table::table;
+use crate::diagnose::INDISTINGUISHABLE;
 use crate::error::Failure;
 use crate::operations::json::all_named;
 use crate::operations::plan::{NOTHING, Planned};
-use crate::plan::{DISTINGUISHABLE, Experiment, Prospect};
+use crate::plan::{Experiment, Prospect};
 use crate::verdict::Left;
 use clap::Args;
 
@@ -65,7 +66,7 @@ fn in_words(planned: &Planned) -> String {
         names => format!("They can't tell it from {}.", names.join(", ")),
     });
     let advice = in_a_sentence(&best.experiment);
-    lines.push(if best.worst < DISTINGUISHABLE {
+    lines.push(if best.worst < INDISTINGUISHABLE {
         format!("No experiment of the list would separate them; the best is: {advice}.")
     } else {
         format!("Best: {advice}.")

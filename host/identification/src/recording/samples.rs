@@ -199,8 +199,9 @@ impl Samples {
                 found => found,
             },
         };
-        if let Some(label) = sources.run.and_then(|idx| row.fields.get(idx)) {
-            self.labels.push(label);
+        if let Some(idx) = sources.run {
+            // A short row has the cell as empty as one between commas is.
+            self.labels.push(row.fields.get(idx).copied().unwrap_or_default());
         }
         self.times.extend(time);
         self.readings.iter_mut().zip(readings).for_each(|(list, reading)| list.push(reading));
