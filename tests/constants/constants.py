@@ -29,15 +29,12 @@ DEFINITION = re.compile(
     re.MULTILINE,
 )
 
-# Numbers of books, of processors and of the code itself: no other value makes sense, or the compiler wants it.
+# Numbers of books and places in lists: no other value makes sense.
 NOT_TUNED = {
     "diagnose/formulas.rs:LINEAR",
     "diagnose/formulas.rs:POWER",
     "fit/clusters.rs:KIEFER_95",
     "fit/clusters.rs:NORMAL_95",
-    "fit/problem.rs:PER_SWING",
-    "fit/state_grid.rs:ANGLE_KNOTS",
-    "fit/state_grid.rs:SPEED_KNOTS",
     "fit/tests.rs:RELEASE_RAD",
     "fit/uncertainty.rs:PROFILE_95",
 }
@@ -169,7 +166,7 @@ def made_tunable(tree):
         text = file.read_text()
         for match in list(DEFINITION.finditer(text)):
             place = f"{file.relative_to(root)}:{match['name']}"
-            if place in NOT_TUNED or is_in_a_type(match["name"], file):
+            if place in NOT_TUNED or must_be_constant(match, file, root):
                 continue
             found.append(Constant(place, match["kind"], match["value"]))
             function = FUNCTION.format(place=place, **match.groupdict())
@@ -190,9 +187,12 @@ def made_tunable(tree):
     return found
 
 
-def is_in_a_type(name, file):
-    """Is it the length of an array or the like, which the compiler has to know?"""
-    return re.search(rf"; {name}\]|, {name}>", file.read_text()) is not None
+def must_be_constant(match, file, root):
+    """Has the compiler to know it, as the length of an array or for another constant?"""
+    name = match["name"]
+    use = re.compile(rf"; {name}\]|, {name}>|const (?!{name}\b)[A-Z0-9_]+: [^=]*= [^;]*\b{name}\b")
+    files = root.rglob("*.rs") if match["head"] else [file]
+    return any(use.search(other.read_text()) for other in files)
 
 
 def called(text, name):
