@@ -278,7 +278,8 @@ HEAD = """# What constants decide
 
 The forty rigs of `tests/tests/discover_many.rs` and the real recordings of `host/data/recordings/real`, diagnosed with
 half and with twice the value of a constant of `fit`, `diagnose` or `verdict.rs`; made by `tests/more constants`, which can
-be given places, so that a row is as old as its constant. Constants that none of them asks for are not listed.
+be given places: a row then stands beside the program of its own day, and the first row is that of the last run. Constants
+that none of them asks for are not listed.
 
 Of the rigs:
 
