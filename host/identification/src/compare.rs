@@ -241,3 +241,6 @@ fn torque_of(recordings: &[Judged], parameters: &Parameters<f64>) -> Option<Torq
 pub fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
+
+#[cfg(test)]
+mod tests;

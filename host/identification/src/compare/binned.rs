@@ -77,4 +77,14 @@ mod tests {
         assert!(mean(&samples(2.0)).spread > 0.3);
         assert_eq!(binned(&samples(0.0)).len(), 2);
     }
+
+    #[test]
+    fn the_scatter_of_neighbours_gives_the_error_of_the_mean() {
+        // Neighbours 2 apart have the variance 2²/2 each; the mean of eight of them 1/8 of that, 0.25 … by n − 1 = 7
+        // differences of which half the mean square is ½ · 7 · 4/7 = 2.
+        let sample = |i: u32| Sample { x: f64::from(i), value: 5.0 + 2.0 * f64::from(i % 2), spread: 0.1 };
+        let found = mean(&(0..8).map(sample).collect::<Vec<_>>());
+        assert_eq!((found.x, found.n), (3.5, 8));
+        assert!((found.value - 6.0).abs() < 1e-12 && (found.spread - 0.5).abs() < 1e-12, "{found:?}");
+    }
 }

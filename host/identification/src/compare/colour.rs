@@ -157,4 +157,25 @@ mod tests {
         let outside = found.values.iter().filter(|value| value.abs() > found.band).count();
         assert!(outside <= 12, "{outside}");
     }
+
+    #[test]
+    fn a_sine_stands_in_the_spectrum_with_its_power_and_leaks_no_farther_than_hanns_window_lets_it() {
+        // The power A²/2 over the noise bandwidth of Hann's window, 1.5 bins; its side lobes fall by 18 dB an octave.
+        // Source: F. J. Harris, Proc. IEEE 66 (1978) 51, Table 1.
+        let (step_s, size) = (1e-2, 1e-3);
+        let sine = |frequency_hz: f64| -> Vec<f64> {
+            (0..4000).map(|i| size * (std::f64::consts::TAU * frequency_hz * step_s * f64::from(i)).sin()).collect()
+        };
+        let frequencies_hz = spectrum(&sine(1.0), step_s, 1e-6).frequencies_hz;
+        let found = spectrum(&sine(frequencies_hz[30]), step_s, 1e-6);
+        let bin_hz = 1.0 / (2000.0 * step_s);
+        let expected = size * size / 2.0 / (1.5 * bin_hz);
+        assert!((found.densities[30] / expected - 1.0).abs() < 1e-2, "{} {expected}", found.densities[30]);
+        let far = frequencies_hz
+            .iter()
+            .zip(&found.densities)
+            .filter(|(f, _)| (*f - frequencies_hz[30]).abs() > 10.0 * bin_hz);
+        assert!(far.clone().count() > 40);
+        far.for_each(|(f, density)| assert!(*density < 1e-5 * expected, "{f} {density}"));
+    }
 }

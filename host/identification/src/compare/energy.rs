@@ -170,6 +170,7 @@ fn bump(losses: &[Mean]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compare::halves::HalfSwing;
 
     #[test]
     fn a_bump_is_missing_only_where_the_model_loses_less() {
@@ -189,5 +190,72 @@ mod tests {
         let mut bumpy = rising.clone();
         bumpy[2].value = 2.0;
         assert_eq!(bump(&bumpy), Some(2.0));
+    }
+
+    /// Forty half swings from 1 rad down to 0.22 rad that lose so much per path, by amplitude and side.
+    fn halves(loss_nm: impl Fn(f64, bool) -> f64, spread_nm: f64) -> Halves {
+        let half = |k: u32| {
+            let (amplitude_rad, is_rising) = (1.0 - 0.02 * f64::from(k), k.is_multiple_of(2));
+            let loss_nm = loss_nm(amplitude_rad, is_rising);
+            let (from_s, to_s) = (f64::from(k), f64::from(k + 1));
+            let lost_j = loss_nm * 2.0 * amplitude_rad;
+            HalfSwing { from_s, to_s, amplitude_rad, is_rising, lost_j, loss_nm, loss_spread_nm: spread_nm }
+        };
+        Halves { halves: (0..40).map(half).collect(), periods: Vec::new() }
+    }
+
+    fn dry_and_viscous(amplitude_rad: f64, _: bool) -> f64 {
+        1e-3 + 5e-4 * amplitude_rad
+    }
+
+    #[test]
+    fn what_is_lost_beyond_the_model_is_found_at_each_amplitude() {
+        let pair = |spread_nm: f64| Pair {
+            measured: halves(|a, side| 1.1 * dry_and_viscous(a, side), spread_nm),
+            modelled: halves(dry_and_viscous, 0.0),
+            noise_rad: 1e-3,
+        };
+        let found = energy(&[pair(1e-6)]);
+        assert!(found.loss_missing.len() >= 4, "{found:?}");
+        for mean in &found.loss_missing {
+            // Pairs lose the path's mean of a law that is a line, to 1e-4 of it.
+            let expected = 0.1 * dry_and_viscous(mean.x, true);
+            assert!((mean.value / expected - 1.0).abs() < 1e-2, "{mean:?} {expected}");
+        }
+        // The mean of a line over amplitudes from 1 to 0.22 rad is that at 0.61 rad.
+        assert!((found.usual_loss_nm / dry_and_viscous(0.61, true) - 1.0).abs() < 1e-3, "{}", found.usual_loss_nm);
+        assert_eq!(found.losses_off().len(), found.loss_missing.len());
+        assert_eq!(energy(&[pair(1e-3)]).losses_off().len(), 0);
+    }
+
+    #[test]
+    fn sides_differ_by_what_the_model_does_not_say() {
+        let one_sided = |a: f64, rising: bool| dry_and_viscous(a, rising) + if rising { 2e-4 } else { -1e-4 };
+        let energy = |measured: Halves, modelled: Halves| energy(&[Pair { measured, modelled, noise_rad: 1e-3 }]);
+        let found = energy(halves(one_sided, 1e-5), halves(dry_and_viscous, 0.0));
+        let difference = found.sides_differ().unwrap();
+        assert!((difference.value / 3e-4 - 1.0).abs() < 1e-6, "{difference:?}");
+        let known = energy(halves(one_sided, 1e-5), halves(one_sided, 0.0)).side_difference;
+        assert!(known.is_none_or(|difference| difference.value.abs() < 1e-9), "{known:?}");
+    }
+
+    #[test]
+    fn a_period_is_off_by_its_share_and_known_better_the_larger_the_swing() {
+        let periods = |factor: f64| {
+            let period = |k: u32| {
+                let amplitude_rad = 0.1 * f64::from(k);
+                Period { time_s: f64::from(k), amplitude_rad, period_s: factor * (1.0 + amplitude_rad) }
+            };
+            Halves { halves: Vec::new(), periods: (1..=10).map(period).collect() }
+        };
+        let pair = Pair { measured: periods(1.01), modelled: periods(1.0), noise_rad: 2e-3 };
+        let off = periods_off(&pair, std::slice::from_ref(&pair));
+        // The smallest amplitude has no modelled one below.
+        assert_eq!(off.len(), 9);
+        for sample in off {
+            assert!((sample.value - 0.01).abs() < 1e-12, "{sample:?}");
+            // 15 % of the noise over the amplitude.
+            assert!((sample.spread * sample.x / 3e-4 - 1.0).abs() < 1e-12, "{sample:?}");
+        }
     }
 }

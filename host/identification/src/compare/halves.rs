@@ -147,4 +147,35 @@ mod tests {
         assert_eq!(read_off(&curve, 1.5), None);
         assert_eq!(read_off(&curve, -0.5), None);
     }
+
+    #[test]
+    fn the_error_of_a_loss_is_that_of_both_turns() {
+        let turn = |angle_rad: f64, spread_rad: f64| TurningPoint {
+            time_s: 0.0,
+            angle_rad,
+            spread_rad,
+            is_maximum: angle_rad > 0.0,
+        };
+        let lost_j = |a: f64, b: f64| half_swing(&turn(a, 0.0), &turn(b, 0.0), 0.2).unwrap().lost_j;
+        let (a, b, of_a, of_b) = (1.0, -0.9, 2e-4, 3e-4);
+        let half = half_swing(&turn(a, of_a), &turn(b, of_b), 0.2).unwrap();
+        let by_a = 0.5 * (lost_j(a + of_a, b) - lost_j(a - of_a, b));
+        let by_b = 0.5 * (lost_j(a, b + of_b) - lost_j(a, b - of_b));
+        assert!((half.loss_spread_nm / (by_a.hypot(by_b) / 1.9) - 1.0).abs() < 1e-6, "{half:?}");
+    }
+
+    #[test]
+    fn a_period_has_the_mean_amplitude_of_its_two_turns() {
+        let turn = |time_s: f64, angle_rad: f64| TurningPoint {
+            time_s,
+            angle_rad,
+            spread_rad: 1e-4,
+            is_maximum: angle_rad > 0.0,
+        };
+        let turns = [turn(0.0, 1.0), turn(0.5, -0.9), turn(1.0, 0.8), turn(1.5, -0.7)];
+        let found = period(&turns, 0.25, 1.25).unwrap();
+        assert_eq!((found.time_s, found.period_s), (0.75, 1.0));
+        assert!((found.amplitude_rad - 0.85).abs() < 1e-12, "{found:?}");
+        assert_eq!(period(&turns, 0.25, 1.75), None);
+    }
 }

@@ -273,3 +273,54 @@ fn advice(unknown: &Unknown, problem: &Problem, verdict: Identifiability) -> Opt
     };
     needed.then(|| experiment.to_owned())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::tests::{NOISE_RAD, VISCOUS, rig, swing};
+    use crate::fit::problem::Start;
+
+    fn known(values: [f64; 3], agreement: f64) -> Known {
+        Known {
+            symbol: "Mc",
+            name: "coulomb",
+            unit: "N·m",
+            given: 1.0,
+            chosen: Estimate { value: 1.0, std: Some(0.01) },
+            verdict: Identifiability::Identified,
+            alone: values.map(|value| Estimate { value, std: Some(0.01) }).to_vec(),
+            agreement: Some(agreement),
+            advice: None,
+        }
+    }
+
+    #[test]
+    fn a_number_drifts_if_every_recording_goes_on_from_the_one_before() {
+        let drifts = |values| known(values, 1e-9).drifts();
+        assert!(drifts([1.0, 2.0, 3.0]) && drifts([3.0, 2.0, 1.0]));
+        assert!(![[1.0, 2.0, 2.0], [2.0, 1.0, 1.0], [1.0, 3.0, 2.0]].into_iter().any(drifts));
+        assert!(!known([1.0, 2.0, 3.0], 0.5).drifts());
+    }
+
+    #[test]
+    fn recordings_agree_with_the_probability_of_their_chi_square() {
+        // Two values with ±3 and ±4 differ by ±5: at 1.96 of these the probability is 5 %.
+        let estimate = |value: f64, std: f64| Estimate { value, std: Some(std) };
+        let found = agreement(&[estimate(10.0, 3.0), estimate(10.0 + 5.0 * 1.959_964, 4.0)]).unwrap();
+        assert!((found - 0.05).abs() < 1e-6, "{found}");
+        assert_eq!(agreement(&[estimate(10.0, 3.0)]), None);
+    }
+
+    #[test]
+    fn what_is_not_free_stays_where_it_was_found() {
+        let (count, swings) = (Tally::default(), [swing("one", NOISE_RAD, 1)]);
+        let mut problem = problem_of(&swings, KnownRig::from(&rig(VISCOUS)), &count);
+        problem.unknowns.retain(|unknown| ["Mw", "I"].contains(&unknown.symbol));
+        let start = Start { angle_rad: 0.02, velocity_rad_s: 0.0, offset_rad: 0.0 };
+        let point = Point { values: vec![3e-4, 2e-3], starts: vec![start] };
+        let (part, left) = restricted(&problem, &point, &[1]);
+        assert_eq!(part.unknowns, problem.unknowns[1..]);
+        assert_eq!((left.values, left.starts), (vec![2e-3], vec![start]));
+        assert_eq!(problem.unknowns[0].get(&part.template), 3e-4);
+    }
+}

@@ -168,3 +168,37 @@ fn other_inertia(swing: &Swing, parameters: &Parameters<f64>) -> Option<f64> {
     let ratio = changed.pendulum.pivot_inertia_kg_m2() / parameters.pendulum.pivot_inertia_kg_m2();
     (first_explained(&first, &changed) > EXPLAINS).then_some(ratio)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::halves::HalfSwing;
+
+    /// So many swings there and back, a half swing loses so much.
+    fn swings(n_swings: u32, lost_j: f64) -> Halves {
+        let half = |k: u32| HalfSwing {
+            from_s: f64::from(k),
+            to_s: f64::from(k + 1),
+            amplitude_rad: 0.5,
+            is_rising: k.is_multiple_of(2),
+            lost_j,
+            loss_nm: lost_j,
+            loss_spread_nm: 1e-5,
+        };
+        Halves { halves: (0..2 * n_swings).map(half).collect(), periods: Vec::new() }
+    }
+
+    #[test]
+    fn a_pendulum_is_driven_if_some_of_at_least_three_swings_gained_energy() {
+        let driven = |n_swings: u32, lost_j: f64| is_driven(&swings(n_swings, lost_j));
+        assert!(driven(3, -1e-3) && driven(10, -1e-3));
+        assert!(!driven(2, -1e-3) && !driven(10, 1e-3) && !driven(10, -1e-5));
+        // One of five is not more than a fifth.
+        let with_gains = |n_gains: usize| {
+            let mut halves = swings(5, 1e-3);
+            halves.halves[..2 * n_gains].iter_mut().for_each(|half| half.lost_j = -1e-3);
+            is_driven(&halves)
+        };
+        assert_eq!([with_gains(1), with_gains(2)], [false, true]);
+    }
+}

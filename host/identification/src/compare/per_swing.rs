@@ -124,4 +124,18 @@ mod tests {
         assert_eq!(places.len(), 1, "{places:?}");
         assert!(places[0].words.starts_with("at large amplitude (> 1.00 rad)"), "{places:?}");
     }
+
+    #[test]
+    fn residuals_of_rows_join_by_their_durations() {
+        let row = |seconds: f64, residual_rad: f64| Row {
+            from_s: 2.0,
+            to_s: 2.0 + seconds,
+            amplitude_rad: 1.0,
+            period_s: None,
+            lost_j: None,
+            residual_rad,
+        };
+        assert!((joint(&[&row(3.0, 1e-3), &row(1.0, 5e-3)]) - 7f64.sqrt() * 1e-3).abs() < 1e-12);
+        assert_eq!(joint(&[]), 0.0);
+    }
 }

@@ -250,3 +250,27 @@ pub fn explained(angles_rad: &[f64], residuals_rad: &[f64]) -> f64 {
     let motion: f64 = angles_rad.iter().map(|angle| (angle - mean).powi(2)).sum();
     1.0 - residuals_rad.iter().map(|r| r * r).sum::<f64>() / motion.max(1e-300)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn explained_is_the_share_of_the_motion_about_its_mean() {
+        // Σ(θ − 2.5)² = 5, Σr² = 0.5.
+        assert!((explained(&[1.0, 2.0, 3.0, 4.0], &[0.5, -0.5, 0.0, 0.0]) - 0.9).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_stop_angles_are_those_of_the_end() {
+        let times_s: Vec<f64> = (0..600).map(|i| f64::from(i) * 5e-3).collect();
+        let stopping = |rest_rad: f64| -> Vec<f64> {
+            times_s.iter().map(|t| if *t < 2.5 { (6.0 * t).cos() } else { rest_rad }).collect()
+        };
+        let swing = Swing::new("stops", &times_s, &stopping(0.01), 1e-4);
+        let start = Start { angle_rad: 1.0, velocity_rad_s: 0.0, offset_rad: 0.0 };
+        let followed = Followed { start, angles_rad: stopping(-0.02), residuals_rad: vec![0.0; 600] };
+        let (measured_rad, modelled_rad) = stop_angles(&swing, &followed);
+        assert!((measured_rad - 0.01).abs() < 1e-12 && (modelled_rad + 0.02).abs() < 1e-12);
+    }
+}

@@ -158,3 +158,42 @@ fn guess(fitted: &Swing, half_swing_s: f64, offset_rad: f64) -> Option<Start> {
     let velocity_rad_s = (parabola.angle_rad(0.02 * width_s) - parabola.angle_rad(0.0)) / (0.02 * width_s);
     Some(Start { angle_rad: parabola.angle_rad(0.0) - offset_rad, velocity_rad_s, offset_rad })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::tests::{OFFSET_RAD, VISCOUS, rig, swing};
+    use std::f64::consts::PI;
+
+    #[test]
+    fn a_swing_is_cut_at_every_other_crossing() {
+        let times_s: Vec<f64> = (0..1600).map(|i| f64::from(i) / 200.0).collect();
+        let turning =
+            |half_swing_s: f64| -> Vec<f64> { times_s.iter().map(|t| (PI * t / half_swing_s).cos()).collect() };
+        let found = cuts(&Swing::new("sine", &times_s, &turning(0.5), 1e-5), 0.0).unwrap();
+        assert!((found.half_swing_s - 0.5).abs() < 0.01, "{found:?}");
+        // It crosses zero at 0.25 s, 0.75 s, 1.25 s …: the second, the fourth, and so on are cuts.
+        let expected: Vec<usize> = [0].into_iter().chain((0..8).map(|k| 150 + 200 * k)).collect();
+        assert_eq!(found.at.len(), expected.len(), "{found:?}");
+        assert!(found.at.iter().zip(&expected).all(|(at, expected)| at.abs_diff(*expected) <= 1), "{found:?}");
+        let slow: Vec<f64> = times_s.iter().map(|t| 5.0 * t).collect();
+        assert!(cuts(&Swing::new("slow", &slow, &turning(0.5), 1e-5), 0.0).is_some());
+        let slower: Vec<f64> = times_s.iter().map(|t| 25.0 * t).collect();
+        assert!(cuts(&Swing::new("slower", &slower, &turning(0.5), 1e-5), 0.0).is_none());
+    }
+
+    #[test]
+    fn the_true_model_started_anew_follows_each_swing_and_the_next_about_its_zero() {
+        let swing = swing("small", 0.0, 1);
+        let cuts = cuts(&swing, OFFSET_RAD).unwrap();
+        let found = restarts(&swing, &rig(VISCOUS), OFFSET_RAD, &cuts, 0.05);
+        assert_eq!(found.len(), cuts.at.len() - 1);
+        // A small swing is a sine to 2e-5 of 0.02 rad, beside its phase.
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        for restart in &found {
+            assert!(largest(&restart.residuals_rad) < 2e-6, "{}", largest(&restart.residuals_rad));
+            assert!(largest(&restart.ahead_rad) < 4e-6, "{}", largest(&restart.ahead_rad));
+        }
+        assert!(found[..found.len() - 1].iter().all(|restart| restart.ahead_rad.len() > 150));
+    }
+}

@@ -299,6 +299,7 @@ fn log_determinant(factor: &Cholesky<f64, nalgebra::Dyn>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Noise;
 
     #[test]
     fn a_parabola_is_met_between_the_bins() {
@@ -322,5 +323,52 @@ mod tests {
             let (angle_rad, velocity_rad_s) = grid.centre(bin);
             assert_eq!(grid.bin_of(angle_rad, velocity_rad_s), bin);
         }
+    }
+
+    const GRID: Grid = Grid { angle_rad: 1.2, velocity_rad_s: 6.0 };
+
+    /// Stretches of twelve windows over three bins that are no neighbours, with unit noise and these torques.
+    fn stretches(n_stretches: u64, torques_nm: [f64; 3]) -> Vec<Windows> {
+        let stretch = |seed: u64| {
+            let mut noise = Noise::new(seed);
+            let shares = DMatrix::from_fn(12, 3, |_, _| 1e3 * noise.normal());
+            let torques = &shares * DVector::from_row_slice(&torques_nm) + DVector::from_fn(12, |_, _| noise.normal());
+            Windows { torques, shares, bins: vec![0, 5, 100], n_samples: vec![7, 0, 9] }
+        };
+        (0..n_stretches).map(stretch).collect()
+    }
+
+    #[test]
+    fn what_remains_of_the_windows_is_what_least_squares_leave() {
+        let stretches = stretches(2, [1e-3, -2e-3, 5e-4]);
+        let normal = Normal::new(&stretches).unwrap();
+        let rows = |of: &dyn Fn(&Windows, usize, usize) -> f64, n: usize| {
+            DMatrix::from_fn(24, n, |i, j| of(&stretches[i / 12], i % 12, j))
+        };
+        let (shares, torques) = (rows(&|w, i, j| w.shares[(i, j)], 3), rows(&|w, i, _| w.torques[i], 1));
+        let solved = shares.clone().svd(true, true).solve(&torques, 1e-12).unwrap();
+        let left = (&torques - &shares * &solved).norm_squared();
+        let found = Posterior::new(&normal, &(DMatrix::identity(3, 3) * 1e-6), 1.0).unwrap();
+        assert!((&found.torques - solved.column(0)).amax() < 1e-9, "{} {solved}", found.torques);
+        assert!((found.square_left(&normal) / left - 1.0).abs() < 1e-6, "{} {left}", found.square_left(&normal));
+        // Three torques were fitted to 24 windows.
+        assert!((found.variance_left(&normal) / (left / 21.0) - 1.0).abs() < 1e-6);
+        assert_eq!((normal.n_windows, normal.n_visits, normal.n_samples), (24, vec![2, 0, 2], vec![14, 0, 18]));
+    }
+
+    #[test]
+    fn a_torque_in_the_windows_comes_back_and_noise_alone_is_none() {
+        let torques_nm = [1e-2, -2e-2, 5e-3];
+        let map = torque_map(GRID, &stretches(8, torques_nm), 1e-3).unwrap();
+        assert!(map.is_significant && map.explained > 0.95, "{map:?}");
+        // The middle bin has no samples.
+        assert_eq!(map.bins.iter().map(|bin| (bin.place, bin.n_visits)).collect::<Vec<_>>(), [(0, 8), (100, 8)]);
+        for (bin, expected_nm) in map.bins.iter().zip([1e-2, 5e-3]) {
+            assert!((bin.torque_nm - expected_nm).abs() < 4.0 * bin.spread_nm, "{bin:?}");
+            // 96 windows with shares of 1e3 rms: 1e-3/√96, give or take the scatter between eight stretches.
+            assert!((0.5e-4..3e-4).contains(&bin.spread_nm), "{bin:?}");
+        }
+        let map = torque_map(GRID, &stretches(8, [0.0; 3]), 1e-3).unwrap();
+        assert!(!map.is_significant, "{map:?}");
     }
 }

@@ -313,3 +313,44 @@ fn parameters(seen: &Seen) -> Vec<String> {
     }
     words
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::binned::Mean;
+
+    #[test]
+    fn an_angle_is_told_with_three_digits() {
+        assert_eq!([0.1234, 0.01234, 1.234e-3, 1.234e-4].map(in_mrad), ["123", "12.3", "1.23", "0.123"]);
+    }
+
+    #[test]
+    fn the_worst_loss_is_told_with_its_share_of_the_usual_one() {
+        let mean = |x: f64, value: f64| Mean { x, value, spread: 1e-6, n: 5 };
+        let words = |loss_missing: Vec<Mean>| {
+            let energy = Energy { loss_missing, usual_loss_nm: 1e-3, ..Energy::default() };
+            let seen = Seen {
+                measured: Measured::Angle,
+                recordings: &[],
+                held_out: &[],
+                totals: &Totals::default(),
+                held_out_totals: None,
+                places: &[],
+                energy: &energy,
+                torque: None,
+                knowledge: None,
+                mismatches: &[],
+                refit: None,
+            };
+            losses(&seen)
+        };
+        assert_eq!(
+            words(vec![mean(0.3, 1e-4), mean(0.6, -2.5e-4)]).as_deref(),
+            Some(
+                "Near 0.60 rad amplitude a half swing loses 0.25 mN·m less per radian of path than modelled (25 % of \
+                 the usual loss)."
+            )
+        );
+        assert_eq!(words(vec![mean(0.3, 1e-6)]), None);
+    }
+}

@@ -252,4 +252,54 @@ mod tests {
         let error = found.torque(&residuals_rad, &states) - expected;
         assert!(error.abs() < 2e-3 * expected.abs(), "{error:e} of {expected:e}");
     }
+
+    /// A restart of 60 samples that stays at an angle, with a deviation that stays too.
+    fn resting(angle_rad: f64, residual_rad: f64) -> (Vec<f64>, Restart) {
+        let restart = Restart {
+            range: 0..60,
+            angles_rad: vec![angle_rad; 60],
+            velocities_rad_s: vec![0.0; 60],
+            residuals_rad: vec![residual_rad; 60],
+            ahead_rad: Vec::new(),
+        };
+        ((0..60).map(|i| f64::from(i) * 0.01).collect(), restart)
+    }
+
+    #[test]
+    fn a_pendulum_that_hangs_askew_needs_the_torque_of_gravity_that_holds_it() {
+        let (times_s, restart) = resting(0.5, 0.3);
+        let base = Base { viscous: 0.0, ..BASE };
+        let found = window(&times_s, &restart, &base, 0.3, 0.1).unwrap();
+        let states = measured(&times_s, &restart, 0.0, 1e-5, 0.1);
+        let expected = PENDULUM.gravity_torque_nm() * (0.8_f64.sin() - 0.5_f64.sin());
+        let torque = found.torque(&restart.residuals_rad, &states);
+        assert!((torque / expected - 1.0).abs() < 1e-9, "{torque} {expected}");
+    }
+
+    #[test]
+    fn a_torque_alike_everywhere_is_that_of_all_bins_together() {
+        let (times_s, restart) = resting(0.0, 1e-3);
+        let (base, grid) = (Base { viscous: 0.0, ..BASE }, Grid { angle_rad: 0.1, velocity_rad_s: 1.0 });
+        let found = windows(&times_s, &restart, &base, 1e-5, 0.1, &grid).unwrap();
+        // Half a width from one to the next, from 0.1 s to at most 0.49 s.
+        assert_eq!((found.torques.len(), found.shares.nrows()), (8, 8));
+        assert_eq!(found.n_samples.iter().sum::<usize>(), 60);
+        let expected = PENDULUM.gravity_torque_nm() * 1e-3_f64.sin() * found.shares.column_sum();
+        assert!((&found.torques - &expected).amax() < 1e-6 * expected.amax(), "{} {expected}", found.torques);
+    }
+
+    #[test]
+    fn windows_vary_together_by_the_samples_they_share() {
+        let window = |from: usize, weights: &[f64]| Window {
+            range: from..from + weights.len(),
+            weights: weights.to_vec(),
+            bump: vec![0.0; weights.len()],
+        };
+        let windows = [window(0, &[1.0, 2.0, 3.0]), window(2, &[4.0, 5.0]), window(4, &[6.0])];
+        let rows = [[1.0, 2.0, 3.0, 0.0, 0.0], [0.0, 0.0, 4.0, 5.0, 0.0], [0.0, 0.0, 0.0, 0.0, 6.0]];
+        let weights = DMatrix::from_fn(3, 5, |i, j| rows[i][j]);
+        let mut expected: DMatrix<f64> = 0.01 * &weights * weights.transpose();
+        (0..3).for_each(|i| expected[(i, i)] *= 1.000_001);
+        assert!((covariance(&windows, 0.1) - expected).amax() < 1e-12);
+    }
 }

@@ -176,3 +176,52 @@ fn spectrum(comparison: &Comparison) -> Picture {
         content: Content::Curves(curves),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::per_swing::Row;
+    use crate::compare::tests::judged;
+
+    #[test]
+    fn means_of_a_line_lie_on_it() {
+        let points: Vec<(f64, f64)> = (0..=2400).map(|i| 3.0 + f64::from(i) / 100.0).map(|x| (x, 2.0 * x)).collect();
+        let found = means(&points);
+        assert_eq!(found.len(), N_BINS);
+        for (k, (x, y)) in found.iter().enumerate() {
+            assert!((x - (3.5 + k as f64)).abs() < 1e-9, "{x}");
+            // A bin holds its lower end, the last one both.
+            assert!((y - 2.0 * x).abs() < 0.03, "{x} {y}");
+        }
+        assert!(means(&points[..9]).is_empty());
+    }
+
+    #[test]
+    fn the_phase_of_a_sine_is_its_argument() {
+        let mut judged = judged();
+        let arguments: Vec<f64> = (0..60).map(|i| 0.1 * f64::from(i) - 3.0).collect();
+        let (size, angular, zero_rad) = (0.2, 5.0, judged.start.offset_rad);
+        judged.curves.half_swing_s = Some(std::f64::consts::PI / angular);
+        judged.curves.modelled_rad = arguments.iter().map(|x| size * x.sin() + zero_rad).collect();
+        judged.curves.velocities_rad_s = arguments.iter().map(|x| size * angular * x.cos()).collect();
+        let found = phases(&judged);
+        assert_eq!(found.len(), 60);
+        assert!(found.iter().zip(&arguments).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+    }
+
+    #[test]
+    fn a_sample_has_the_amplitude_of_its_swing() {
+        let mut judged = judged();
+        let row = |from_s: f64, to_s: f64, amplitude_rad: f64| Row {
+            from_s,
+            to_s,
+            amplitude_rad,
+            period_s: None,
+            lost_j: None,
+            residual_rad: 0.0,
+        };
+        judged.swings = vec![row(0.0, 1.0, 0.9), row(1.0, 2.0, 0.8)];
+        judged.curves.times_s = vec![0.0, 0.5, 1.0, 1.9, 2.0, 2.5];
+        assert_eq!(amplitudes(&judged), [0.9, 0.9, 0.8, 0.8, 0.8, 0.8]);
+    }
+}

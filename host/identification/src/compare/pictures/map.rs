@@ -99,3 +99,35 @@ fn heat(map: &TorqueMap, label: &str, limit: f64, value: impl Fn(&Bin) -> f64) -
         limit,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::grid::Grid;
+
+    #[test]
+    fn a_field_shows_its_torque_in_standard_errors_where_it_lies() {
+        let (angle_rad, velocity_rad_s) = (0.1, 0.5);
+        let bin = Bin {
+            place: 2 * N_BINS + 3,
+            angle_rad,
+            velocity_rad_s,
+            torque_nm: -7e-4,
+            spread_nm: 2e-4,
+            n_visits: 6,
+            n_samples: 50,
+        };
+        let map = TorqueMap {
+            grid: Grid { angle_rad: 1.2, velocity_rad_s: 6.0 },
+            bins: vec![bin],
+            coulomb_nm: 1e-3,
+            evidence: 0.0,
+            explained: 0.0,
+            is_significant: false,
+        };
+        let Content::Heat(heat) = significance(&map).content else { panic!("no map") };
+        assert!((heat.values[2][3].unwrap() + 3.5).abs() < 1e-12);
+        assert_eq!(heat.values.iter().flatten().flatten().count(), 1);
+        assert_eq!(heat.notes[2][3], "-0.700 ± 0.200 mN·m, 6 swings, 50 samples");
+    }
+}

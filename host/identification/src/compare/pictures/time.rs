@@ -159,3 +159,26 @@ fn ahead(comparison: &Comparison) -> Picture {
         content: Content::Curves(curves),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::tests::judged;
+
+    #[test]
+    fn the_last_swings_are_ten_half_swings_to_the_end() {
+        let mut judged = judged();
+        judged.stop_angles_rad = Some((1e-3, 2e-3));
+        judged.curves.half_swing_s = Some(0.5);
+        judged.duration_s = 8.0;
+        judged.curves.times_s = (0..=128).map(|i| f64::from(i) / 16.0).collect();
+        judged.curves.angles_rad = judged.curves.times_s.clone();
+        judged.curves.modelled_rad = vec![0.0; 129];
+        let picture = last_swings(&judged, "", 1).unwrap();
+        let Content::Curves(curves) = picture.content else { panic!("no curves") };
+        assert_eq!((curves[0].x.first(), curves[0].x.last(), curves[0].x.len()), (Some(&3.0), Some(&8.0), 81));
+        assert_eq!(curves[0].y.first(), Some(&3000.0));
+        judged.stop_angles_rad = None;
+        assert!(last_swings(&judged, "", 1).is_none());
+    }
+}
