@@ -51,4 +51,6 @@ pub mod uncertainty;
 pub mod windows;
 
 #[cfg(test)]
+mod numbers_tests;
+#[cfg(test)]
 mod tests;

@@ -276,3 +276,30 @@ impl Place {
         Block { sums: Sums { gradient: gradient + pull, matrix }, square, n_samples: range.len() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::parameters::Parameters;
+
+    #[test]
+    fn a_curve_is_better_by_the_mean_of_its_gains_over_their_standard_error() {
+        // Gains of 0.1, 0.2, 0.3 and 0.4: a mean of 0.25, a variance of 0.05/3, of which a quarter is the mean's.
+        let squares = [1e-4, 2e-4, 3e-4, 4e-4];
+        let than: Vec<f64> = squares.iter().enumerate().map(|(k, own)| own * (0.1 * (k + 1) as f64).exp()).collect();
+        assert!((better_by(&squares, &than) - 0.25 / (0.05_f64 / 12.0).sqrt()).abs() < 1e-9);
+        assert!((better_by(&than, &squares) + 0.25 / (0.05_f64 / 12.0).sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_linearisation_is_trusted_with_the_size_of_a_torque_but_not_with_its_shape() {
+        let rig = Parameters::paper();
+        assert!(is_straight(&Unknown::inertia(&rig)));
+        let of = |name: &str| {
+            let effect = Effect::<f64>::by_name(name).unwrap();
+            Unknown::all_of_effect(effect, &rig).iter().map(is_straight).collect::<Vec<_>>()
+        };
+        assert_eq!(of("quadratic-drag"), [true]);
+        assert_eq!(of("stribeck"), [true, false]);
+    }
+}

@@ -31,7 +31,7 @@ pub(super) fn least_squares(problem: &Problem, first: &Point, progress: &(dyn Fn
 
 /// Friction that is unknown starts at a usual value, because at zero its bound would hold it there; dry friction at no
 /// more than the swings have.
-fn start_in_the_middle(problem: &Problem, model: &mut Fitted) {
+pub(super) fn start_in_the_middle(problem: &Problem, model: &mut Fitted) {
     for unknown in &model.unknowns {
         let most = match unknown.quantity {
             Quantity::Effect { id: base::VISCOUS, .. } => f64::INFINITY,

@@ -416,4 +416,19 @@ mod tests {
         assert_eq!(found.stds, [None]);
         assert!(spread_of(&measuring(&[1.0], &[1.0])).is_none());
     }
+
+    #[test]
+    fn a_basis_has_length_one_and_right_angles_and_spans_its_columns() {
+        let wave = |k: f64| (0..50).map(|i| 3.0 + (0.1 * k * f64::from(i)).cos()).collect::<Vec<f64>>();
+        let (one, two) = (wave(1.0), wave(2.0));
+        let both: Vec<f64> = one.iter().zip(&two).map(|(a, b)| 2.0 * a - b).collect();
+        let basis = orthonormal([&one, &two, &both, &vec![0.0; 50]].into_iter().map(Vec::as_slice));
+        assert_eq!(basis.len(), 2);
+        for i in 0..2 {
+            for j in 0..2 {
+                assert!((dot(&basis[i], &basis[j]) - f64::from(u8::from(i == j))).abs() < 1e-12);
+            }
+        }
+        assert!([&one, &two, &both].into_iter().all(|column| beyond(column, &basis).iter().all(|x| x.abs() < 1e-12)));
+    }
 }

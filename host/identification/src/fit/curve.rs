@@ -194,7 +194,7 @@ pub fn is_of_speed_alone(parameters: &Parameters<f64>, id: u16) -> bool {
 }
 
 /// As many knots as there may be, at quantiles of the speed of the model's swings; `None` if nothing moves.
-fn placed(on: &Problem, model: &Fitted) -> Option<Vec<f32>> {
+pub(super) fn placed(on: &Problem, model: &Fitted) -> Option<Vec<f32>> {
     let mut speeds = speeds_rad_s(on, model);
     speeds.retain(|speed| speed.is_finite() && *speed > 0.0);
     speeds.sort_by(f64::total_cmp);

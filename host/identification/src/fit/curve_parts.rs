@@ -67,12 +67,7 @@ pub fn known(on: &Problem, curved: &Curved) -> Option<Known> {
         (0..torques.len()).map(|k| all.iter().map(|sums| sums.matrix[(first + k, first + k)]).sum()).collect();
     let ridge = ridge(on, curved, first, &torques, all.first()?.gradient.len());
     let with_ridge = |part: &[Sums]| -> Vec<Sums> {
-        let share = 1.0 / all.len() as f64;
-        let add = |sums: &Sums| Sums {
-            matrix: &sums.matrix + share * &ridge.matrix,
-            gradient: &sums.gradient + share * &ridge.gradient,
-        };
-        part.iter().map(add).collect()
+        part.iter().map(|sums| with_share(sums, &ridge, 1.0 / all.len() as f64)).collect()
     };
     let part = |name: String, sums: &[Sums]| -> Option<PartCurve> {
         let spread = spread_of(&with_ridge(sums))?;
@@ -99,6 +94,11 @@ pub fn known(on: &Problem, curved: &Curved) -> Option<Known> {
     Some(Known { stds, parts, n_windows: all.len() })
 }
 
+/// The sums of a cluster with its share of the ridge.
+fn with_share(sums: &Sums, ridge: &Sums, share: f64) -> Sums {
+    Sums { matrix: &sums.matrix + share * &ridge.matrix, gradient: &sums.gradient + share * &ridge.gradient }
+}
+
 /// The ridge as normal equations of so many numbers, the knots from `first` on.
 fn ridge(on: &Problem, curved: &Curved, first: usize, torques_nm: &[f64], size: usize) -> Sums {
     let weighted = curved.ridge.weighted(on.n_samples(Window::Whole));
@@ -122,4 +122,31 @@ fn large_and_small(on: &Problem, swings: &[Vec<Sums>]) -> (Vec<Sums>, Vec<Sums>)
     let mut all: Vec<Sums> = by_size.into_iter().flat_map(|(_, own)| own.clone()).collect();
     let small = all.split_off(all.len() / 2);
     (all, small)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    #[test]
+    fn parts_contradict_each_other_where_they_differ_by_more_than_their_errors() {
+        let part =
+            |name: &str, knots: &[Option<(f64, f64)>]| PartCurve { name: name.to_owned(), knots: knots.to_vec() };
+        // Errors of 3 and 4 make one of 5, of which 2.6 are 13.
+        let one = part("one", &[Some((100.0, 3.0)), Some((100.0, 3.0)), Some((100.0, 3.0)), None]);
+        let other = part("other", &[Some((112.9, 4.0)), Some((113.1, 4.0)), Some((86.9, 4.0)), Some((0.0, 4.0))]);
+        let known = Known { stds: Vec::new(), parts: vec![vec![one.clone(), other.clone()], vec![one]], n_windows: 2 };
+        assert_eq!(known.contradictions(), [(1, "one", "other"), (2, "one", "other")]);
+    }
+
+    #[test]
+    fn all_clusters_together_have_the_whole_ridge() {
+        let sums =
+            |x: f64| Sums { matrix: DMatrix::from_element(2, 2, x), gradient: DVector::from_element(2, 10.0 * x) };
+        let clusters = [sums(1.0), sums(2.0), sums(4.0), sums(8.0)];
+        let mut all = Sums::zeros(2);
+        clusters.iter().for_each(|cluster| all.add(&with_share(cluster, &sums(100.0), 0.25)));
+        assert_eq!((all.matrix[(0, 1)], all.gradient[1]), (115.0, 1150.0));
+    }
 }

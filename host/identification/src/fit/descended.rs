@@ -24,7 +24,7 @@ impl Fitted {
         all.unknowns.extend(stiction.into_iter().flat_map(|effect| Unknown::all_of_effect(effect, &self.parameters)));
         all.steps = Some(Steps::new(&all.problem(on)));
         let all = all.descended(on, Window::Whole, tolerance);
-        let found = Self { unknowns: self.unknowns.clone(), steps: None, ..all };
+        let found = Self { unknowns: self.unknowns.clone(), ..all };
         let steps = Some(Steps::new(&found.problem(on)));
         Self { steps, ..found.with_stiction(found.stiction()) }.descended(on, Window::Whole, tolerance)
     }

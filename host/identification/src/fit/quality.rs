@@ -167,4 +167,17 @@ mod tests {
         assert!(alone.windows(2).all(|pair| pair[0].mse_velocity < pair[1].mse_velocity), "{alone:?}");
         assert_eq!(measured.compare_each(&[]), []);
     }
+
+    #[test]
+    fn the_error_in_velocity_of_a_slow_sine_is_its_own() {
+        // At 0.5 Hz the filter at 10 Hz takes nothing: (aω)²/2, over whole waves but for the ends.
+        let (size, angular) = (1e-2, std::f64::consts::PI);
+        let times_s: Vec<f64> = (0..4000).map(|i| f64::from(i) * 5e-3).collect();
+        let angles_rad: Vec<f64> = times_s.iter().map(|t| (6.0 * t).cos()).collect();
+        let residuals_rad: Vec<f64> = times_s.iter().map(|t| size * (angular * t).sin()).collect();
+        let measured = Measured::new(&Swing::new("sine", &times_s, &angles_rad, 1e-3), Window::Whole, 0.0);
+        let found = measured.compare(&Simulated { angles_rad, residuals_rad });
+        assert!((found.mse_velocity / (size * angular).powi(2) * 2.0 - 1.0).abs() < 0.02, "{found:?}");
+        assert!((found.mse_angle / size.powi(2) * 2.0 - 1.0).abs() < 0.02, "{found:?}");
+    }
 }

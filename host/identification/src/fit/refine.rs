@@ -41,7 +41,7 @@ impl Fitted {
 
     /// With its starts fitted and nothing else, the window growing: what the model is worth as it stands.
     pub fn started(&self, on: &Problem) -> Self {
-        let fixed = Self { unknowns: Vec::new(), steps: None, ..self.clone() };
+        let fixed = Self { unknowns: Vec::new(), ..self.clone() };
         let started = fixed.regrown(on).descended(on, Window::Whole, Tolerance::FINE);
         Self { unknowns: self.unknowns.clone(), steps: None, ..started }
     }

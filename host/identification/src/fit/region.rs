@@ -128,3 +128,17 @@ impl Region {
         Self { centre: self.centre.clone(), reach: &self.reach * axes }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_along_the_parameters_has_their_ranges() {
+        let ranges = Ranges(vec![(-1.0, 3.0), (10.0, 11.0)]);
+        let region = Region::of_ranges(&ranges);
+        assert_eq!(region.ranges(), ranges);
+        assert_eq!([region.axis(0), region.axis(1)], [[2.0, 0.0], [0.0, 0.5]]);
+        assert_eq!(region.coded(&[3.0, 10.25]), [1.0, -0.5]);
+    }
+}

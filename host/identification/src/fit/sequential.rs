@@ -196,3 +196,17 @@ fn face_centred(n_factors: usize) -> Option<Regression> {
         (1..=n_factors).map(|axis| Factor::new(format!("axis {axis}"), -1.0, 1.0)).collect();
     Regression::new(&Design::face_centred(axes.ok()?, 1).ok()?).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_design_along_two_axes_has_its_corners_its_faces_and_its_middle() {
+        let runs = face_centred(2).unwrap().design().natural_runs();
+        for corner in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+            assert!(runs.iter().any(|run| *run == corner), "{runs:?}");
+        }
+        assert_eq!(runs.len(), 9);
+    }
+}

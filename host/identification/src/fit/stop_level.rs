@@ -185,3 +185,25 @@ fn last_turning_torques(angles_rad: &[f64], gravity_nm: f64) -> Vec<f64> {
     let all: Vec<f64> = turning.chain(angles_rad.last().copied()).collect();
     all.iter().rev().take(MAX_STOPS).map(|angle| (gravity_nm * angle.sin()).abs()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::identify::problem_of;
+    use crate::fit::tally::Tally;
+    use crate::fit::tests::{PENDULUM, at_rest, dry_swing};
+    use shared::parameters::Parameters;
+
+    #[test]
+    fn no_level_is_promising_where_dry_friction_is_larger_than_all_turning_torques() {
+        let (swings, count) = (dry_swing(1.3e-4, 1.1e-3), Tally::default());
+        let mut rig = Parameters::frictionless(PENDULUM);
+        rig.set_friction(0.0, 1.3e-4, 0.0, 0.0);
+        let problem = problem_of(&swings, &rig, &count);
+        let mut point = Point { values: problem.template_values(), starts: at_rest(0.02) };
+        let linear = linearise(&problem, &point, Window::Whole, &mut Steps::found(&problem, &point));
+        assert!(!promising(&problem, &point, &linear).is_empty());
+        point.values[1] = PENDULUM.gravity_torque_nm();
+        assert!(promising(&problem, &point, &linear).is_empty());
+    }
+}

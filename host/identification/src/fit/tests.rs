@@ -14,31 +14,32 @@ use shared::motion::Pendulum;
 use shared::parameters::Parameters;
 use std::f64::consts::PI;
 
-const PENDULUM: Pendulum<f64> = Pendulum { mass_kg: 0.15, length_m: 0.16, inertia_kg_m2: 2.7e-3, gravity_m_s2: 9.81 };
+pub(super) const PENDULUM: Pendulum<f64> =
+    Pendulum { mass_kg: 0.15, length_m: 0.16, inertia_kg_m2: 2.7e-3, gravity_m_s2: 9.81 };
 
 /// So small that sin θ = θ to 2e-5 of it, so large that a finite difference of 1e-5 rad is a thousandth of it.
-const RELEASE_RAD: f64 = 1e-2;
+pub(super) const RELEASE_RAD: f64 = 1e-2;
 
 /// θ = A·e^(−λt)·(cos ω_d t + λ/ω_d·sin ω_d t), from rest; λ = Mw/2J.
-fn viscous_rad(viscous: f64, inertia_kg_m2: f64, time_s: f64) -> f64 {
+pub(super) fn viscous_rad(viscous: f64, inertia_kg_m2: f64, time_s: f64) -> f64 {
     let pivot = Pendulum { inertia_kg_m2, ..PENDULUM }.pivot_inertia_kg_m2();
     let decay = viscous / (2.0 * pivot);
     let angular = (PENDULUM.gravity_torque_nm() / pivot - decay * decay).sqrt();
     RELEASE_RAD * (-decay * time_s).exp() * ((angular * time_s).cos() + decay / angular * (angular * time_s).sin())
 }
 
-fn times_s(seconds: f64) -> Vec<f64> {
+pub(super) fn times_s(seconds: f64) -> Vec<f64> {
     (0..(200.0 * seconds) as usize).map(|i| i as f64 / 200.0).collect()
 }
 
-fn viscous_swing(viscous: f64) -> [Swing; 1] {
+pub(super) fn viscous_swing(viscous: f64) -> [Swing; 1] {
     let times_s = times_s(10.0);
     let angles_rad: Vec<f64> = times_s.iter().map(|t| viscous_rad(viscous, PENDULUM.inertia_kg_m2, *t)).collect();
     [Swing::new("small", &times_s, &angles_rad, 1e-8)]
 }
 
 /// Viscous friction and inertia alone are unknown.
-fn viscous_problem<'a>(swings: &'a [Swing], viscous: f64, count: &'a Tally) -> Problem<'a> {
+pub(super) fn viscous_problem<'a>(swings: &'a [Swing], viscous: f64, count: &'a Tally) -> Problem<'a> {
     let mut rig = Parameters::frictionless(PENDULUM);
     rig.set_friction(viscous, 0.0, 0.0, 0.0);
     let mut problem = problem_of(swings, &rig, count);
@@ -46,7 +47,7 @@ fn viscous_problem<'a>(swings: &'a [Swing], viscous: f64, count: &'a Tally) -> P
     problem
 }
 
-fn at_rest(angle_rad: f64) -> Vec<Start> {
+pub(super) fn at_rest(angle_rad: f64) -> Vec<Start> {
     vec![Start { angle_rad, velocity_rad_s: 0.0, offset_rad: 0.0 }]
 }
 
@@ -131,7 +132,7 @@ fn by_hand(residuals: Vec<f64>, columns: Vec<Vec<f64>>) -> Linear<'static> {
 }
 
 /// Uniform noise of variance 1/12 from a linear congruence.
-fn noise(n: usize) -> Vec<f64> {
+pub(super) fn noise(n: usize) -> Vec<f64> {
     let mut state = 7_u64;
     let mut next = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -188,7 +189,7 @@ fn a_column_without_effect_is_unknown_and_spoils_no_other() {
 }
 
 /// Dry friction alone: half a cosine about ±Mc/mgl after the other, each 2·Mc/mgl smaller, until one ends where Ms holds.
-fn dry_swing(coulomb_nm: f64, level_nm: f64) -> [Swing; 1] {
+pub(super) fn dry_swing(coulomb_nm: f64, level_nm: f64) -> [Swing; 1] {
     let stiffness = PENDULUM.gravity_torque_nm();
     let half_s = PI * (PENDULUM.pivot_inertia_kg_m2() / stiffness).sqrt();
     let (release_rad, shift_rad) = (0.02, coulomb_nm / stiffness);
