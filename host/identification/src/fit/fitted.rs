@@ -148,7 +148,7 @@ impl Fitted {
     /// The same with a friction curve in place of viscous and Coulomb friction, not fitted yet; `None` if there is no
     /// room for it.
     pub fn with_curve(&self, curve: &Curve<f64>) -> Option<Self> {
-        let mut other = Self { cost: f64::INFINITY, termination: None, steps: None, ..self.without(CURVE_ID) };
+        let mut other = self.without(CURVE_ID);
         let replaced = |id: u16| id == base::VISCOUS || id == base::COULOMB;
         other.unknowns.retain(|unknown| !matches!(unknown.quantity, Quantity::Effect { id, .. } if replaced(id)));
         other.parameters.set(base::VISCOUS, &[0.0]).ok()?;
