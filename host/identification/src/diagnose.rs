@@ -164,3 +164,6 @@ fn base_problem<'a>(swings: &'a [Swing], rig: KnownRig, count: &'a Tally) -> Pro
     (bare.formula, bare.curve) = (None, None);
     problem_of(swings, KnownRig { parameters: &bare, ..rig }, count)
 }
+
+#[cfg(test)]
+mod tests;

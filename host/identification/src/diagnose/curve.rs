@@ -147,15 +147,18 @@ fn best_curve(on: &Problem, from: &Fitted, budget: &Budget) -> Option<Curved> {
     if on.chi_square(alone.model.cost).left() == Left::Noise || !budget.allows_more_beside_a_curve() {
         return Some(alone);
     }
-    let has_memory =
-        |effect: &&'static Effect<f64>| matches!(effect.action, Action::State(_)) && !from.has(effect.name);
-    let effects: Vec<&'static Effect<f64>> = Effect::usual().filter(has_memory).collect();
-    let beside = promising(on, &alone, &effects);
+    let beside = promising(on, &alone, &memories_beside(from));
     let tried = |promise: &Prediction| extended(on, &alone, promise.effect, &promise.start);
     let beside: Vec<Curved> = beside.par_iter().filter_map(tried).collect();
     let is_worth_it = |found: &Curved| excess(on, &found.model) < MOST_LEFT * excess(on, &alone.model);
     let best = beside.into_iter().filter(is_worth_it).min_by(|a, b| a.model.cost.total_cmp(&b.model.cost));
     Some(best.unwrap_or(alone))
+}
+
+/// Effects with a memory that a model does not have.
+fn memories_beside(model: &Fitted) -> Vec<&'static Effect<f64>> {
+    let has_memory = |effect: &&'static Effect<f64>| matches!(effect.action, Action::State(_));
+    Effect::usual().filter(has_memory).filter(|effect| !model.has(effect.name)).collect()
 }
 
 /// The best start of each effect that may remove enough of what a curve leaves.
@@ -209,4 +212,26 @@ fn contradictions(known: &Known, speeds: &[f64]) -> Vec<Contradiction> {
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{effect, rig};
+    use crate::fit::identify::problem_of;
+    use crate::fit::problem::Point;
+    use crate::fit::tally::Tally;
+
+    #[test]
+    fn torques_with_a_memory_are_tried_beside_a_curve_unless_the_model_has_them() {
+        let count = Tally::default();
+        let problem = problem_of(&[], &rig(), &count);
+        let base = Fitted::at(&problem, &Point { values: problem.template_values(), starts: Vec::new() });
+        let names = |model: &Fitted| memories_beside(model).iter().map(|effect| effect.name).collect::<Vec<_>>();
+        let all = names(&base);
+        assert!(all.contains(&"presliding") && !all.contains(&"quadratic-drag"), "{all:?}");
+        let presliding = effect("presliding");
+        let rest = names(&base.with(presliding, &presliding.starts[0]).unwrap());
+        assert!(!rest.contains(&"presliding") && rest.len() + 1 == all.len(), "{rest:?}");
+    }
 }

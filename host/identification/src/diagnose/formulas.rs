@@ -113,7 +113,7 @@ pub fn formulas(problem: &Problem, model: &Fitted, score: impl Fn(&Fitted) -> f6
     let first = judged(problem, model, &[of_speed, of_angle].concat());
     let combined = combined(problem, &first);
     let mut all = [first, judged(problem, model, &combined)].concat();
-    let unit = weight * problem.noise_rad().powi(2).max(model.cost / problem.n_samples(Window::Whole) as f64);
+    let unit = price_rad2(problem, model, weight);
     let worth = |(guess, prediction): &(Guess, Prediction)| prediction.reduction - unit * guess.length() as f64;
     all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     all.truncate(FITTED);
@@ -131,6 +131,11 @@ pub fn formulas(problem: &Problem, model: &Fitted, score: impl Fn(&Fitted) -> f6
     let mut found: Vec<Found> = found.par_iter().flat_map(finished).collect();
     found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     found
+}
+
+/// What a factor has to take off the squares for its `weight`: noise, or where the model leaves more, what it leaves.
+fn price_rad2(problem: &Problem, model: &Fitted, weight: f64) -> f64 {
+    weight * problem.noise_rad().powi(2).max(model.cost / problem.n_samples(Window::Whole) as f64)
 }
 
 /// The best prediction of each guess that has one.
@@ -280,7 +285,10 @@ const NEARLY_LINEAR: f64 = 0.3;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::tests::{rig, with_drag};
     use crate::fit::identify::problem_of;
+    use crate::fit::problem::Point;
+    use crate::fit::start;
     use crate::fit::tally::Tally;
     use shared::parameters::Parameters;
 
@@ -305,5 +313,47 @@ mod tests {
         let problem = problem_of(&[], &Parameters::paper(), &count);
         let drag = guess(&problem, vec![OF_SPEED[2]], &[]).unwrap();
         assert_eq!(drag.words(&[3.14e-5, 2.31]), "-3.1e-5·|ω|^2.3·sgn ω");
+    }
+
+    #[test]
+    fn a_formula_is_as_long_as_its_factors_and_numbers() {
+        let count = Tally::default();
+        let problem = problem_of(&[], &Parameters::paper(), &count);
+        let length = |laws: Vec<Law>| guess(&problem, laws, &[2.0]).unwrap().length();
+        // ω; |ω|^p·sgn ω: two factors, one number; the same times a bump: two factors and two numbers more.
+        assert_eq!(length(vec![OF_SPEED[LINEAR]]), 1);
+        assert_eq!(length(vec![OF_SPEED[POWER]]), 3);
+        assert_eq!(length(vec![OF_SPEED[POWER], OF_ANGLE[4]]), 7);
+    }
+
+    #[test]
+    fn laws_of_speed_are_combined_with_all_laws_of_angle() {
+        let count = Tally::default();
+        let problem = problem_of(&[], &Parameters::paper(), &count);
+        let model = Fitted::at(&problem, &Point { values: problem.template_values(), starts: Vec::new() });
+        let judged = |law: Law, reduction: f64| {
+            let guess = guess(&problem, vec![law], &[]).unwrap();
+            let start = guess.effect.starts[0];
+            let model = model.with(guess.effect, &start).unwrap();
+            (guess.clone(), Prediction { effect: guess.effect, start, reduction, model })
+        };
+        let all = [judged(OF_ANGLE[0], 9.0), judged(OF_SPEED[LINEAR], 1.0), judged(OF_SPEED[POWER], 2.0)];
+        let found = combined(&problem, &all);
+        let typed: Vec<[&str; 2]> = found.iter().map(|guess| [guess.laws[0].typed, guess.laws[1].typed]).collect();
+        let expected = [POWER, LINEAR].into_iter().flat_map(|k| OF_ANGLE.map(|angle| [OF_SPEED[k].typed, angle.typed]));
+        assert_eq!(typed, expected.collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_factor_costs_squares_of_the_noise_or_of_what_is_left() {
+        let (swings, count) = (with_drag(), Tally::default());
+        let problem = problem_of(&swings, &rig(), &count);
+        let model = |rms_rad: f64| {
+            let point = Point { values: problem.template_values(), starts: start::starts(&swings) };
+            Fitted { cost: rms_rad.powi(2) * swings[0].len() as f64, ..Fitted::at(&problem, &point) }
+        };
+        let price = |rms_rad: f64| price_rad2(&problem, &model(rms_rad), 7.0).sqrt();
+        assert!((price(1e-5) / (7f64.sqrt() * swings[0].noise_rad) - 1.0).abs() < 1e-9);
+        assert!((price(1e-2) / (7f64.sqrt() * 1e-2) - 1.0).abs() < 1e-9);
     }
 }

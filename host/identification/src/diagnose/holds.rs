@@ -315,3 +315,58 @@ impl Judge<'_, '_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::rig;
+    use crate::fit::identify::problem_of;
+    use crate::fit::problem::Point;
+    use crate::fit::start;
+    use crate::fit::tally::Tally;
+    use crate::swing::Swing;
+    use nalgebra::{DMatrix, DVector};
+
+    /// Windows that measure one nuisance and two strengths directly.
+    fn clusters_of(values: impl Fn(usize) -> [f64; 3], n_windows: usize) -> Vec<Cluster> {
+        let window = |k: usize| {
+            let half =
+                Sums { matrix: DMatrix::identity(3, 3) * 0.5, gradient: 0.5 * DVector::from_row_slice(&values(k)) };
+            Cluster { swing_idx: 0, windows: Vec::new(), sides: [half.clone(), half] }
+        };
+        (0..n_windows).map(window).collect()
+    }
+
+    #[test]
+    fn each_strength_moves_by_its_own_step() {
+        let test = Test { columns: vec![0, 1, 2], strengths: vec![10.0, 20.0] };
+        let around = |k: usize| if k.is_multiple_of(2) { 0.1 } else { -0.1 };
+        let clusters = clusters_of(|k| [5.0 + around(k), 1.0 + around(k), 2.0 - around(k)], 12);
+        let found = test.found(&clusters.iter().map(Cluster::sums).collect::<Vec<_>>()).unwrap();
+        assert!((found[0].value - 11.0).abs() < 1e-9 && (found[1].value - 22.0).abs() < 1e-9);
+        // Deviations of 0.1 each: the standard error of the mean of twelve.
+        assert!(found.iter().all(|strength| (strength.error.unwrap() / (0.01_f64 / 11.0).sqrt() - 1.0).abs() < 1e-9));
+    }
+
+    #[test]
+    fn few_windows_are_too_short_and_the_early_ones_are_half_of_them() {
+        let count = Tally::default();
+        let times_s: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.01).collect();
+        let swings = [Swing::new("one", &times_s, &times_s.iter().map(|t| (6.0 * t).cos()).collect::<Vec<_>>(), 1e-4)];
+        let problem = problem_of(&swings, &rig(), &count);
+        let model = Fitted::at(&problem, &Point { values: problem.template_values(), starts: start::starts(&swings) });
+        let test = Test { columns: vec![0, 1, 2], strengths: vec![0.0] };
+        let scatter = |k: usize| 0.05 * ((7 * k) % 5) as f64;
+        let strength = |k: usize| if k < 6 { 1.0 } else { 3.0 } + scatter(k);
+        let of = |n_windows: usize| {
+            let clusters = clusters_of(|k| [scatter(k), -scatter(k + 1), strength(k)], n_windows);
+            tested(&problem, &model, "drag", &clusters, &test, ALPHA)
+        };
+        assert_eq!([of(3).standing, of(5).standing], [Standing::TooShort; 2]);
+        let long = of(12);
+        assert_eq!(long.standing, Standing::Holds);
+        let part = |name: &str| long.parts.iter().find(|part| part.name == name).unwrap().value;
+        let mean = |range: std::ops::Range<usize>| range.clone().map(strength).sum::<f64>() / range.len() as f64;
+        assert!((part("early") - mean(0..6)).abs() < 1e-9 && (part("late") - mean(6..12)).abs() < 1e-9, "{long:?}");
+    }
+}

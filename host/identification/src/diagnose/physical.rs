@@ -77,3 +77,53 @@ fn friction_nm(parameters: &Parameters<f64>, motion: &Motion<f64>) -> f64 {
     });
     added.sum::<f64>() - base_nm
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::identify::problem_of;
+    use crate::fit::problem::Point;
+    use crate::fit::start;
+    use crate::fit::tally::Tally;
+
+    /// The frictionless rig with a drag on a swing of 1 rad.
+    fn with_drag(strength: f64, ask: impl Fn(&Problem, &Fitted) -> bool) -> bool {
+        let count = Tally::default();
+        let times_s: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.01).collect();
+        let swings = [Swing::new("one", &times_s, &times_s.iter().map(|t| (6.0 * t).cos()).collect::<Vec<_>>(), 1e-4)];
+        let mut rig = Parameters::frictionless(Parameters::paper().pendulum);
+        rig.set_friction(0.0, 0.0, 0.0, 0.0);
+        rig.set(Effect::<f64>::by_name("quadratic-drag").unwrap().id, &[strength]).unwrap();
+        let problem = problem_of(&swings, &rig, &count);
+        let point = Point { values: problem.template_values(), starts: start::starts(&swings) };
+        ask(&problem, &Fitted { parameters: rig.clone(), ..Fitted::at(&problem, &point) })
+    }
+
+    #[test]
+    fn a_drag_brakes_with_its_square_and_one_that_drives_is_refused() {
+        let is_square = |_: &Problem, model: &Fitted| {
+            let pendulum = model.parameters.pendulum;
+            let motion = |velocity_rad_s: f64| Motion {
+                angle_rad: 0.3,
+                velocity_rad_s,
+                direction: velocity_rad_s.signum(),
+                time_s: 0.0,
+                pendulum,
+            };
+            let torque = |velocity: f64| friction_nm(&model.parameters, &motion(velocity));
+            (torque(3.0) + 9.0 * 2e-4).abs() < 1e-12 && (torque(-3.0) - 9.0 * 2e-4).abs() < 1e-12
+        };
+        assert!(with_drag(2e-4, is_square));
+        // Without any dry friction the slowest have next to none, which is no driving.
+        assert!(with_drag(2e-4, is_sound));
+        let reversed = |problem: &Problem, model: &Fitted| {
+            let mut model = model.clone();
+            let drag = Effect::<f64>::by_name("quadratic-drag").unwrap();
+            model.parameters.effects.iter_mut().filter(|present| present.id == drag.id).for_each(|present| {
+                present.values[0] = -present.values[0];
+            });
+            is_sound(problem, &model)
+        };
+        assert!(!with_drag(2e-4, reversed));
+    }
+}

@@ -134,6 +134,7 @@ fn fit(points: &[f64], wanted: &[f64], speeds: &[f64], law: Option<&Law>) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shared::curve::Curve;
 
     const SPEEDS: [f64; 4] = [0.0, 2.0, 5.0, 9.0];
 
@@ -156,5 +157,30 @@ mod tests {
     fn a_bump_is_like_no_law_of_the_list() {
         let bump = closest(|speed| 1e-3 + 2e-4 * speed + 2e-3 * (-(speed - 4.0).powi(2)).exp());
         assert!(bump.share > 0.1, "{bump:?}");
+    }
+
+    #[test]
+    fn shapes_go_by_equal_factors_from_end_to_end() {
+        let parameter = Parameter { symbol: "p", unit: "1", low: 0.25, high: 4.0, start: 1.0, meaning: "" };
+        assert!(
+            (shape_at(&parameter, 0) - 0.25).abs() < 1e-12 && (shape_at(&parameter, SHAPES - 1) - 4.0).abs() < 1e-12
+        );
+        let factor = shape_at(&parameter, 1) / shape_at(&parameter, 0);
+        assert!((factor.powi(SHAPES as i32 - 1) / 16.0 - 1.0).abs() < 1e-9, "{factor}");
+        // From nothing on there are no equal factors.
+        assert!((shape_at(&Parameter { low: 0.0, ..parameter }, 0) - 4e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn friction_that_has_built_up_is_part_of_what_a_curve_resembles() {
+        let mut rig = Parameters::frictionless(Pendulum::paper());
+        rig.set_friction(0.0, 0.0, 0.0, 0.0);
+        rig.set(Effect::<f64>::by_name("presliding").unwrap().id, &[5e-4, 5e-3]).unwrap();
+        rig.set_curve(&Curve::new(&[0.0, 2.0, 8.0], &[1e-3, 1.4e-3, 2.6e-3]).unwrap()).unwrap();
+        let found = of_model(&rig);
+        assert_eq!(found.len(), MOST_LAWS);
+        assert!(found[0].share < 1e-3, "{found:?}");
+        let expected = [1.5e-3, 1.9e-3, 3.1e-3];
+        assert!(found[0].torques.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{found:?}");
     }
 }

@@ -244,3 +244,69 @@ fn looked_at_again(problem: &Problem, mut level: Vec<Fitted>) -> Vec<Fitted> {
     sort(&mut level);
     level
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{DRAG, effect, fitted, rig, simulated, with_drag};
+    use crate::fit::identify::problem_of;
+    use crate::fit::problem::Point;
+    use crate::fit::tally::Tally;
+    use shared::effect::Action;
+
+    /// Models with these effects and costs, not fitted.
+    fn models(of: &[(&[&str], f64)]) -> Vec<Fitted> {
+        let count = Tally::default();
+        let problem = problem_of(&[], &rig(), &count);
+        let base = Fitted::at(&problem, &Point { values: problem.template_values(), starts: Vec::new() });
+        let model = |(names, cost): &(&[&str], f64)| {
+            let with = |model: Fitted, name: &&str| model.with(effect(name), &effect(name).starts[0]).unwrap();
+            Fitted { cost: *cost, ..names.iter().fold(base.clone(), with) }
+        };
+        of.iter().map(model).collect()
+    }
+
+    #[test]
+    fn the_best_two_models_are_gone_on_with_and_the_best_simple_one() {
+        let names = |of: &[(&[&str], f64)]| kept(&models(of)).iter().map(Fitted::name).collect::<Vec<_>>();
+        let (drag, law, spring, support) = ("quadratic-drag", "power-law-drag", "torsional-spring", "pivot-compliance");
+        assert_eq!(names(&[(&[law], 1.0), (&[spring], 1.5), (&[drag], 1.9)]), [law, spring, drag]);
+        // One that costs twice as much is not near.
+        assert_eq!(names(&[(&[law], 1.0), (&[spring], 1.5), (&[drag], 2.1)]), [law, spring]);
+        assert_eq!(names(&[(&[drag], 1.0), (&[law], 1.5), (&[spring], 1.6)]), [drag, law]);
+        if Effect::<f64>::by_name(support).is_some_and(|support| matches!(support.action, Action::Support(_))) {
+            assert_eq!(names(&[(&[support], 1.0), (&[drag], 5.0)]), [support, drag]);
+        }
+    }
+
+    #[test]
+    fn a_model_that_slipped_a_cycle_is_found_from_the_first_swings_on() {
+        let (swings, count) = (with_drag(), Tally::default());
+        let problem = problem_of(&swings, &rig(), &count);
+        let decimated = problem.decimated();
+        let rough = problem.on(&decimated);
+        let drag = effect("quadratic-drag");
+        let mut slipped = fitted(&problem, &rig()).with(drag, &[DRAG, 0.0, 0.0, 0.0]).unwrap();
+        slipped.parameters.pendulum.inertia_kg_m2 *= 1.5;
+        let slipped = slipped.refined(&rough, Band::Held, Tolerance::ROUGH);
+        assert!(excess(&rough, &slipped) > 10.0);
+        let (best, rest) = best_on_all(&problem, &rough, vec![slipped], &Budget::new(&count));
+        assert!(rest.is_empty() && excess(&problem, &best[0]) < 0.2, "{}", excess(&problem, &best[0]));
+    }
+
+    #[test]
+    fn a_velocity_band_is_promising_where_there_is_one() {
+        let promises = |level_nm: f64, velocity_band: f64| {
+            let (mut truth, count) = (rig(), Tally::default());
+            truth.set_friction(5e-4, 6e-3, level_nm, velocity_band);
+            // Down to where a band would hold it.
+            let swings = [simulated("band", &truth, 16.0, 6)];
+            let problem = problem_of(&swings, &rig(), &count);
+            let decimated = problem.decimated();
+            let rough = problem.on(&decimated);
+            let model = fitted(&problem, &rig()).refined(&rough, Band::Held, Tolerance::JUDGE);
+            band_is_promising(&rough, &model)
+        };
+        assert!(promises(9e-3, 0.3) && !promises(0.0, 0.0));
+    }
+}

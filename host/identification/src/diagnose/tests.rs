@@ -1,0 +1,296 @@
+//! The parts of a diagnosis on simulated swings with a drag that the rig does not have, and on models whose costs are
+//! set by hand.
+
+use super::budget::Budget;
+use super::extension::extensions;
+use super::holds::{Holding, Standing};
+use super::models::excess;
+use super::replacement::Replacements;
+use super::score::predictions;
+use super::search::Found;
+use super::summary::Summary;
+use super::verdict::{INDISTINGUISHABLE, Judge};
+use super::{base_problem, levels, zero};
+use crate::fit::descent::Tolerance;
+use crate::fit::fitted::{Fitted, Stiction};
+use crate::fit::identify::problem_of;
+use crate::fit::problem::{Point, Problem, Start};
+use crate::fit::refine::Band;
+use crate::fit::tally::Tally;
+use crate::random::Noise;
+use crate::swing::{Swing, Window};
+use shared::effect::Effect;
+use shared::model::Model;
+use shared::parameters::Parameters;
+use std::time::Instant;
+
+const NOISE_RAD: f64 = 5e-4;
+
+const RELEASE_RAD: f64 = 1.4;
+
+/// Quadratic drag, N·m·s²/rad².
+pub(super) const DRAG: f64 = 2e-4;
+
+pub(super) fn effect(name: &str) -> &'static Effect<f64> {
+    Effect::by_name(name).unwrap()
+}
+
+/// The paper's rig without stiction, with one more effect.
+fn rig_with(name: &str, values: &[f64]) -> Parameters<f64> {
+    let mut rig = rig();
+    rig.set(effect(name).id, values).unwrap();
+    rig
+}
+
+pub(super) fn rig() -> Parameters<f64> {
+    let mut rig = Parameters::paper();
+    Stiction::NONE.put_into(&mut rig);
+    rig
+}
+
+/// A simulated swing of a rig at 100 Hz, with white noise.
+pub(super) fn simulated(name: &str, truth: &Parameters<f64>, seconds: f64, seed: u64) -> Swing {
+    let (model, mut noise) = (Model::new(truth), Noise::new(seed));
+    let mut state = model.release(RELEASE_RAD, 0.0);
+    let times_s: Vec<f64> = (0..(100.0 * seconds) as usize).map(|i| i as f64 / 100.0).collect();
+    let mut angles_rad = Vec::new();
+    for _ in &times_s {
+        angles_rad.push(state.angle_rad + NOISE_RAD * noise.normal());
+        (0..5).for_each(|_| model.step(&mut state, 2e-3));
+    }
+    Swing::new(name, &times_s, &angles_rad, NOISE_RAD)
+}
+
+pub(super) fn with_drag() -> [Swing; 1] {
+    [simulated("drag", &rig_with("quadratic-drag", &[DRAG]), 14.0, 1)]
+}
+
+/// A model fitted to the swings of a problem, from the numbers of a rig.
+pub(super) fn fitted(on: &Problem, from: &Parameters<f64>) -> Fitted {
+    begun(on, from).refined(on, Band::Held, Tolerance::JUDGE)
+}
+
+fn begun(on: &Problem, from: &Parameters<f64>) -> Fitted {
+    let of_rig = problem_of(on.swings, from, on.tally);
+    let start = Start { angle_rad: RELEASE_RAD, velocity_rad_s: 0.0, offset_rad: 0.0 };
+    Fitted::at(&of_rig, &Point { values: of_rig.template_values(), starts: vec![start; on.swings.len()] })
+        .with_stiction(Stiction::NONE)
+}
+
+/// Everything that a judge needs, and asks him.
+fn judged<T>(
+    swings: &[Swing],
+    levels: impl Fn(&Problem) -> (Fitted, Vec<Vec<Fitted>>),
+    ask: impl Fn(&Judge) -> T,
+) -> T {
+    let count = Tally::default();
+    let problem = base_problem(swings, (&rig()).into(), &count);
+    let decimated = problem.decimated();
+    let rough = problem.on(&decimated);
+    let budget = Budget::new(&count);
+    let (base, levels) = levels(&problem);
+    let found = Found { base, levels };
+    let candidates = [effect("quadratic-drag"), effect("power-law-drag"), effect("torsional-spring")];
+    ask(&Judge { problem: &problem, rough: &rough, found: &found, candidates: &candidates, budget: &budget })
+}
+
+/// A model with this reduced chi-square, as if it had been fitted.
+fn with_excess(on: &Problem, from: &Parameters<f64>, reduced: f64) -> Fitted {
+    let mut model = Fitted { cost: on.noise_rad().powi(2) * on.n_samples(Window::Whole) as f64, ..begun(on, from) };
+    model.cost *= reduced / on.chi_square(model.cost).reduced;
+    assert!((excess(on, &model) - (reduced - 1.0)).abs() < 1e-9);
+    model
+}
+
+fn drag(on: &Problem, reduced: f64) -> Fitted {
+    with_excess(on, &rig_with("quadratic-drag", &[DRAG]), reduced)
+}
+
+fn power_law(on: &Problem, reduced: f64) -> Fitted {
+    with_excess(on, &rig_with("power-law-drag", &[DRAG, 2.0]), reduced)
+}
+
+#[test]
+fn an_effect_is_worth_its_numbers_if_it_leaves_little_of_what_was_there() {
+    let swings = with_drag();
+    let is_worth_it = |before: f64, after: f64| {
+        let levels = |on: &Problem| (with_excess(on, &rig(), before), vec![vec![drag(on, after)]]);
+        judged(&swings, levels, |judge| judge.is_worth_it(&judge.found.base, &judge.found.levels[0][0]))
+    };
+    // Of an excess of 10 it leaves 3 or 5 where more than noise is left, 5.5 of it where not: at most 0.4 and 0.6.
+    assert!(is_worth_it(11.0, 4.0) && !is_worth_it(11.0, 6.0));
+    assert!(is_worth_it(1.35, 1.17) && !is_worth_it(1.25, 1.17));
+    // Where noise alone is left, nothing is missing.
+    assert!(!is_worth_it(1.0, 0.9));
+}
+
+#[test]
+fn the_unit_of_a_criterion_is_the_noise_or_what_the_best_model_leaves() {
+    let swings = with_drag();
+    let unit = |lowest: f64| {
+        let levels = |on: &Problem| (with_excess(on, &rig(), 20.0), vec![vec![drag(on, lowest)]]);
+        judged(&swings, levels, |judge| judge.unit() / NOISE_RAD.powi(2))
+    };
+    assert!((unit(0.5) - 1.0).abs() < 1e-12);
+    assert!((unit(4.0) - 4.0).abs() < 0.05, "{}", unit(4.0));
+}
+
+#[test]
+fn a_special_case_is_preferred_where_no_sum_of_squares_speaks_for_its_wider_form() {
+    let swings = with_drag();
+    let preferred = |more: f64| {
+        let levels = |on: &Problem| {
+            let wide = power_law(on, 1.0);
+            let unit = NOISE_RAD.powi(2);
+            let special = Fitted { cost: wide.cost + more * unit, ..drag(on, 1.0) };
+            (with_excess(on, &rig(), 20.0), vec![vec![wide, special]])
+        };
+        judged(&swings, levels, |judge| judge.preferred(&judge.found.levels[0]).name())
+    };
+    // One more number costs ln 1400 = 7.2; beyond that, and up to 25, the special case is taken all the same.
+    assert_eq!([preferred(3.0), preferred(0.8 * INDISTINGUISHABLE)], ["quadratic-drag", "quadratic-drag"]);
+    assert_eq!(preferred(1.2 * INDISTINGUISHABLE), "power-law-drag");
+}
+
+#[test]
+fn a_single_claim_that_does_not_hold_leaves_the_base_model() {
+    let swings = with_drag();
+    let levels = |on: &Problem| (with_excess(on, &rig(), 20.0), vec![vec![drag(on, 1.0)]]);
+    let left = judged(&swings, levels, |judge| {
+        let claimed = &judge.found.levels[0][0];
+        (judge.without_doubtful(claimed, "quadratic-drag").name(), judge.without_doubtful(claimed, "stribeck").name())
+    });
+    assert_eq!(left, ("none".to_owned(), "quadratic-drag".to_owned()));
+}
+
+#[test]
+fn a_drag_that_was_fitted_is_told_from_its_wider_form_by_the_exponent() {
+    let swings = with_drag();
+    let levels = |on: &Problem| {
+        let special = fitted(on, &rig_with("quadratic-drag", &[DRAG]));
+        let wide = fitted(on, &rig_with("power-law-drag", &[DRAG, 2.0]));
+        (fitted(on, &rig()), vec![vec![wide, special]])
+    };
+    judged(&swings, levels, |judge| {
+        let [wide, special] = &judge.found.levels[0][..] else { panic!("two models") };
+        // Fitted to what it is, the drag leaves noise.
+        assert!(excess(judge.problem, special).abs() < 0.15, "{}", excess(judge.problem, special));
+        let mut undecided = vec!["power-law-drag"];
+        let cases = judge.special_cases(special, &[], &mut undecided);
+        assert!(undecided.is_empty() && cases.len() == 1, "{cases:?}");
+        assert!((cases[0].value - 2.0).abs() < 3.0 * cases[0].std && cases[0].special == "quadratic-drag", "{cases:?}");
+        // With as much removed by fewer numbers, the simpler law is claimed.
+        let (simpler, holds) = judge.simpler(wide, &[]).unwrap();
+        assert_eq!(simpler.name(), "quadratic-drag");
+        assert!(holds.iter().all(|holding: &Holding| holding.standing == Standing::Holds), "{holds:?}");
+        assert!(judge.simpler(special, &[]).is_none());
+    });
+}
+
+#[test]
+fn a_staircase_goes_down_from_the_base_to_the_claim_by_the_rms_of_each_model() {
+    let swings = with_drag();
+    let levels = |on: &Problem| (fitted(on, &rig()), vec![vec![fitted(on, &rig_with("quadratic-drag", &[DRAG]))]]);
+    judged(&swings, levels, |judge| {
+        let rms = |model: &Fitted| (model.cost / judge.problem.n_samples(Window::Whole) as f64).sqrt();
+        let Judge { problem, rough, found, candidates, budget } = *judge;
+        let summary = Summary {
+            judge: Judge { problem, rough, found, candidates, budget },
+            first_look: None,
+            claimed: found.levels[0][0].clone(),
+            curve: None,
+            of_state: None,
+            undecided: Vec::new(),
+            not_tried: Vec::new(),
+            vetoed: Vec::new(),
+            unproven: Vec::new(),
+            holds_on: Vec::new(),
+            carries: None,
+            special_cases: Vec::new(),
+            offset_is_missing: false,
+            held_out: &[],
+            began: Instant::now(),
+            count: problem.tally,
+        };
+        let told = summary.build(false);
+        assert!((told.rmse_after / NOISE_RAD - 1.0).abs() < 0.1, "{}", told.rmse_after);
+        assert!(told.rmse_before > 5.0 * NOISE_RAD, "{}", told.rmse_before);
+        let steps: Vec<(&str, f64)> = told.staircase.iter().map(|step| (step.added, step.rmse)).collect();
+        assert_eq!(steps, [("base", told.rmse_before), ("quadratic-drag", rms(&found.levels[0][0]))]);
+    });
+}
+
+#[test]
+fn what_is_missing_promises_most_and_is_fitted_in_its_place() {
+    let (swings, count) = (with_drag(), Tally::default());
+    let problem = base_problem(&swings, (&rig()).into(), &count);
+    let base = fitted(&problem, &rig());
+    let names = ["quadratic-drag", "power-law-drag", "eddy-brake", "load-dependent-coulomb", "drifting-friction"];
+    let candidates = names.map(effect);
+    let promised = predictions(&problem, &base, &[effect("torsional-spring"), effect("quadratic-drag")]);
+    assert_eq!(promised[0].effect.name, "quadratic-drag");
+    let decimated = problem.decimated();
+    let rough = problem.on(&decimated);
+    let budget = Budget::new(&count);
+    let few = [effect("quadratic-drag"), effect("torsional-spring")];
+    let level = extensions(&rough, &base.evaluated(&rough), &few, 0.0, &budget);
+    assert_eq!(level[0].name(), "quadratic-drag");
+    // A spring stands for the drag as badly as nothing at all.
+    let spring = fitted(&problem, &rig_with("torsional-spring", &[0.0, 0.0]));
+    let replacements = Replacements { problem: &problem, rough: &rough, candidates: &candidates, known: &[] };
+    let found = replacements.of(&spring, |_| base.evaluated(&rough));
+    assert!(found[0].cost < 0.5 * base.cost);
+    // Three are fitted: of these the drifting friction drives the pendulum. The brake would come next.
+    assert_eq!(found.iter().map(Fitted::name).collect::<Vec<_>>(), ["quadratic-drag", "power-law-drag"]);
+}
+
+#[test]
+fn a_zero_is_off_only_where_it_is() {
+    let count = Tally::default();
+    let decided = |zero_rad: f64| {
+        let mut swing = simulated("zero", &rig(), 6.0, 3);
+        swing.angles_rad.iter_mut().for_each(|angle| *angle += zero_rad);
+        let swings = [swing];
+        let problem = base_problem(&swings, (&rig()).into(), &count);
+        let found = zero::decide(&problem, fitted(&problem, &rig()), 25.0 * NOISE_RAD.powi(2));
+        (found.offset_is_missing, found.model.names())
+    };
+    assert_eq!(decided(0.0), (false, Vec::new()));
+    assert!(decided(0.02).0 || !decided(0.02).1.is_empty());
+}
+
+#[test]
+fn levels_are_worth_it_where_the_friction_of_two_releases_differs() {
+    let count = Tally::default();
+    let differs = |second: f64| {
+        let mut slippery = rig();
+        slippery.set_friction(5.4e-4, 7.1e-4, 0.0, 0.0);
+        let mut other = rig();
+        other.set_friction(second * 5.4e-4, second * 7.1e-4, 0.0, 0.0);
+        let swings = [simulated("one", &slippery, 10.0, 4), simulated("two", &other, 10.0, 5)];
+        let problem = base_problem(&swings, (&rig()).into(), &count);
+        let before = fitted(&problem, &rig());
+        let after = before.with_levels().refined(&problem, Band::Held, Tolerance::LONG);
+        (levels::are_worth_it(&problem, &before, &after), levels::levels(&problem, &after).unwrap())
+    };
+    let (is_worth_it, found) = differs(1.2);
+    assert!(is_worth_it);
+    for part in &found.parts {
+        // 1.1 ∓ 0.1 against the mean: a change of 0.2/1.1.
+        let std = part.releases[0].std.unwrap();
+        assert!((part.change - 0.2 / 1.1).abs() < 6.0 * std, "{part:?}");
+        assert!((1e-4..0.1).contains(&std), "{part:?}");
+    }
+    assert!(!differs(1.0).0);
+}
+
+#[test]
+fn what_is_left_without_an_effect_is_the_rest_of_the_model_and_no_other_one() {
+    let swings = with_drag();
+    let levels = |on: &Problem| (with_excess(on, &rig(), 20.0), vec![vec![drag(on, 1.0)]]);
+    let left = judged(&swings, levels, |judge| {
+        let both = judge.found.levels[0][0].with(effect("torsional-spring"), &[1e-4, 0.0, 0.0, 0.0]).unwrap();
+        ["quadratic-drag", "torsional-spring"].map(|name| judge.without(&both, effect(name).id)[0].name())
+    });
+    assert_eq!(left, ["torsional-spring", "quadratic-drag"]);
+}
