@@ -87,7 +87,7 @@ fn of_smooth_numbers<'a>(on: &Problem<'a>, model: &Fitted) -> (Uncertainty, Smoo
 fn bound_stiction(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut Number, band: &mut Number) {
     let decimated = on.decimated();
     let rough = on.on(&decimated);
-    let share = rough.n_samples(Window::Whole) as f64 / on.n_samples(Window::Whole).max(1) as f64;
+    let share = share_of_samples(&rough, on);
     let equations = &smooth.linear.equations;
     let variance = equations.cost / equations.n_samples.max(1) as f64;
     let allowed = PROFILE_95 * share * variance.max(on.noise_rad().powi(2));
@@ -106,6 +106,11 @@ fn bound_stiction(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut Num
         (level.status, level.std) = (Status::UpperBound, None);
         level.upper = profile_bound(&rough, model, allowed, level_scale, higher).map(|at| at.level_nm);
     }
+}
+
+/// How many of the samples of a problem another one has.
+fn share_of_samples(few: &Problem, all: &Problem) -> f64 {
+    few.n_samples(Window::Whole) as f64 / all.n_samples(Window::Whole).max(1) as f64
 }
 
 impl Uncertainty {
@@ -184,4 +189,23 @@ fn alike(
     }
     let names = |group: Vec<usize>| group.into_iter().map(|i| numbers[i].unknown.symbol).collect::<Vec<_>>();
     groups.into_iter().filter(|group| group.len() > 1).map(names).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::identify::problem_of;
+    use crate::fit::tally::Tally;
+    use shared::parameters::Parameters;
+
+    #[test]
+    fn every_fourth_sample_is_a_quarter() {
+        let count = Tally::default();
+        let times_s: Vec<f64> = (0..2000).map(|i| f64::from(i) * 5e-3).collect();
+        let angles_rad: Vec<f64> = times_s.iter().map(|t| (6.0 * t).cos()).collect();
+        let swings = [Swing::new("one", &times_s, &angles_rad, 1e-4)];
+        let all = problem_of(&swings, &Parameters::paper(), &count);
+        let few = [swings[0].thinned(50.0)];
+        assert_eq!(share_of_samples(&all.on(&few), &all), 0.25);
+    }
 }
