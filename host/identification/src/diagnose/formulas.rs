@@ -119,7 +119,7 @@ pub fn formulas(problem: &Problem, model: &Fitted, score: impl Fn(&Fitted) -> f6
     all.truncate(FITTED);
     let mut found: Vec<Found> =
         all.par_iter().filter_map(|(guess, prediction)| fitted(problem, model, guess, prediction)).collect();
-    let rank = |found: &Found| score(&found.model) + weight * found.length as f64;
+    let rank = |found: &Found| rank(score(&found.model), weight, found.length);
     found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     found.dedup_by(|a, b| a.guess.effect == b.guess.effect);
     found.truncate(OFFERED);
@@ -136,6 +136,11 @@ pub fn formulas(problem: &Problem, model: &Fitted, score: impl Fn(&Fitted) -> f6
 /// What a factor has to take off the squares for its `weight`: noise, or where the model leaves more, what it leaves.
 fn price_rad2(problem: &Problem, model: &Fitted, weight: f64) -> f64 {
     weight * problem.noise_rad().powi(2).max(model.cost / problem.n_samples(Window::Whole) as f64)
+}
+
+/// A model's criterion with the length of its formula, the lower the better.
+fn rank(criterion: f64, weight: f64, length: usize) -> f64 {
+    criterion + weight * length as f64
 }
 
 /// The best prediction of each guess that has one.
@@ -355,5 +360,13 @@ mod tests {
         let price = |rms_rad: f64| price_rad2(&problem, &model(rms_rad), 7.0).sqrt();
         assert!((price(1e-5) / (7f64.sqrt() * swings[0].noise_rad) - 1.0).abs() < 1e-9);
         assert!((price(1e-2) / (7f64.sqrt() * 1e-2) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_longer_formula_has_to_be_better_by_its_weight() {
+        assert!(rank(100.0, 7.0, 3) < rank(100.0, 7.0, 4));
+        assert!(rank(100.0, 7.0, 3) < rank(94.0, 7.0, 4) && rank(92.0, 7.0, 4) < rank(100.0, 7.0, 3));
+        // Below zero too, where a product would turn the order.
+        assert!(rank(-100.0, 7.0, 3) < rank(-106.0, 7.0, 4));
     }
 }

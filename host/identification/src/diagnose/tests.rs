@@ -29,7 +29,7 @@ const NOISE_RAD: f64 = 5e-4;
 const RELEASE_RAD: f64 = 1.4;
 
 /// Quadratic drag, N·m·s²/rad².
-pub(super) const DRAG: f64 = 2e-4;
+const DRAG: f64 = 2e-4;
 
 pub(super) fn effect(name: &str) -> &'static Effect<f64> {
     Effect::by_name(name).unwrap()
@@ -158,7 +158,9 @@ fn a_single_claim_that_does_not_hold_leaves_the_base_model() {
     let levels = |on: &Problem| (with_excess(on, &rig(), 20.0), vec![vec![drag(on, 1.0)]]);
     let left = judged(&swings, levels, |judge| {
         let claimed = &judge.found.levels[0][0];
-        (judge.without_doubtful(claimed, "quadratic-drag").name(), judge.without_doubtful(claimed, "stribeck").name())
+        let base = judge.without_doubtful(claimed, "quadratic-drag");
+        assert_eq!(base.cost, judge.found.base.cost);
+        (base.name(), judge.without_doubtful(claimed, "stribeck").name())
     });
     assert_eq!(left, ("none".to_owned(), "quadratic-drag".to_owned()));
 }
