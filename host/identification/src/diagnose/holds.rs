@@ -341,11 +341,15 @@ mod tests {
     fn each_strength_moves_by_its_own_step() {
         let test = Test { columns: vec![0, 1, 2], strengths: vec![10.0, 20.0] };
         let around = |k: usize| if k.is_multiple_of(2) { 0.1 } else { -0.1 };
-        let clusters = clusters_of(|k| [5.0 + around(k), 1.0 + around(k), 2.0 - around(k)], 12);
+        let clusters = clusters_of(|k| [5.0 + 4.0 * around(k), 1.0 + around(k), 2.0 - 2.0 * around(k)], 12);
         let found = test.found(&clusters.iter().map(Cluster::sums).collect::<Vec<_>>()).unwrap();
-        assert!((found[0].value - 11.0).abs() < 1e-9 && (found[1].value - 22.0).abs() < 1e-9);
-        // Deviations of 0.1 each: the standard error of the mean of twelve.
-        assert!(found.iter().all(|strength| (strength.error.unwrap() / (0.01_f64 / 11.0).sqrt() - 1.0).abs() < 1e-9));
+        for (strength, (value, deviation)) in found.iter().zip([(11.0, 0.1), (22.0, 0.2)]) {
+            assert!((strength.value - value).abs() < 1e-9);
+            // The standard error of the mean of twelve, and Student's t of 11 degrees of freedom.
+            let error = deviation / 11f64.sqrt();
+            assert!((strength.error.unwrap() / error - 1.0).abs() < 1e-9);
+            assert!((strength.std.unwrap() / (2.201 / 1.96 * error) - 1.0).abs() < 1e-3);
+        }
     }
 
     #[test]

@@ -152,3 +152,35 @@ fn of_release(level: &Level) -> String {
     let percent = with_spread(100.0 * level.value, level.std.map(|std| 100.0 * std));
     format!("{}{percent} % in {}", if level.value < 0.0 { "" } else { "+" }, level.recording)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::problem::Unknown;
+    use crate::fit::uncertainty::Status;
+
+    #[test]
+    fn a_level_is_as_uncertain_as_its_contrasts_together() {
+        let number = |(unknown, std): (Unknown, f64)| Number {
+            unknown,
+            value: 0.0,
+            std: Some(std),
+            status: Status::Identified,
+            upper: None,
+        };
+        let unknowns = Unknown::levels(3).into_iter().take(2);
+        let known = Uncertainty {
+            numbers: unknowns.zip([0.1, 0.2]).map(number).collect(),
+            correlations: vec![vec![Some(1.0), Some(-0.5)], vec![Some(-0.5), Some(1.0)]],
+            alike: Vec::new(),
+            coloured: false,
+        };
+        // Helmert's contrasts of three: (1, −1, 0)/√2 and (1, 1, −2)/√6.
+        let of = |swing_idx: usize| variance(&known, &[(0, 1), (1, 2)], swing_idx).unwrap();
+        let expected = |a: f64, b: f64| (a * 0.1).powi(2) + (b * 0.2).powi(2) - a * b * 0.1 * 0.2;
+        let (half, sixth) = (0.5_f64.sqrt(), (1.0 / 6.0_f64).sqrt());
+        assert!((of(0) - expected(half, sixth)).abs() < 1e-12);
+        assert!((of(1) - expected(-half, sixth)).abs() < 1e-12);
+        assert!((of(2) - expected(0.0, -2.0 * sixth)).abs() < 1e-12);
+    }
+}

@@ -296,3 +296,15 @@ fn what_is_left_without_an_effect_is_the_rest_of_the_model_and_no_other_one() {
     });
     assert_eq!(left, ["torsional-spring", "quadratic-drag"]);
 }
+
+#[test]
+fn one_effect_less_is_what_the_search_preferred_if_that_is_better_than_the_rest() {
+    let swings = with_drag();
+    let levels = |on: &Problem| (with_excess(on, &rig(), 20.0), vec![vec![drag(on, 1.0)]]);
+    let left = judged(&swings, levels, |judge| {
+        let both = judge.found.levels[0][0].with(effect("torsional-spring"), &[1e-4, 0.0, 0.0, 0.0]).unwrap();
+        judge.without_doubtful(&both, "quadratic-drag")
+    });
+    // A spring alone leaves the drag.
+    assert_eq!(left.name(), "quadratic-drag");
+}
