@@ -178,4 +178,18 @@ mod tests {
         assert!(far.clone().count() > 40);
         far.for_each(|(f, density)| assert!(*density < 1e-5 * expected, "{f} {density}"));
     }
+
+    #[test]
+    fn a_sine_remembers_itself_as_a_cosine_of_the_lag() {
+        // Over whole waves, less the share of the samples that have no partner.
+        let n = 10_000;
+        let residuals: Vec<f64> = (0..n).map(|i| (std::f64::consts::TAU * f64::from(i) / 100.0).sin()).collect();
+        let found = autocorrelation(&residuals, 0.01, 1.0);
+        assert_eq!(found.values.len(), 100);
+        for (lag_s, value) in found.lags_s.iter().zip(&found.values) {
+            let expected = (std::f64::consts::TAU * lag_s).cos() * (1.0 - 100.0 * lag_s / f64::from(n));
+            assert!((value - expected).abs() < 5e-3, "{lag_s} {value} {expected}");
+        }
+        assert!((found.band - 0.0196).abs() < 1e-12);
+    }
 }

@@ -323,4 +323,10 @@ mod tests {
         assert_eq!((left.values, left.starts), (vec![2e-3], vec![start]));
         assert_eq!(problem.unknowns[0].get(&part.template), 3e-4);
     }
+
+    #[test]
+    fn an_interval_reaches_as_far_as_95_percent_of_a_normal_distribution() {
+        assert_eq!(Estimate { value: 10.0, std: Some(2.0) }.interval(), Some((6.08, 13.92)));
+        assert_eq!(Estimate { value: 10.0, std: None }.interval(), None);
+    }
 }

@@ -371,4 +371,14 @@ mod tests {
         let map = torque_map(GRID, &stretches(8, [0.0; 3]), 1e-3).unwrap();
         assert!(!map.is_significant, "{map:?}");
     }
+
+    #[test]
+    fn a_field_is_significant_far_beyond_its_error_and_visited_often_enough() {
+        let is_significant = |torque_nm: f64, n_visits: usize| {
+            let (place, angle_rad, velocity_rad_s, spread_nm, n_samples) = (0, 0.1, 1.0, 1e-4, 50);
+            Bin { place, angle_rad, velocity_rad_s, torque_nm, spread_nm, n_visits, n_samples }.is_significant()
+        };
+        assert!(is_significant(5e-4, 5) && is_significant(-5e-4, 9));
+        assert!(!is_significant(5e-4, 4) && !is_significant(4e-4, 9));
+    }
 }
