@@ -80,8 +80,7 @@ mod tests {
 
     #[test]
     fn the_scatter_of_neighbours_gives_the_error_of_the_mean() {
-        // Neighbours 2 apart have the variance 2²/2 each; the mean of eight of them 1/8 of that, 0.25 … by n − 1 = 7
-        // differences of which half the mean square is ½ · 7 · 4/7 = 2.
+        // Half the mean square of the seven differences of 2 is the variance, 2; that of the mean of eight is 0.25.
         let sample = |i: u32| Sample { x: f64::from(i), value: 5.0 + 2.0 * f64::from(i % 2), spread: 0.1 };
         let found = mean(&(0..8).map(sample).collect::<Vec<_>>());
         assert_eq!((found.x, found.n), (3.5, 8));
