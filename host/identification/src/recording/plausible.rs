@@ -172,7 +172,19 @@ impl Swings {
         if self.periods.iter().filter(|(amplitude, _)| *amplitude > PI).count() >= MIN_PERIODS {
             return Scale::TooLarge { predicted_percent: f64::INFINITY, found_percent: 0.0 };
         }
-        let Some((growth, spread, span)) = self.growth() else { return Scale::Unknown };
+        match (self.scale_of(&self.periods, self.largest_rad), self.periods.get(FIRST..)) {
+            // A lift by hand or a push by a motor may be larger than all swings.
+            (Scale::Unknown, Some(rest)) => {
+                let largest_rad = rest.iter().fold(0.0_f64, |largest, (amplitude, _)| largest.max(*amplitude));
+                let of_rest = self.scale_of(rest, largest_rad);
+                if matches!(of_rest, Scale::TooLarge { .. }) { of_rest } else { Scale::Unknown }
+            }
+            (scale, _) => scale,
+        }
+    }
+
+    fn scale_of(&self, periods: &[(f64, f64)], largest_rad: f64) -> Scale {
+        let Some((growth, spread, span)) = growth_of(periods, largest_rad) else { return Scale::Unknown };
         log::debug!("period grows by {growth:.3} ± {spread:.3} of what is predicted, over {:.2} %", 100.0 * span);
         if growth + SURE * spread < LEAST_GROWTH {
             return Scale::TooLarge { predicted_percent: 100.0 * span, found_percent: 100.0 * span * growth };
@@ -192,24 +204,25 @@ impl Swings {
 impl Swings {
     /// The least growth that the periods behind the first ones show for sure.
     fn growth_behind_start(&self) -> Option<f64> {
-        let (growth, spread, _) = self.growth_of(self.periods.get(FIRST..)?)?;
+        let (growth, spread, _) = growth_of(self.periods.get(FIRST..)?, self.largest_rad)?;
         Some(growth - SURE * spread)
     }
 
     /// As `growth` says of the swings that are seen well.
     fn growth(&self) -> Option<(f64, f64, f64)> {
-        self.growth_of(&self.periods)
+        growth_of(&self.periods, self.largest_rad)
     }
+}
 
-    fn growth_of(&self, periods: &[(f64, f64)]) -> Option<(f64, f64, f64)> {
-        let least_rad = SMALLEST_SHARE * self.largest_rad;
-        let points: Vec<(f64, f64, f64)> = periods
-            .iter()
-            .filter(|(amplitude, _)| *amplitude > least_rad && *amplitude < 0.98 * PI)
-            .map(|(amplitude, period_s)| (lengthening(*amplitude) - 1.0, *period_s, amplitude.powi(2)))
-            .collect();
-        growth(&points)
-    }
+/// The same of some of the periods, without swings far smaller than the largest.
+fn growth_of(periods: &[(f64, f64)], largest_rad: f64) -> Option<(f64, f64, f64)> {
+    let least_rad = SMALLEST_SHARE * largest_rad;
+    let points: Vec<(f64, f64, f64)> = periods
+        .iter()
+        .filter(|(amplitude, _)| *amplitude > least_rad && *amplitude < 0.98 * PI)
+        .map(|(amplitude, period_s)| (lengthening(*amplitude) - 1.0, *period_s, amplitude.powi(2)))
+        .collect();
+    growth(&points)
 }
 
 /// Of a swing from one turning point to the next, rad.
@@ -384,6 +397,21 @@ mod tests {
         let (growth, spread, _) = swings.growth().unwrap();
         assert!(growth - SURE * spread > MOST_GROWTH, "no case: {growth} ± {spread}");
         assert!(!matches!(swings.scale(), Scale::TooSmall { .. }), "{:?}", swings.scale());
+    }
+
+    /// Drawn out to 2.3 rad by a hand, slowly, and let go into the swings of a spring, which always take 1 s.
+    #[test]
+    fn swings_that_are_smaller_than_the_lift_before_them_show_that_they_are_no_pendulums() {
+        let lift = (0..400_u32).map(|idx| -2.3 * f64::from(idx.min(399)) / 400.0);
+        let swings = (0..2000_u32).map(|idx| {
+            let time_s = f64::from(idx) * 0.01;
+            0.3 * (-0.12 * time_s).exp() * (TAU * time_s).sin() - 2.3 * (-4.0 * time_s).exp()
+        });
+        let angles: Vec<f64> = lift.chain(swings).collect();
+        let times: Vec<f64> = (0..angles.len()).map(|idx| idx as f64 * 0.01).collect();
+        let swings = Swings::of(&times, &angles).unwrap();
+        assert_eq!(swings.scale_of(&swings.periods, swings.largest_rad), Scale::Unknown);
+        assert!(matches!(swings.scale(), Scale::TooLarge { .. }), "{swings:?}");
     }
 
     /// Between two counts it flickers for a minute after six seconds of swing.
