@@ -15,6 +15,7 @@ mod clock;
 mod columns;
 mod error;
 mod foreign;
+mod gbk;
 mod grid;
 mod header;
 mod heading;

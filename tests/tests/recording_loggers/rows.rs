@@ -66,6 +66,11 @@ fn rows_and_columns_of_json_are_found_however_they_lie() {
         (format!("{{\"run\": {{\"time\": [{times}], \"angle\": [{angles}]}}, \"mass\": 0.1}}"), ""),
         (format!("[{axes}]"), ""),
         (axes.replace("}, {", "}\n{"), ""),
+        (
+            list(&|(t, a, _)| format!("{{\"t\": {t:.2}, \"msg\": {{\"pole\": {{\"theta\": {a:.5}}}}}}}\n"))
+                .replace(", {\"t", "{\"t"),
+            "",
+        ),
     ] {
         check_found(&text, 1e-5, note);
     }
@@ -92,6 +97,28 @@ fn names_and_units_are_found_however_the_lines_above_part_them() {
     check_found(&table("Time,Angle,State of it\ns,deg,State\n\n", commas), CENTIDEGREES, "");
     // What a terminal shows before the first row is no line of names.
     check_found(&table("ready\n[ dpc ] >>> 7.5,1.25,0.1\n", commas), CENTIDEGREES, "column 0 read as time");
+}
+
+#[test]
+fn names_of_several_words_and_names_before_a_remark_are_found() {
+    let columns = |(t, a, v): Row| format!("{t:8.2}   {a:9.5}   {v:9.4}");
+    let recording = check_found(&table("time (s)   angle (rad)   ang. vel. (rad/s)\n", columns), 1e-5, "");
+    assert!(recording.notes().is_empty(), "{:?}", recording.notes());
+    let small = swing_from(0.05, RATE_HZ, 5).into_iter();
+    let small = small.map(|(t, a, _)| format!("{t:.2} {:.4}\n", a.to_degrees())).collect::<String>();
+    let text = format!("# t theta_degree | from a video of the bob\n{small}");
+    let recording = open(text.as_bytes(), &ReadOptions::default()).unwrap();
+    assert!((recording.angles_rad()[0] - 0.05).abs() < 1e-5, "{:?}", recording.notes());
+}
+
+#[test]
+fn a_heading_in_gbk_is_read() {
+    // 时间(s),摆角(°),备注, small enough that nothing but the unit tells degrees.
+    let heading = b"\xca\xb1\xbc\xe4(s),\xb0\xda\xbd\xc7(\xa1\xe3),\xb1\xb8\xd7\xa2\n".to_vec();
+    let rows = swing_from(0.05, RATE_HZ, 5).into_iter();
+    let rows = rows.map(|(t, a, _)| format!("{t:.2},{:.4},7\n", a.to_degrees())).collect::<String>();
+    let recording = open(&[heading, rows.into_bytes()].concat(), &ReadOptions::default()).unwrap();
+    assert!((recording.angles_rad()[0] - 0.05).abs() < 1e-5, "{:?}", recording.notes());
 }
 
 #[test]

@@ -15,12 +15,13 @@ pub(super) fn names(lines_above: &[&str], separator: Separator, n_columns: usize
     like_the_rows(&plain, separator, n_columns)
         .or_else(|| of_known_words(&plain, separator, n_columns))
         .or_else(|| of_known_words(&comments, separator, n_columns))
+        .or_else(|| before_a_remark(&comments, n_columns))
 }
 
 /// The last line, if it has a name for each column.
 fn like_the_rows(lines: &[&str], separator: Separator, n_columns: usize) -> Option<Vec<String>> {
     let last = lines.last()?;
-    let cells = cells(last, separator);
+    let cells = wide_cells(last, separator, n_columns).unwrap_or_else(|| cells(last, separator));
     let n_names = cells.iter().filter(|name| !name.is_empty()).count();
     let is_whole = n_columns == 1 || (n_names > 1 && cells.len() >= n_columns);
     // A row behind the prompt of a terminal has numbers.
@@ -39,6 +40,15 @@ fn of_known_words(lines: &[&str], separator: Separator, n_columns: usize) -> Opt
         let names = (cells.len() == n_columns).then(|| with_units(lines, separator, cells))?;
         is_known(&names).then_some(names)
     })
+}
+
+/// The first words of the last line, if there is a known one for each column: `t theta_deg | from a video`.
+fn before_a_remark(lines: &[&str], n_columns: usize) -> Option<Vec<String>> {
+    let last = lines.last()?;
+    let words = last.trim_start_matches(['#', '%', '/', ' ']).split([' ', '\t', ',', ';', '|']);
+    let names: Vec<String> = words.filter(|word| !word.is_empty()).take(n_columns).map(str::to_owned).collect();
+    let are_known = names.len() == n_columns && names.iter().all(|name| meaning(name) != Meaning::Other);
+    (n_columns > 1 && are_known).then_some(names)
 }
 
 /// Is this line one of names, of which some are known?
@@ -72,6 +82,13 @@ fn are_units(cells: &[String], above: &[String]) -> bool {
 
 fn bare(line: &str) -> &str {
     line.trim_start_matches(['#', '%', '/', ' ']).trim()
+}
+
+/// Names of several words stand two spaces or more apart: `time (s)   ang. vel. (rad/s)`.
+fn wide_cells(line: &str, separator: Separator, n_columns: usize) -> Option<Vec<String>> {
+    let cells = bare(line).split("  ").map(str::trim).filter(|cell| !cell.is_empty());
+    let cells: Vec<String> = cells.map(str::to_owned).collect();
+    (separator == Separator::Space && cells.len() == n_columns).then_some(cells)
 }
 
 /// Cells separated by spaces keep their unit in brackets: `Time [s] Angle [deg]` are two.
@@ -119,6 +136,12 @@ mod tests {
         check(&["# t; theta; omega"], Comma, 3, &["t", "theta", "omega"]);
         check(&["Sensor, ready, go"], Tab, 3, &[]);
         check(&["# measured: rate"], Comma, 2, &[]);
+        use Separator::Space;
+        let wide = ["time (s)   angle (rad)    ang. vel. (rad/s)"];
+        check(&wide, Space, 3, &["time (s)", "angle (rad)", "ang. vel. (rad/s)"]);
+        check(&["  t   angle [rad]"], Space, 2, &["t", "angle [rad]"]);
+        check(&["# t theta_deg | from a video"], Space, 2, &["t", "theta_deg"]);
+        check(&["# time of release: noon"], Space, 2, &[]);
         check(&["[ dpc ] >>> 6.2,6.1,-0.7,15352"], Comma, 4, &[]);
         check(&["t,1,2,3"], Comma, 4, &["t", "1", "2", "3"]);
     }

@@ -1,11 +1,12 @@
 //! A file of whatever dress as lines of text, one after the other, so that a large one is never in memory as a whole.
 //!
 //! Text is passed on line by line: UTF-8 with or without a mark, UTF-16 by its mark, and where a line is no UTF-8 Latin-1, or
-//! Windows-1251 where that makes Cyrillic words of it. Lines end with a line feed, or all of them with a carriage return.
+//! Windows-1251 where that makes Cyrillic words of it, or GBK where it makes the words of a Chinese heading. Lines end with a line feed, or all of them with a carriage return.
 //! Files of other programs that are no tables of text become one first (`foreign.rs`).
 
 use super::error::Fault;
 use super::foreign;
+use super::gbk;
 use super::limits::MOST_BYTES_WHOLE;
 use std::io::{self, BufRead, Cursor, Read};
 
@@ -80,6 +81,7 @@ impl<'a> Lines<'a> {
         let kept = kept.strip_suffix(b"\r").unwrap_or(kept);
         match std::str::from_utf8(kept) {
             Ok(text) => line.push_str(text),
+            Err(_) if gbk::has_words(kept) => gbk::read_into(kept, line),
             Err(_) if has_cyrillic_words(kept) => line.extend(kept.iter().map(|byte| of_windows_1251(*byte))),
             Err(_) => line.extend(kept.iter().map(|byte| char::from(*byte))),
         }

@@ -116,18 +116,9 @@ fn add_rows(name: &str, rows: &[Value], names: &mut Vec<String>, columns: &mut V
 
 /// A row; names that are new begin with gaps.
 fn take(row: &Map<String, Value>, names: &mut Vec<String>, columns: &mut Vec<Vec<f64>>, n_rows: &mut usize) {
-    let nested = row.iter().filter_map(|(name, value)| Some((name, value.as_object()?)));
-    let inner =
-        nested.flat_map(|(outer, object)| object.iter().map(move |(name, value)| (format!("{outer}.{name}"), value)));
-    let is_plain = |(_, value): &(&String, &Value)| !value.is_object() && !value.is_array();
-    let plain = row.iter().filter(is_plain).map(|(name, value)| (name.clone(), value));
-    let lists = row.iter().filter_map(|(name, value)| Some((name, value.as_array()?)));
-    let axes = lists.flat_map(|(name, cells)| {
-        cells.iter().take(MOST_AXES).enumerate().map(move |(idx, cell)| (format!("{name} {}", idx + 1), cell))
-    });
-    for (name, value) in plain.chain(inner).chain(axes) {
+    for (name, value) in cells("", row, DEEPEST) {
         let idx = names.iter().position(|known| *known == name).unwrap_or_else(|| {
-            names.push(name.clone());
+            names.push(name);
             columns.push(vec![f64::NAN; *n_rows]);
             names.len() - 1
         });
@@ -135,6 +126,19 @@ fn take(row: &Map<String, Value>, names: &mut Vec<String>, columns: &mut Vec<Vec
     }
     *n_rows += 1;
     columns.iter_mut().for_each(|column| column.resize(*n_rows, f64::NAN));
+}
+
+/// The cells of a row: what stands there plainly, then what lies in objects, then what lies in arrays.
+fn cells<'a>(outer: &str, row: &'a Map<String, Value>, deepest: usize) -> Vec<(String, &'a Value)> {
+    let is_plain = |(_, value): &(&String, &Value)| !value.is_object() && !value.is_array();
+    let plain = row.iter().filter(is_plain).map(|(name, value)| (format!("{outer}{name}"), value));
+    let nested = row.iter().filter_map(|(name, value)| Some((name, value.as_object().filter(|_| deepest > 0)?)));
+    let inner = nested.flat_map(|(name, object)| cells(&format!("{outer}{name}."), object, deepest - 1));
+    let lists = row.iter().filter_map(|(name, value)| Some((name, value.as_array()?)));
+    let axes = lists.flat_map(|(name, list)| {
+        list.iter().take(MOST_AXES).enumerate().map(move |(idx, cell)| (format!("{outer}{name} {}", idx + 1), cell))
+    });
+    plain.chain(inner).chain(axes).collect()
 }
 
 /// Text that is a number counts as one, and so does a moment, in seconds since 1970 or since midnight.
@@ -158,5 +162,13 @@ mod tests {
         for whole in [r#"{"t": [0, 1], "theta": [1, 2]}"#, r#"{"swing": {"theta": [1]}}"#, &long] {
             assert!(check(whole), "{whole}");
         }
+    }
+
+    #[test]
+    fn what_lies_within_objects_within_a_row_is_a_cell_of_it() {
+        let row: Value = serde_json::from_str(r#"{"t": 1, "a": {"b": {"c": 2, "list": [3, 4]}, "d": 5}}"#).unwrap();
+        let cells = cells("", row.as_object().unwrap(), DEEPEST);
+        let found: Vec<(&str, f64)> = cells.iter().map(|(name, value)| (name.as_str(), number(value))).collect();
+        assert_eq!(found, [("t", 1.0), ("a.d", 5.0), ("a.b.c", 2.0), ("a.b.list 1", 3.0), ("a.b.list 2", 4.0)]);
     }
 }
