@@ -59,9 +59,58 @@ fn a_clock_coarser_than_the_samples_is_spread_and_a_stopped_one_refused() {
     let begin_s = recording.times_s()[0];
     let off_s = recording.times_s().iter().zip(&fast).map(|(time_s, row)| (time_s - begin_s - row.0).abs());
     assert!(recording.len() == fast.len() && off_s.fold(0.0, f64::max) < 2e-4, "{:?}", recording.notes());
-    let stopped = table("t,theta\n", |(t, a, _)| format!("{:.2},{a:.5}", t.min(15.0)));
+    let stopped = table("t,theta\n", |(t, a, _)| format!("{:.2},{a:.5}", if t < 19.5 { t.min(14.5) } else { t }));
     let refused = open(stopped.as_bytes(), &ReadOptions::default()).unwrap_err();
-    assert!(refused.contains("15 s stands there 500 times in a row") && refused.contains("--rate"), "{refused}");
+    assert!(refused.contains("14.5 s stands there 500 times in a row") && refused.contains("--rate"), "{refused}");
+}
+
+#[test]
+fn a_clock_that_stops_for_good_ends_the_recording() {
+    let stopped = table("t,theta\n", |(t, a, _)| format!("{:.2},{a:.5}", t.min(15.0)));
+    let recording = open(stopped.as_bytes(), &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let notes = recording.notes().join("; ");
+    assert_eq!(recording.len(), 1501, "{notes}");
+    assert!(
+        notes.contains("the clock stops at 15: the 499 rows behind have no time") && notes.contains("--rate"),
+        "{notes}"
+    );
+    check(&stopped, &ReadOptions { rate_hz: Some(100.0), ..ReadOptions::default() }, 1e-5, "");
+}
+
+/// As robots log it: the header of a message, `timeval` of C, a message in one row without names.
+#[test]
+fn whole_seconds_and_the_rest_of_them_are_one_time() {
+    let parts = |t: f64, unit: f64| {
+        let ticks = ((1_699_809_380.6 + t) * unit).round();
+        ((ticks / unit).floor(), ticks.rem_euclid(unit))
+    };
+    for (names, unit) in [("sec,nanosec", 1e9), ("secs,nsecs", 1e9), ("tv_sec,tv_usec", 1e6), ("t_s,t_ms", 1e3)] {
+        let row = |(t, a, _): Row| format!("{},{},{a:.5}", parts(t, unit).0, parts(t, unit).1);
+        let recording = check_found(&table(&format!("{names},theta\n"), row), 1e-5, "the rest of them: added");
+        assert!(!recording.notes().join("; ").contains("coarser"), "{:?}", recording.notes());
+        check_found(&table("", row), 1e-5, "0 holds the whole seconds of the time, and 1 the rest of them");
+    }
+    // When it arrived stands beside it, and is another time.
+    let late = |(t, a, _): Row| {
+        let (seconds, rest) = parts(t, 1e9);
+        format!("{:.4},{seconds},{rest},{a:.5}", 1_699_809_380.6 + t + 3e-3 * (1.0 + (77.0 * t).sin()))
+    };
+    let text = table("Time,header.stamp.secs,header.stamp.nsecs,position\n", late);
+    check_found(&text, 1e-5, "1 (header.stamp.secs) taken as the time, when it was measured, and not 0 (Time)");
+    let bare = table("", |(t, a, _)| format!("{},{},,arm,pole,0.25,{a:.5}", parts(t, 1e9).0, parts(t, 1e9).1));
+    let refused = open(bare.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("column 5 does not move") && refused.contains("e.g. t=0,theta=6"), "{refused}");
+    check(&bare, &told("t=0,theta=6"), 1e-5, "the rest of them: added");
+}
+
+#[test]
+fn numbers_that_may_be_frames_are_said_to_be() {
+    let tens = table("x y\n", |(t, a, _)| format!("{:.0} {a:.5}", 1000.0 * t));
+    check_found(&tens, 1e-5, "in milliseconds");
+    check_found(&tens, 1e-5, "if it counts frames or samples, --rate says how many a second");
+    let odd = table("x y\n", |(t, a, _)| format!("{:.0} {a:.5}", 1e6 * t + if t > 1.0 { 3.0 } else { 0.0 }));
+    let recording = check_found(&odd, 1e-5, "in microseconds");
+    assert!(!recording.notes().join("; ").contains("frames"), "{:?}", recording.notes());
 }
 
 /// As a spreadsheet writes them, `1.87E+01`: a tenth of a second from 10 s on, and a second from 100 s on.
@@ -124,6 +173,12 @@ fn times_since_the_row_before_are_added_up() {
     assert!(notes.contains("the time since the row before: added up") && notes.contains("in milliseconds"), "{notes}");
     let (first_s, last_s) = (recording.times_s()[0], recording.times_s()[1999]);
     assert!((last_s - first_s - 19.99).abs() < 0.01, "{first_s} {last_s}");
+    // Always the same, which nothing but the name tells from a clock that stopped.
+    for (head, step) in [("dt,theta\n", "0.01"), ("dt_ms,theta\n", "10"), ("theta_ref,Δt (s),theta\n", "0,0.01")] {
+        check_found(&table(head, |(_, a, _)| format!("{step},{a:.5}")), 1e-5, "added up");
+    }
+    let stands = open(table("t,theta\n", |(_, a, _)| format!("0.01,{a:.5}")).as_bytes(), &ReadOptions::default());
+    assert!(stands.unwrap_err().contains("its clock stopped"));
 }
 
 #[test]

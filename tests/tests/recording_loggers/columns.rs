@@ -133,6 +133,37 @@ fn the_right_columns_are_taken_whatever_stands_beside_them() {
 }
 
 #[test]
+fn of_the_angles_about_three_axes_the_one_that_moves_most_is_taken() {
+    let three = |(t, a, _): Row| {
+        let (x, z) = (350.0 + (0.3 * t).sin(), -2.0 + 0.5 * (0.4 * t).cos());
+        format!("{t:.2},{x:.2},{:.3},{z:.2}", a.to_degrees())
+    };
+    for head in ["t,Euler_X,Euler_Y,Euler_Z\n", "t,AngleX(deg),AngleY(deg),AngleZ(deg)\n", "t,tilt x,tilt y,tilt z\n"] {
+        check_found(&table(head, three), CENTIDEGREES, "of 3 angles of the sensor 2 (");
+    }
+    let orientation = table("t,Orientation X,Orientation Y,Orientation Z\n", three);
+    check_found(&orientation, CENTIDEGREES, "2 (Orientation Y) moves most");
+}
+
+#[test]
+fn an_orientation_with_a_w_is_a_quaternion_and_no_angle() {
+    let parts = |(t, a, v): Row| format!("{t:.2},{:.5},0,0,{:.5},{v:.5}", (a / 2.0).sin(), (a / 2.0).cos());
+    let head = "t,orientation.x,orientation.y,orientation.z,orientation.w,";
+    let refused = open(table(&format!("{head}temp\n"), parts).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("as a quaternion"), "{refused}");
+    let rates = table(&format!("{head}angular_velocity.x\n"), parts);
+    assert_eq!(open(rates.as_bytes(), &ReadOptions::default()).unwrap().measured(), Measured::Rate);
+}
+
+#[test]
+fn an_angular_displacement_is_an_angle_and_an_acceleration_no_rate() {
+    check_found(&table("Time,Angular displacement\n", |(t, a, _)| format!("{t:.2},{a:.5}")), 1e-5, "");
+    let row = |(t, a, _): Row| format!("{t:.2},{:.4}", -40.0 * a.sin());
+    let refused = open(table("Zeit,Winkelbeschleunigung (rad/s2)\n", row).as_bytes(), &ReadOptions::default());
+    assert!(refused.unwrap_err().contains("no angle column"));
+}
+
+#[test]
 fn a_magnetometer_beside_the_angle_is_neither_time_nor_point() {
     let three = |(t, a, v): Row| format!("{t:.2},{:.2},{:.2},{:.3}", 40.0 + v, 30.0 * a, a.to_degrees());
     for head in ["Time (s),Magnetic Field x (µT),Magnetic Field y (µT),Angle (°)\n", "t_s,mx_uT,B (T),angle_deg\n"] {

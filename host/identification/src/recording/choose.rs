@@ -1,12 +1,13 @@
 //! Which column is what: by what the user said, the header, the names, and at last the place.
 
 mod names;
+mod parted;
 mod rivals;
 mod standing;
 mod time;
 
 use super::angle::Angles;
-use super::chosen::{ReadingSource, Sources, TimeSource};
+use super::chosen::{Parted, ReadingSource, Sources, TimeSource};
 use super::circle::{Circle, is_arc};
 use super::clock;
 use super::columns::Columns;
@@ -21,9 +22,10 @@ use super::runs;
 use super::samples::{MOST_COLUMNS, Samples};
 use super::table::Table;
 use super::told::Told;
-use super::units::{AngleUnit, RateUnit};
+use super::units::{AngleUnit, RateUnit, TimeUnit};
 use super::words::{self, Meaning, is_of_sine, is_size, meaning};
 use names::{all_best, ambiguous, bare_axes, example, find, is_of_periods, no_angle, note_rivals, the_one};
+use parted::parted;
 use standing::unnamed_time;
 use std::f64::consts::{FRAC_PI_2, PI};
 use time::{as_time, choose_time, plotted_axes, unit_in_cell};
@@ -77,7 +79,8 @@ impl Sources {
         {
             notes.push(format!("{} does not move: x and y of the point are read instead", table.column_name(*idx)));
         }
-        let is_named = asked.time.is_none() && all_best(table, as_time).len() == 1;
+        let (time, parted) = in_two_columns(table, time, notes);
+        let is_named = asked.time.is_none() && parted.is_none() && all_best(table, as_time).len() == 1;
         if let (TimeSource::Column { idx, .. } | TimeSource::Clock { idx }, true) = (&time, is_named) {
             note_rivals(table, "time", *idx, as_time, notes);
         }
@@ -86,9 +89,10 @@ impl Sources {
         }
         log::debug!("columns: time from {time:?}, readings from {reading:?}, code from {code:?}");
         let otherwise = example(table, "angle", &[], reading.columns().first().copied());
-        let needed: Vec<usize> = reading.columns().into_iter().chain(time.column()).chain(code).collect();
+        let needed = reading.columns().into_iter().chain(time.column()).chain(code);
+        let needed: Vec<usize> = needed.chain(parted.map(|parted| parted.rest)).collect();
         let run = runs::column(table, |idx| !needed.contains(&idx)).filter(|_| header.version.is_none());
-        Ok(Self { time, reading, code, run, otherwise })
+        Ok(Self { time, reading, parted, code, run, otherwise })
     }
 
     /// The same, where another run of the file shows that its angles are degrees and nothing else says so.
@@ -183,6 +187,16 @@ impl Sources {
         let (column, available) = (table.column_name(idx), table.available());
         Err(Fault::NothingMoves { column, value: first, available, example: self.otherwise.clone() })
     }
+}
+
+/// The rest of each second, where the column that was chosen holds whole ones and that stands beside it.
+fn in_two_columns(table: &Table, time: TimeSource, notes: &mut Vec<String>) -> (TimeSource, Option<Parted>) {
+    let TimeSource::Column { idx, unit } = time else { return (time, None) };
+    let is_its = |parted: &Parted| idx == parted.seconds && unit.is_none_or(|unit| unit == TimeUnit::Seconds);
+    let Some(parted) = parted(table).filter(is_its) else { return (time, None) };
+    let (seconds, rest) = (table.column_name(parted.seconds), table.column_name(parted.rest));
+    notes.push(format!("{seconds} holds the whole seconds of the time, and {rest} the rest of them: added"));
+    (TimeSource::Column { idx: parted.seconds, unit: Some(TimeUnit::Seconds) }, Some(parted))
 }
 
 fn choose_code(table: &Table, asked: &Columns) -> Result<Option<usize>, Fault> {
@@ -296,7 +310,7 @@ fn choose_angle(
     if let (Some(x), Some(y)) = (&asked.x, &asked.y) {
         return Ok(ReadingSource::Point { x: find(table, x)?, y: find(table, y)?, is_guess: false });
     }
-    let named = with_alpha(table, all_best(table, as_angle));
+    let named = without_quaternion(table, with_alpha(table, all_best(table, as_angle)));
     if named.len() > 1 {
         let columns: Vec<usize> = named.iter().map(|(idx, _)| *idx).collect();
         return if columns.len() > MOST_COLUMNS {
@@ -310,7 +324,8 @@ fn choose_angle(
     let is_clock = |idx: &usize| fields.get(*idx).is_some_and(|field| clock::read(field).is_some());
     let first = (table.n_columns > 1 && !has_rate).then(|| unnamed_time(table));
     let time_idx = time_idx.or((0..table.n_columns).find(is_clock)).or(first);
-    let is_free = |idx: &usize| Some(*idx) != time_idx && Some(*idx) != code_idx;
+    let rest_idx = first.and_then(|_| parted(table)).map(|parted| parted.rest);
+    let is_free = |idx: &usize| ![time_idx, code_idx, rest_idx].contains(&Some(*idx));
     let is_number = |idx: &usize| fields.get(*idx).is_some_and(|field| Numerals::new().read(field) != Cell::Text);
     let mut unnamed = (0..table.n_columns).filter(|idx| is_free(idx) && is_number(idx) && table.is_of_numbers(*idx));
     let (unnamed, next) = (unnamed.next(), unnamed.next());
@@ -352,6 +367,14 @@ fn with_alpha(table: &Table, mut named: Vec<(usize, Option<AngleUnit>)>) -> Vec<
         let alphas = names.iter().enumerate().filter(|(idx, name)| is_its(name) && is_new(*idx));
         let alphas: Vec<_> = alphas.map(|(idx, _)| (idx, None)).collect();
         named.extend(alphas);
+    }
+    named
+}
+
+/// x, y and z of an orientation are no angles where a w stands beside them.
+fn without_quaternion(table: &Table, mut named: Vec<(usize, Option<AngleUnit>)>) -> Vec<(usize, Option<AngleUnit>)> {
+    if table.names.iter().flatten().any(|name| words::is_quaternion(name)) {
+        named.retain(|(idx, _)| !table.says(*idx, words::is_orientation));
     }
     named
 }

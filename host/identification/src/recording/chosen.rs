@@ -11,11 +11,24 @@ use super::units::{AngleUnit, RateUnit, TimeUnit};
 pub(super) struct Sources {
     pub(super) time: TimeSource,
     pub(super) reading: ReadingSource,
+    /// What the time stands in, where that are two columns: its own has the whole seconds.
+    pub(super) parted: Option<Parted>,
     pub(super) code: Option<usize>,
     /// What names the run, where a file may hold several.
     pub(super) run: Option<usize>,
     /// What could be told if the column of the readings turns out to be a wrong one.
     pub(super) otherwise: String,
+}
+
+/// A time in two columns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Parted {
+    /// Whole seconds.
+    pub(super) seconds: usize,
+    /// What is to be added to them …
+    pub(super) rest: usize,
+    /// … in this unit.
+    pub(super) unit: TimeUnit,
 }
 
 /// Where what was measured comes from.

@@ -12,6 +12,7 @@ use super::order;
 use super::spikes;
 use super::table::Table;
 use super::ticks;
+use super::words;
 
 /// A file names at most so many columns that are needed at once: three axes, and what else is called a rate.
 pub(super) const MOST_COLUMNS: usize = 8;
@@ -35,6 +36,8 @@ pub(super) struct Samples {
     pub(super) labels: Labels,
     /// Rows above which the names of the columns stand again, where the rate tells the time; the first one with them.
     pub(super) headings: Vec<usize>,
+    /// Is the column of the time called after steps (`dt`)?
+    says_steps: bool,
     /// Day of the first clock time.
     first_day: Option<i64>,
     n_midnights: u32,
@@ -67,9 +70,10 @@ impl Samples {
     ) -> Result<Self, Fault> {
         let columns = sources.reading.columns();
         let mut samples = Self { readings: vec![Vec::new(); columns.len()], headings: vec![0], ..Self::default() };
+        samples.says_steps = sources.time.column().is_some_and(|idx| table.says(idx, words::is_step));
         let mut numerals = table.numerals.clone();
         let mut missing = Missing::default();
-        let mut words = Missing::default();
+        let mut wordy = Missing::default();
         let mut below: Vec<Fault> = Vec::new();
         let mut row_idx = 0_u32;
         while table.advance()? {
@@ -91,7 +95,7 @@ impl Samples {
                     if sources.counts_rows() && table.is_heading() {
                         samples.headings.push(samples.len());
                     }
-                    words.count(table, 0);
+                    wordy.count(table, 0);
                     continue;
                 }
                 Some(Err(fault)) if !is_ours && below.len() < MOST_BELOW && sources.has_words_as_time(table) => {
@@ -108,7 +112,7 @@ impl Samples {
             row_idx += 1;
         }
         notes.extend(missing.in_words("rows without a value are gaps"));
-        notes.extend(words.in_words("lines without any number left out"));
+        notes.extend(wordy.in_words("lines without any number left out"));
         if !below.is_empty() {
             let lines = if below.len() == 1 { "1 line".to_owned() } else { format!("{} lines", below.len()) };
             notes.push(format!("{lines} below the table left out, with words where the time would be"));
@@ -135,7 +139,8 @@ impl Samples {
 
     /// The rows of each run as samples of their own.
     pub(super) fn by_runs(self, of_rows: &[u32], n_runs: usize) -> impl Iterator<Item = Self> {
-        let empty = || Self { readings: vec![Vec::new(); self.readings.len()], ..Self::default() };
+        let empty =
+            || Self { readings: vec![Vec::new(); self.readings.len()], says_steps: self.says_steps, ..Self::default() };
         let mut runs: Vec<Self> = (0..n_runs).map(|_| empty()).collect();
         let mut first_rows = vec![None; n_runs];
         for (row, place) in of_rows.iter().enumerate() {
@@ -199,11 +204,18 @@ impl Samples {
                 found => found,
             },
         };
+        let mut rest_s = 0.0;
+        if let Some(parted) = sources.parted {
+            let Some(rest) = row.number(parted.rest, numerals)? else {
+                return Ok(Taken::Gap { column: parted.rest });
+            };
+            rest_s = rest * parted.unit.seconds();
+        }
         if let Some(idx) = sources.run {
             // A short row has the cell as empty as one between commas is.
             self.labels.push(row.fields.get(idx).copied().unwrap_or_default());
         }
-        self.times.extend(time);
+        self.times.extend(time.map(|time| time + rest_s));
         self.readings.iter_mut().zip(readings).for_each(|(list, reading)| list.push(reading));
         self.codes.extend(code);
         Ok(Taken::Sample)
@@ -234,7 +246,7 @@ impl Samples {
         let Some(fault) = self.standstill.take() else { return Ok(false) };
         let mut times = self.times.clone();
         let anew = ticks::unwind(&mut times);
-        if let (Some(times), None) = (ticks::of_steps(&self.times), anew) {
+        if let (Some(times), None) = (ticks::of_steps(&self.times, self.says_steps), anew) {
             notes.push("the column of the time holds the time since the row before: added up".to_owned());
             self.times = times;
             return Ok(true);
@@ -247,7 +259,10 @@ impl Samples {
         let times = spread.unwrap_or(times);
         let is_wrong = |idx: usize| times[idx] <= times[idx - 1] && (is_coarse || !self.is_doubled(idx));
         if (1..times.len()).any(is_wrong) {
-            return if self.leave_out_strays(notes) { Ok(false) } else { Err(self.with_its_rows(fault)) };
+            return match self.leave_out_strays(notes) || self.end_with_the_clock(notes) {
+                true => Ok(false),
+                false => Err(self.with_its_rows(fault)),
+            };
         }
         if let Some((n, bits)) = anew {
             notes.push(format!("the times are counts of {bits} bits that begin anew {n} times: they go on there"));
@@ -285,6 +300,19 @@ impl Samples {
                 ),
             });
         }
+        self.keep(&kept);
+        true
+    }
+
+    /// Rows behind the moment at which the clock stopped for good have no time; those before it are a recording.
+    fn end_with_the_clock(&mut self, notes: &mut Vec<String>) -> bool {
+        let Some(n_kept) = ticks::before_stop(&self.times, |idx| self.is_doubled(idx)) else { return false };
+        notes.push(format!(
+            "the clock stops at {}: the {} rows behind have no time and are left out; --rate, the samples a second, takes all",
+            self.times[n_kept - 1],
+            self.len() - n_kept
+        ));
+        let kept: Vec<bool> = (0..self.len()).map(|idx| idx < n_kept).collect();
         self.keep(&kept);
         true
     }

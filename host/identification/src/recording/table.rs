@@ -209,6 +209,11 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// Does the name of a column say this? Of one without a name it is false.
+    pub(super) fn says(&self, idx: usize, is_it: impl Fn(&str) -> bool) -> bool {
+        self.names.as_ref().and_then(|names| names.get(idx)).is_some_and(|name| is_it(name))
+    }
+
     /// What a message lists as the columns there are.
     pub(super) fn available(&self) -> String {
         match &self.names {

@@ -3,6 +3,8 @@
 //! In: times in the file's unit, in the order of the rows. Out: times that increase, and a note; nothing is changed where
 //! anything else is wrong with them.
 
+use super::limits::MIN_SAMPLES;
+
 /// Counters of microcontrollers begin anew behind so many.
 pub(super) const COUNTERS: [f64; 2] = [65_536.0, 4_294_967_296.0];
 
@@ -27,14 +29,15 @@ const FALLING_SHARE: f64 = 0.02;
 /// Steps are alike to this factor, but for one in ten: a logger that misses a sample now and then is within it.
 const ALIKE: f64 = 2.0;
 
-/// Sums of what stands in the rows, where that is the time since the row before: always about the same, up and down.
-pub(super) fn of_steps(steps: &[f64]) -> Option<Vec<f64>> {
+/// Sums of what stands in the rows, where that is the time since the row before: always about the same, up and down, or the
+/// very same if its name says what it is (`dt`).
+pub(super) fn of_steps(steps: &[f64], is_named: bool) -> Option<Vec<f64>> {
     let n_falling = steps.windows(2).filter(|pair| pair[1] < pair[0]).count() as f64;
     let typical = super::median(&mut steps.to_vec());
     let is_alike = |step: &&f64| (typical / ALIKE..=typical * ALIKE).contains(*step);
     let n_alike = steps.iter().filter(is_alike).count();
     let are_steps = steps.len() >= ROWS_OF_STEPS
-        && n_falling > FALLING_SHARE * steps.len() as f64
+        && (is_named || n_falling > FALLING_SHARE * steps.len() as f64)
         && 10 * n_alike > 9 * steps.len()
         && steps.iter().all(|step| *step > 0.0);
     let mut time = 0.0;
@@ -96,6 +99,16 @@ pub(super) fn spread(times: &[f64]) -> Option<Vec<f64>> {
     let (last, n_last) = groups[groups.len() - 1];
     spread.extend((0..n_last).map(|row| last + row as f64 * per_row));
     Some(spread)
+}
+
+/// How many rows there are up to the one at which the clock stops for good, if it rises until then and they are a recording
+/// of their own.
+pub(super) fn before_stop(times: &[f64], is_doubled: impl Fn(usize) -> bool) -> Option<usize> {
+    let last = times.last()?;
+    let n_behind = times.iter().rev().take_while(|time| *time == last).count() - 1;
+    let n_kept = times.len() - n_behind;
+    let rises = (1..n_kept).all(|idx| times[idx] > times[idx - 1] || is_doubled(idx));
+    (n_behind > 0 && n_kept > MIN_SAMPLES && rises).then_some(n_kept)
 }
 
 /// Is it a coarse clock beside even samples? Every tick is as long as the others and has as many rows but one at either
@@ -173,6 +186,22 @@ mod tests {
         let last = stopped[800];
         stopped[800..].fill(last);
         assert_eq!(spread(&stopped), None);
+    }
+
+    #[test]
+    fn a_clock_that_stops_for_good_ends_the_recording_and_one_that_goes_on_does_not() {
+        let until = |stop: usize, n: usize| (0..n).map(move |row| row.min(stop) as f64).collect::<Vec<_>>();
+        let stops = |times: &[f64]| before_stop(times, |_| false);
+        assert_eq!(stops(&until(30, 50)), Some(31));
+        assert_eq!(stops(&until(30, 32)), Some(31));
+        assert_eq!(stops(&until(30, 31)), None);
+        assert_eq!(stops(&until(10, 50)), None);
+        let mut halts = until(30, 50);
+        halts[12] = halts[11];
+        assert_eq!(stops(&halts), None);
+        assert_eq!(before_stop(&halts, |idx| idx == 12), Some(31));
+        halts.push(31.0);
+        assert_eq!(stops(&halts), None);
     }
 
     #[test]

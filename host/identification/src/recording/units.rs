@@ -92,12 +92,13 @@ pub(super) fn time_unit(word: &str) -> Option<TimeUnit> {
         "s" | "sec" | "secs" | "second" | "seconds" | "sek" | "sekunde" | "sekunden" | "seconde" | "secondes"
         | "segundo" | "segundos" | "secondo" | "secondi" | "seconden" | "sekunder" | "sekundy" | "saniye" | "сек"
         | "с" | "秒" => Some(TimeUnit::Seconds),
-        "ms" | "msec" | "millis" | "millisecond" | "milliseconds" | "millisekunden" | "millisecondes"
+        "ms" | "msec" | "msecs" | "millis" | "millisecond" | "milliseconds" | "millisekunden" | "millisecondes"
         | "milisegundos" | "millisecondi" | "мс" | "毫秒" | "ミリ秒" => Some(TimeUnit::Milliseconds),
-        "us" | "µs" | "μs" | "usec" | "micros" | "microsecond" | "microseconds" | "mikrosekunden" => {
-            Some(TimeUnit::Microseconds)
+        "us" | "µs" | "μs" | "usec" | "usecs" | "micros" | "microsec" | "microsecond" | "microseconds"
+        | "mikrosekunden" | "微秒" => Some(TimeUnit::Microseconds),
+        "ns" | "nsec" | "nsecs" | "nanosec" | "nanosecs" | "nanoseconds" | "nanosecond" | "nanosekunden" => {
+            Some(TimeUnit::Nanoseconds)
         }
-        "ns" | "nsec" | "nanoseconds" | "nanosecond" | "nanosekunden" => Some(TimeUnit::Nanoseconds),
         "min" | "minute" | "minutes" | "minuten" | "minuto" | "minutos" | "minuti" => Some(TimeUnit::Minutes),
         "day" | "days" => Some(TimeUnit::Days),
         _ => None,
@@ -107,9 +108,8 @@ pub(super) fn time_unit(word: &str) -> Option<TimeUnit> {
 /// `grad` is the German degree; who counts 400 to a turn writes gon or gradians.
 pub(super) fn angle_unit(word: &str) -> Option<AngleUnit> {
     match word {
-        "rad" | "rads" | "radian" | "radians" | "radiant" | "bogenmaß" | "radianes" | "radianti" | "radián" => {
-            Some(AngleUnit::Radians)
-        }
+        "rad" | "rads" | "radian" | "radians" | "radiant" | "bogenmaß" | "radianes" | "radianti" | "radián"
+        | "弧度" => Some(AngleUnit::Radians),
         "deg" | "degs" | "degree" | "degrees" | "°" | "grad" | "degré" | "degrés" | "degre" | "degres" | "grado"
         | "grados" | "gradi" | "graus" | "graden" | "grader" | "stopnie" | "stupně" | "fok" | "derece" | "град"
         | "度" => Some(AngleUnit::Degrees),

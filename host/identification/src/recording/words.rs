@@ -14,10 +14,10 @@ mod vocabulary;
 
 pub(super) use super::units::{angle_unit, rate_unit, time_unit};
 pub(super) use hints::{
-    is_counter, is_of_carrier, is_of_pendulum, is_of_sine, is_size, is_stamp, says_nothing, says_nothing_else,
+    is_counter, is_of_carrier, is_of_pendulum, is_of_sine, is_size, is_stamp, is_step, says_nothing, says_nothing_else,
 };
 pub(super) use meaning::{Meaning, is_unit, meaning};
 pub(super) use rotary::{beside_alpha, beside_theta, is_rate_of_alpha, is_speed};
 pub(super) use sensors::{
-    is_acceleration, is_duration, is_gyroscope, is_length, is_quaternion, is_raw, is_turn_of_body,
+    is_acceleration, is_duration, is_gyroscope, is_length, is_orientation, is_quaternion, is_raw, is_turn_of_body,
 };

@@ -8,6 +8,7 @@ use super::super::words::{
     Meaning, is_acceleration, is_duration, is_length, is_of_carrier, is_of_pendulum, is_quaternion, is_raw, meaning,
     says_nothing_else,
 };
+use super::parted::parted;
 use super::standing::{rises_evenly, unnamed_time};
 
 /// So many examples are shown of what could be told.
@@ -42,7 +43,7 @@ pub(super) fn no_angle(table: &Table) -> Fault {
         return ambiguous(table, "angle", &runs);
     }
     let first = |is_it: fn(&str) -> bool| table.names.iter().flatten().position(|name| is_it(name));
-    let raw = first(is_raw).filter(|idx| table.is_of_numbers(*idx));
+    let raw = the_raw(table);
     match (first(is_acceleration), periods(table), raw, first(is_quaternion)) {
         (Some(_), ..) => Fault::OnlyAccelerations { available },
         (_, Some(_), ..) => Fault::OnlyDurations { available },
@@ -52,12 +53,29 @@ pub(super) fn no_angle(table: &Table) -> Fault {
     }
 }
 
+/// The column of volts or counts, of several the pendulum's, or the one that is not said to be of what carries it.
+fn the_raw(table: &Table) -> Option<usize> {
+    let names = table.names.as_deref()?;
+    let raw = (0..names.len()).filter(|idx| is_raw(&names[*idx]) && table.is_of_numbers(*idx));
+    raw.min_by_key(|idx| (!is_of_pendulum(&names[*idx]), is_of_carrier(&names[*idx])))
+}
+
 /// The column of periods, where there is one: named so, or `T` beside a length or above numbers that stay about the same.
 fn periods(table: &Table) -> Option<usize> {
     let names = table.names.as_deref()?;
     let has_length = names.iter().any(|name| is_length(name));
     let symbol = || (0..names.len()).find(|idx| is_symbol(&names[*idx]) && (has_length || are_alike(table, *idx)));
-    names.iter().position(|name| is_duration(name)).or_else(symbol)
+    // A time that stands beside a length, and nothing that moved.
+    let time = || (0..names.len()).find(|idx| is_time(&names[*idx]) && has_length && are_few(table, *idx));
+    names.iter().position(|name| is_duration(name)).or_else(symbol).or_else(time)
+}
+
+fn is_time(name: &str) -> bool {
+    matches!(meaning(name), Meaning::Time { .. })
+}
+
+fn are_few(table: &Table, idx: usize) -> bool {
+    (2..MOST_PERIODS).contains(&table.first_numbers(idx).len())
 }
 
 /// Is it the time by its name and yet a few periods, `T` or `Period (s)` above numbers that stay about the same?
@@ -177,6 +195,7 @@ pub(super) fn example(table: &Table, role: &str, candidates: &[usize], wrong: Op
     let names = table.names.as_deref().unwrap_or_default();
     let named = |is_it: fn(Meaning) -> bool| names.iter().position(|name| is_it(meaning(name)));
     let time = named(|meaning| matches!(meaning, Meaning::Time { .. })).unwrap_or_else(|| unnamed_time(table));
+    let rest = parted(table).map(|parted| parted.rest);
     // Several recordings side by side have times of their own.
     let is_time = |name: &String| matches!(meaning(name), Meaning::Time { .. });
     let own_time = |angle: usize| names.get(..angle).and_then(|before| before.iter().rposition(is_time));
@@ -187,7 +206,7 @@ pub(super) fn example(table: &Table, role: &str, candidates: &[usize], wrong: Op
     };
     let is_angle = |idx: usize| names.get(idx).is_some_and(|name| matches!(meaning(name), Meaning::Angle { .. }));
     let told = |time: usize, candidates: &[usize]| {
-        let may_be = |idx: &usize| *idx != time && Some(*idx) != wrong && !candidates.contains(idx);
+        let may_be = |idx: &usize| ![Some(time), wrong, rest].contains(&Some(*idx)) && !candidates.contains(idx);
         let others = || (0..table.n_columns).filter(may_be);
         let angle = others().find(|idx| is_angle(*idx) && moves(*idx)).or_else(|| others().find(|idx| moves(*idx)));
         format!("t={time},theta={}", angle.map_or("COLUMN".to_owned(), |idx| idx.to_string()))

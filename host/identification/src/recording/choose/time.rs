@@ -17,6 +17,7 @@ use super::super::told::Told;
 use super::super::units::TimeUnit;
 use super::super::words::{self, Meaning, meaning};
 use super::names::{all_best, ambiguous, find, the_one};
+use super::parted::parted;
 use super::standing::{rises_evenly, unnamed_time};
 
 /// Times of unstated unit beyond this many seconds count from 1970, in the unit that puts them within a century of it.
@@ -88,11 +89,21 @@ fn unit_by_period(samples: &Samples, notes: &mut Vec<String>) -> Option<TimeUnit
     let is_possible = |unit: TimeUnit| (SHORTEST_PERIOD_S..LONGEST_PERIOD_S).contains(&(period * unit.seconds()));
     let (unit, name) = units.into_iter().find(|(unit, _)| is_possible(*unit))?;
     let period_s = period * unit.seconds();
+    let or_frames = match are_counted(&samples.times) {
+        true => "; if it counts frames or samples, --rate says how many a second there are",
+        false => "",
+    };
     notes.push(format!(
         "the unit of the time is not stated: in {name} it swings there and back in {period_s:.3} s, as a pendulum does, in \
-         any other unit it would not"
+         any other unit it would not{or_frames}"
     ));
     Some(unit)
+}
+
+/// Whole numbers with the very same step throughout may be frames of a video, of which every tenth was looked at.
+fn are_counted(times: &[f64]) -> bool {
+    let step = times.get(1).zip(times.first()).map_or(0.0, |(second, first)| second - first);
+    times.iter().all(|time| time.fract() == 0.0) && times.windows(2).all(|pair| pair[1] - pair[0] == step)
 }
 
 /// One step of the counter is a sample, or its usual step where it counts frames of which every third one is there.
@@ -203,9 +214,15 @@ pub(super) fn as_time(meaning: Meaning) -> Option<(Option<TimeUnit>, u8)> {
 fn named_time(table: &Table, angle_idx: Option<usize>, notes: &mut Vec<String>) -> Result<NamedTime, Fault> {
     let all = all_best(table, as_time);
     let names = table.names.as_deref().unwrap_or_default();
+    let parted = parted(table);
+    let is_part = |idx: usize| parted.is_some_and(|parted| idx == parted.seconds || idx == parted.rest);
+    if let Some(parted) = parted.filter(|_| all.iter().all(|(idx, _)| is_part(*idx))) {
+        return Ok(Some((parted.seconds, Some(TimeUnit::Seconds))));
+    }
     let made = names.iter().position(|name| words::is_stamp(name));
-    if let Some(idx) = made.filter(|idx| rises_evenly(&table.first_numbers(*idx))) {
-        let others = all.iter().filter(|(other, _)| *other != idx).map(|(other, _)| table.column_name(*other));
+    if let Some(idx) = made.filter(|idx| is_part(*idx) || rises_evenly(&table.first_numbers(*idx))) {
+        let is_other = |(other, _): &&(usize, _)| *other != idx && !is_part(*other);
+        let others = all.iter().filter(is_other).map(|(other, _)| table.column_name(*other));
         let others = others.collect::<Vec<_>>().join(", ");
         if !others.is_empty() {
             let made = table.column_name(idx);

@@ -39,6 +39,11 @@ pub(in crate::recording) fn is_counter(name: &str) -> bool {
         && words[1..].iter().all(|word| matches!(word.as_str(), "number" | "no" | "nr" | "idx" | "index" | "id"))
 }
 
+/// Is it the time since the row before? `dt`, `Δt (ms)`.
+pub(in crate::recording) fn is_step(name: &str) -> bool {
+    words(name).iter().any(|word| matches!(word.as_str(), "dt" | "δt"))
+}
+
 /// Does a name say that it is the pendulum's? `PendPos`, `pendulum_angle`, `Pendelwinkel`.
 pub(in crate::recording) fn is_of_pendulum(name: &str) -> bool {
     words(name)

@@ -2,10 +2,11 @@
 
 use super::derivative::{has_derivative_sign, is_derivative};
 use super::hints::is_of_pendulum;
-use super::sensors::TURNS_OF_BODY;
+use super::sensors::{TURNS_OF_BODY, is_about_axis, says_acceleration};
 use super::split::words;
 use super::vocabulary::{
-    ANGLE, CODE, COSINE, DATE, DERIVED, OTHER_QUANTITIES, OTHER_UNITS, RATE, SINE, SPEED, TILT, TIME, X, Y,
+    ANGLE, CODE, COSINE, DATE, DERIVED, DISPLACEMENT, OTHER_QUANTITIES, OTHER_UNITS, RATE, SINE, SPEED, TILT, TIME, X,
+    Y,
 };
 use crate::recording::units::{AngleUnit, RateUnit, TimeUnit, angle_unit, rate_word, time_unit};
 
@@ -60,7 +61,8 @@ pub(in crate::recording) fn meaning(name: &str) -> Meaning {
     if is_derived || is_per_time || has_rate_unit {
         let is_rate = (is_per_time || has_rate_unit || has(RATE) || is_angular_velocity(&words))
             && !name.contains(['²', '^'])
-            && !has(&["acceleration", "alpha"]);
+            && !says_acceleration(&words)
+            && !has(&["alpha"]);
         return if is_rate { Meaning::Rate { unit: rate_unit_of(&words, angle, time) } } else { Meaning::Other };
     }
     if has(TIME) {
@@ -74,10 +76,16 @@ pub(in crate::recording) fn meaning(name: &str) -> Meaning {
     }
     let is_angle =
         angle.is_some() || words.iter().any(|word| ANGLE.contains(&word.as_str()) && !word.starts_with("pos"));
+    if is_angular(&words) && has(DISPLACEMENT) {
+        return Meaning::Angle { unit: angle, strength: NAMES_THE_THING };
+    }
     // The axis along which a plot or a screen counts seconds.
     let is_short = matches!(time, Some(unit) if unit != TimeUnit::Minutes && unit != TimeUnit::Days);
     if is_short && has(&["x"]) && !has(&["y"]) && !has(OTHER_UNITS) && !is_angle {
         return Meaning::Time { unit: time, strength: NAMES_A_UNIT };
+    }
+    if !is_angle && is_about_axis(&words) {
+        return Meaning::Angle { unit: None, strength: NAMES_A_UNIT };
     }
     match (has(X), has(Y)) {
         (true, false) if !is_angle => return Meaning::X,
@@ -106,7 +114,11 @@ pub(in crate::recording) fn meaning(name: &str) -> Meaning {
 /// `angular_velocity`, `AngVel`, `vitesse angulaire`, and no acceleration.
 fn is_angular_velocity(words: &[String]) -> bool {
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
-    has(&["angular", "angulaire", "angolare", "ang"]) && has(SPEED) || has(&["angvel"])
+    (is_angular(words) || has(&["ang"])) && has(SPEED) || has(&["angvel"])
+}
+
+fn is_angular(words: &[String]) -> bool {
+    words.iter().any(|word| matches!(word.as_str(), "angular" | "angulaire" | "angolare"))
 }
 
 /// Whether a cell is nothing but a unit, as in a second header line.
@@ -164,6 +176,17 @@ mod tests {
             ("Drehzahl (rpm)", Meaning::Rate { unit: rate_unit("rpm") }),
             ("Vitesse angulaire (rad/s)", rate(AngleUnit::Radians)),
             ("Angular acceleration (rad/s²)", Meaning::Other),
+            ("Angular displacement", angle(None)),
+            ("Desplazamiento angular (°)", angle(Some(AngleUnit::Degrees))),
+            ("Euler_X", Meaning::Angle { unit: None, strength: NAMES_A_UNIT }),
+            ("orientation.w", Meaning::Other),
+            ("Winkelbeschleunigung (rad/s2)", Meaning::Other),
+            ("Accélération angulaire (rad/s2)", Meaning::Other),
+            ("Displacement (m)", Meaning::Other),
+            ("displacement", Meaning::Other),
+            ("摆角(弧度)", angle(Some(AngleUnit::Radians))),
+            ("角位移", angle(None)),
+            ("角速度(度/秒)", rate(AngleUnit::Degrees)),
             ("Position (m)", Meaning::Other),
             ("cart_pos", Meaning::Angle { unit: None, strength: NAMES_IT_PERHAPS }),
             ("α / °", angle(Some(AngleUnit::Degrees))),

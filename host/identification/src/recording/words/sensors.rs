@@ -12,9 +12,11 @@ pub(in crate::recording) fn is_gyroscope(name: &str) -> bool {
     words(name).iter().any(|word| word.starts_with("gyro") || word.starts_with("girosc"))
 }
 
-/// Is it how long a swing takes, or how long it shuts a light gate? `Period [s]`, `Transit time`, `Schwingungsdauer`.
+/// Is it how long a swing takes, or when it shuts a light gate? `Period [s]`, `Transit time`, `Schwingungsdauer`,
+/// `State at A`.
 pub(in crate::recording) fn is_duration(name: &str) -> bool {
-    words(name).iter().any(|word| DURATION.contains(&word.as_str()))
+    let words = words(name);
+    words.iter().any(|word| DURATION.contains(&word.as_str())) || words.starts_with(&["state".into(), "at".into()])
 }
 
 /// Is it the length of the pendulum? `length (m)`, `l / cm`, `Pendellänge`.
@@ -23,8 +25,27 @@ pub(in crate::recording) fn is_length(name: &str) -> bool {
 }
 
 /// Words of a length.
-const LENGTH: &[&str] =
-    &["length", "l", "länge", "laenge", "pendellänge", "fadenlänge", "longueur", "longitud", "lunghezza"];
+const LENGTH: &[&str] = &[
+    "length",
+    "l",
+    "länge",
+    "laenge",
+    "pendellänge",
+    "fadenlänge",
+    "longueur",
+    "longitud",
+    "lunghezza",
+    "lengde",
+    "længde",
+    "längd",
+    "lengte",
+    "comprimento",
+    "długość",
+    "délka",
+    "длина",
+    "摆长",
+    "长度",
+];
 
 /// Words of such durations.
 const DURATION: &[&str] = &[
@@ -76,15 +97,33 @@ const RAW: &[&str] = &[
     "potentiometer",
 ];
 
-/// Is it a part of a quaternion? `qw`, `quaternion_x`.
+/// Is it a part of a quaternion? `qw`, `quaternion_x`, `orientation.w`.
 pub(in crate::recording) fn is_quaternion(name: &str) -> bool {
-    words(name).iter().any(|word| matches!(word.as_str(), "qw" | "qx" | "quat" | "quaternion" | "quaternions"))
+    let words = words(name);
+    let is_one = |word: &String| matches!(word.as_str(), "qw" | "qx" | "quat" | "quaternion" | "quaternions");
+    words.iter().any(is_one) || is_orientation(name) && words.iter().any(|word| word == "w")
 }
 
-/// Is it one of the angles of an orientation? `pitch`, `Roll (deg)`.
-pub(in crate::recording) fn is_turn_of_body(name: &str) -> bool {
-    words(name).iter().any(|word| TURNS_OF_BODY.contains(&word.as_str()))
+/// Does it say orientation? Of that x, y and z are angles, or with a w the parts of a quaternion.
+pub(in crate::recording) fn is_orientation(name: &str) -> bool {
+    words(name).iter().any(|word| word == "orientation")
 }
+
+/// Is it one of the angles of an orientation? `pitch`, `Roll (deg)`, `AngleX`, `Euler_Y`, `tilt z`.
+pub(in crate::recording) fn is_turn_of_body(name: &str) -> bool {
+    let words = words(name);
+    words.iter().any(|word| TURNS_OF_BODY.contains(&word.as_str())) || is_about_axis(&words)
+}
+
+/// An angle about one of three axes.
+pub(super) fn is_about_axis(words: &[String]) -> bool {
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    has(&["x", "y", "z"]) && has(ABOUT_AXES)
+}
+
+/// Words of an angle that a sensor gives about each of its axes.
+const ABOUT_AXES: &[&str] =
+    &["angle", "ang", "euler", "orientation", "tilt", "inclination", "winkel", "neigung", "角度"];
 
 /// Is it an acceleration along an axis? `Linear Acceleration x (m/s^2)`, `ax_g`, `Beschleunigung y`.
 pub(in crate::recording) fn is_acceleration(name: &str) -> bool {
@@ -95,6 +134,14 @@ pub(in crate::recording) fn is_acceleration(name: &str) -> bool {
     let in_g = words.last().is_some_and(|word| matches!(word.as_str(), "g" | "mg")) && has(&["ax", "ay", "az"]);
     let is_angular = words.iter().any(|word| angle_unit(word).is_some() || ANGULAR.contains(&word.as_str()));
     (in_metres || in_g || has(ACCELERATION)) && !is_angular
+}
+
+/// Is it an acceleration of whatever kind by its words? `Winkelbeschleunigung`, `Accélération angulaire`.
+pub(super) fn says_acceleration(words: &[String]) -> bool {
+    let is_one = |word: &String| {
+        ACCELERATION.contains(&word.as_str()) || word.ends_with("beschleunigung") || word.ends_with("加速度")
+    };
+    words.iter().any(is_one)
 }
 
 /// Words of an acceleration.

@@ -59,6 +59,8 @@ pub(super) const DERIVED: &[&str] = &[
     "velocità",
     "velocita",
     "accelerazione",
+    "角速度",
+    "角加速度",
 ];
 
 /// Words of an angular velocity among them, if the unit does not say it.
@@ -78,6 +80,7 @@ pub(super) const RATE: &[&str] = &[
     "winkelgeschwindigkeit",
     "rpm",
     "drehzahl",
+    "角速度",
 ];
 
 pub(super) const TIME: &[&str] = &[
@@ -155,8 +158,27 @@ pub(super) const ANGLE: &[&str] = &[
     "угол",
     "кут",
     "角度",
+    "摆角",
+    "擺角",
+    "角位移",
     "각도",
 ];
+/// Words that name the angle behind a word such as angular.
+pub(super) const DISPLACEMENT: &[&str] = &[
+    "displacement",
+    "position",
+    "elongation",
+    "déplacement",
+    "elongación",
+    "desplazamiento",
+    "posición",
+    "posicion",
+    "deslocamento",
+    "posição",
+    "spostamento",
+    "posizione",
+];
+
 pub(super) const TILT: &[&str] =
     &["tilt", "inclination", "neigung", "neigungswinkel", "inclinaison", "inclinación", "inclinazione"];
 
