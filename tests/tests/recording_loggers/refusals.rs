@@ -55,6 +55,60 @@ fn periods_of_a_light_gate_are_named_as_such() {
 }
 
 #[test]
+fn states_of_a_light_gate_and_times_for_lengths_are_no_recordings_of_a_swing() {
+    let gate = table("Time,Event Time,State at A,State at B\ns,s,State,State\n\n", |(t, a, _)| {
+        format!("{:.5},{:.5},{},0", 0.4 * t, 0.4 * t, u8::from(a > 0.0))
+    });
+    let lengths: String = (0..40)
+        .map(|idx| 0.1 + 0.02 * f64::from(idx))
+        .fold("lengde;tid\n".to_owned(), |text, l| text + &format!("{l:.2};{:.2}\n", 2.006 * l.sqrt()));
+    for text in [gate, lengths] {
+        let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("what a light gate gives") && refused.contains("record the angle"), "{refused}");
+    }
+}
+
+#[test]
+fn of_several_counters_the_pendulums_is_advised() {
+    for head in ["t,motor_counts,pend_counts\n", "t,cart_enc,enc\n"] {
+        let row = |(t, a, _): Row| format!("{t:.2},{:.0},{:.0}", 9e3 * t, a * 2048.0 / std::f64::consts::TAU);
+        let refused = open(table(head, row).as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("t=0,theta=2:4096/turn"), "{refused}");
+    }
+}
+
+/// 131 are a degree a second.
+#[test]
+fn what_a_chip_gives_is_no_rate_until_it_is_told_what_one_is_worth() {
+    let text = table("ms,ax,ay,az,gx,gy,gz\n", |(t, _, v)| {
+        format!("{:.0},1,2,16384,3,4,{:.0}", 1e3 * t, 131.0 * v.to_degrees())
+    });
+    let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("neither that nor degrees a second"), "{refused}");
+    let told = open(text.as_bytes(), &told("t=0:ms,rate=6:0.00763deg/s")).unwrap();
+    // 0.00763 is 131 to three digits.
+    assert!((told.angles_rad()[25] / crate::swing::swing(100, 1)[25].2 - 1.0).abs() < 1e-3, "{:?}", told.notes());
+    let degrees = table("t,gyro\n", |(t, _, v)| format!("{t:.2},{:.3}", v.to_degrees()));
+    let refused = open(degrees.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("these are degrees a second; say --columns t=0,rate=1:deg/s"), "{refused}");
+}
+
+/// Two degrees to either side: as rad/s they would be swings of half a turn, whose period grows by much.
+#[test]
+fn small_rates_in_degrees_a_second_are_told_by_a_period_that_does_not_grow() {
+    let rows = crate::swing::swing_from(0.035, 100, 20).into_iter();
+    let rows = rows.map(|(t, _, v)| format!("{t:.2},{:.4}\n", v.to_degrees())).collect::<String>();
+    let text = format!("t,gyro_z\n{rows}");
+    let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(
+        refused.contains("the period should be") && refused.contains("say --columns t=0,rate=1:deg/s"),
+        "{refused}"
+    );
+    let told = open(text.as_bytes(), &told("t=0,rate=1:deg/s")).unwrap();
+    assert!(!told.notes().join("; ").contains("doubtful"), "{:?}", told.notes());
+}
+
+#[test]
 fn counts_and_volts_are_told_by_what_one_is_worth() {
     let counts = table("time_ms,encoder\n", |(t, a, _)| {
         format!("{},{}", (1e3 * t).round(), (a * 2400.0 / std::f64::consts::TAU).round())

@@ -59,7 +59,7 @@ pub enum ColumnsError {
     },
     /// A unit that does not fit.
     #[error(
-        "--columns: \"{unit}\" is no unit of {role}; expected s, ms, us, ns, min or day for t, rad, deg, mrad, gon or turn for theta, or what one of the column is such as 4096/turn or 0.088deg, rad/s, deg/s or rpm for rate"
+        "--columns: \"{unit}\" is no unit of {role}; expected s, ms, us, ns, min or day for t, rad, deg, mrad, gon or turn for theta, or what one of the column is such as 4096/turn or 0.088deg, rad/s, deg/s, rpm or 0.0076deg/s for rate"
     )]
     UnknownUnit {
         /// Left side.
@@ -103,7 +103,7 @@ impl Columns {
                 parse_unit(role, unit, |_| None::<()>)?;
                 put(if role.eq_ignore_ascii_case("x") { &mut self.x } else { &mut self.y }, role, column)
             }
-            "rate" | "omega" => put(&mut self.rate, role, (column, parse_unit(role, unit, words::rate_unit)?)),
+            "rate" | "omega" => put(&mut self.rate, role, (column, parse_unit(role, unit, rate_scale)?)),
             _ => Err(ColumnsError::UnknownRole { role: role.to_owned() }),
         }
     }
@@ -137,6 +137,15 @@ fn angle_scale(unit: &str) -> Option<AngleUnit> {
         }
     };
     (radians.is_finite() && radians != 0.0).then_some(AngleUnit::Of(radians))
+}
+
+/// A unit, or so many of it in a time: `0.0076deg/s`.
+fn rate_scale(unit: &str) -> Option<RateUnit> {
+    let scaled = || {
+        let (angle, time) = unit.rsplit_once('/')?;
+        Some(RateUnit { angle: angle_scale(angle.trim())?, time: time_unit(time.trim())? })
+    };
+    words::rate_unit(unit).or_else(scaled)
 }
 
 impl From<&str> for ColumnRef {
@@ -173,6 +182,8 @@ mod tests {
         assert_eq!(unit("rate=2:rad/s"), Some(1.0));
         assert_eq!(unit("rate=gyro z:deg/s"), Some(std::f64::consts::PI / 180.0));
         assert_eq!(unit("omega=2:rpm"), Some(std::f64::consts::TAU / 60.0));
+        assert_eq!(unit("rate=2:0.5deg/s"), Some(std::f64::consts::PI / 360.0));
+        assert_eq!(unit("rate=2:0.25rad/ms"), Some(250.0));
     }
 
     #[test]

@@ -23,3 +23,7 @@ pub const FORMAT_NAME: &str = "pendulum-recording";
 
 /// The version this program writes, and the highest it reads.
 pub const FORMAT_VERSION: u32 = 1;
+
+/// A fall from upright ends with twice the angular frequency of small swings. The swings that are recorded may all be
+/// large and so slow that the frequency seems less than half of it.
+pub(super) const FASTEST_MARGIN: f64 = 3.0;

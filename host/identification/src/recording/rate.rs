@@ -4,14 +4,11 @@
 //! several axes the one counts that moves most. Whatever is assumed is noted; what would be wrong is refused.
 
 use super::error::Fault;
+use super::limits::FASTEST_MARGIN;
 use super::options::ReadOptions;
 use super::plausible::{Scale, Swings};
 use super::told::Told;
 use super::units::{AngleUnit, RateUnit};
-
-/// A fall from upright ends with twice the angular frequency of small swings. The swings that are recorded may all be
-/// large and so slow that the frequency seems less than half of it.
-const FASTEST_MARGIN: f64 = 3.0;
 
 /// An axis that moves by more than this share of the liveliest one says that the sensor is tilted against the shaft.
 const TILTED_SHARE: f64 = 0.1;
@@ -82,9 +79,9 @@ impl Rates<'_> {
         let fastest = 2.0 * swings.small_rad_s();
         let is_degrees = unit.is_some_and(|unit| unit.angle == AngleUnit::Degrees);
         let fault = match swings.in_angles().scale() {
-            _ if largest > FASTEST_MARGIN * fastest => {
-                let period_s = 2.0 * std::f64::consts::TAU / fastest;
-                Fault::NotRadiansPerSecond { largest, period_s, fastest, told }
+            _ if largest > FASTEST_MARGIN * fastest => Fault::too_fast(largest, fastest, told),
+            Scale::TooLarge { predicted_percent, found_percent } if unit.is_none() => {
+                Fault::too_even(largest, predicted_percent, found_percent, told)
             }
             Scale::TooSmall { factor } if is_degrees => {
                 Fault::NotDegreesPerSecond { unit: "degrees a second", largest_rad_s: largest, factor, told }

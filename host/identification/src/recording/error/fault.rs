@@ -226,6 +226,7 @@ pub enum Fault {
          counts or volts say what one is worth, --columns {} or theta={}:54.5deg, if it really turned over say --radians",
         told.angle("", ":4096/turn"),
         told.reading,
+        largest = *largest as f32,
         limit = LARGEST_UNSTATED_RAD
     )]
     LooksLikeDegrees {
@@ -242,9 +243,10 @@ pub enum Fault {
     },
     /// Steps too long for seconds, unit not stated.
     #[error(
-        "the median time step is {step} s, expected less than {limit} s for a pendulum; \
-         if the column counts milliseconds, or is not the time, say so: --columns {} or t=1,theta=2",
+        "the median time step is {step} s, expected less than {limit} s for a pendulum; if the column counts milliseconds, or is \
+         not the time, say so: --columns {} or t=1,theta=2; if it counts frames, say how many a second: --rate 30",
         told.angle(":ms", ""),
+        step = *step as f32,
         limit = LONGEST_STEP_S
     )]
     StepTooLong {
@@ -321,21 +323,15 @@ pub enum Fault {
         /// What stands there.
         value: String,
     },
-    /// Rates that no pendulum of this period reaches.
-    #[error(
-        "read in rad/s the rates reach {largest:.1}, but a pendulum that takes {period_s:.2} s there and back passes its lowest \
-         point with {fastest:.1} rad/s at most: these are degrees a second; say --columns {}",
-        told.rate(":deg/s")
-    )]
+    /// Rates that no pendulum of this period reaches, or with which its period would grow.
+    #[error("read in rad/s the rates reach {largest:.1}, but {against}: {instead}")]
     NotRadiansPerSecond {
         /// As read, rad/s.
         largest: f64,
-        /// Of small swings, s.
-        period_s: f64,
-        /// After a fall from upright, rad/s.
-        fastest: f64,
-        /// The columns.
-        told: Told,
+        /// What speaks against them.
+        against: String,
+        /// What they may be, and what to say then.
+        instead: String,
     },
     /// Rates far too small for how the period grows with them.
     #[error(

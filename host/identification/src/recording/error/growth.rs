@@ -1,4 +1,8 @@
-//! How the period grows with the amplitude, in words.
+//! How the period grows with the amplitude, and what speaks against a unit of rates, in words.
+
+use super::Fault;
+use crate::recording::limits::FASTEST_MARGIN;
+use crate::recording::told::Told;
 
 /// What the period should do and does; beyond half a turn no pendulum swings to and fro.
 pub(super) fn growth_in_words(predicted_percent: f64, found_percent: f64) -> String {
@@ -9,5 +13,36 @@ pub(super) fn growth_in_words(predicted_percent: f64, found_percent: f64) -> Str
         )
     } else {
         "no pendulum swings to and fro over more than half a turn to either side".to_owned()
+    }
+}
+
+impl Fault {
+    /// Rates (rad/s) beyond those of a fall from upright: degrees a second, or where these are too large too, what a chip
+    /// gives.
+    pub(in crate::recording) fn too_fast(largest: f64, fastest: f64, told: Told) -> Self {
+        let period_s = 2.0 * std::f64::consts::TAU / fastest;
+        let against = format!(
+            "a pendulum that takes {period_s:.2} s there and back passes its lowest point with {fastest:.1} rad/s at most"
+        );
+        let instead = match largest.to_radians() < FASTEST_MARGIN * fastest {
+            true => format!("these are degrees a second; say --columns {}", told.rate(":deg/s")),
+            false => format!(
+                "these are neither that nor degrees a second but, perhaps, what the sensor's chip gives; say what one is \
+                 worth, e.g. --columns {} where 131 are a degree a second",
+                told.rate(":0.00763deg/s")
+            ),
+        };
+        Self::NotRadiansPerSecond { largest, against, instead }
+    }
+
+    /// Rates (rad/s) with which the period does not grow.
+    pub(in crate::recording) fn too_even(largest: f64, predicted_percent: f64, found_percent: f64, told: Told) -> Self {
+        let instead = format!(
+            "these are degrees a second (say --columns {}), or a spring swings it and no gravity, which can't be fitted; if \
+             they are rad/s all the same, say --columns {}",
+            told.rate(":deg/s"),
+            told.rate(":rad/s")
+        );
+        Self::NotRadiansPerSecond { largest, against: growth_in_words(predicted_percent, found_percent), instead }
     }
 }
