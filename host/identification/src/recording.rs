@@ -15,7 +15,6 @@ mod clock;
 mod columns;
 mod error;
 mod foreign;
-mod gbk;
 mod grid;
 mod header;
 mod heading;

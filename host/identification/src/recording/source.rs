@@ -1,13 +1,16 @@
 //! A file of whatever dress as lines of text, one after the other, so that a large one is never in memory as a whole.
 //!
-//! Text is passed on line by line: UTF-8 with or without a mark, UTF-16 by its mark, and where a line is no UTF-8 Latin-1, or
-//! Windows-1251 where that makes Cyrillic words of it, or GBK where it makes the words of a Chinese heading. Lines end with a line feed, or all of them with a carriage return.
-//! Files of other programs that are no tables of text become one first (`foreign.rs`).
+//! Text is passed on line by line: UTF-8 with or without a mark, UTF-16 by its mark, and where a line is no UTF-8 Latin-1,
+//! or Windows-1251 where that makes Cyrillic words of it, or GBK where it makes the words of a Chinese heading. Lines end
+//! with a line feed, or all of them with a carriage return. Files of other programs that are no tables of text become one first
+//! (`foreign.rs`).
 
 use super::error::Fault;
 use super::foreign;
-use super::gbk;
 use super::limits::MOST_BYTES_WHOLE;
+use encoding_rs::mem::decode_latin1;
+use encoding_rs::{GBK, WINDOWS_1251};
+use std::borrow::Cow;
 use std::io::{self, BufRead, Cursor, Read};
 
 /// So much of a file is looked at to tell what it is.
@@ -81,9 +84,7 @@ impl<'a> Lines<'a> {
         let kept = kept.strip_suffix(b"\r").unwrap_or(kept);
         match std::str::from_utf8(kept) {
             Ok(text) => line.push_str(text),
-            Err(_) if gbk::has_words(kept) => gbk::read_into(kept, line),
-            Err(_) if has_cyrillic_words(kept) => line.extend(kept.iter().map(|byte| of_windows_1251(*byte))),
-            Err(_) => line.extend(kept.iter().map(|byte| char::from(*byte))),
+            Err(_) => line.push_str(&of_some_alphabet(kept)),
         }
         Ok(Some(is_complete && self.bytes.ends_with(&[self.end])))
     }
@@ -103,21 +104,29 @@ fn line_end(head: &[u8]) -> u8 {
     if head.contains(&b'\n') || !head.contains(&b'\r') { b'\n' } else { b'\r' }
 }
 
+/// A line that is no UTF-8.
+fn of_some_alphabet(bytes: &[u8]) -> Cow<'_, str> {
+    let european = || match has_cyrillic_words(bytes) {
+        true => WINDOWS_1251.decode_without_bom_handling(bytes).0,
+        false => decode_latin1(bytes),
+    };
+    of_gbk(bytes).unwrap_or_else(european)
+}
+
 /// Letters beyond ASCII stand alone or in twos in the words of Latin-1, and make up those of Windows-1251.
 fn has_cyrillic_words(bytes: &[u8]) -> bool {
     const SHORTEST_WORD: usize = 4;
     bytes.split(|byte| *byte < 0xc0).any(|word| word.len() >= SHORTEST_WORD)
 }
 
-/// Of Windows-1251 the alphabet and the signs of units; its other letters are rare in column names.
-fn of_windows_1251(byte: u8) -> char {
-    match byte {
-        0xc0..=0xff => char::from_u32(u32::from(byte) - 0xc0 + u32::from('А')).unwrap_or('?'),
-        0xa8 => 'Ё',
-        0xb8 => 'ё',
-        _ => char::from(byte),
-    }
+/// Text in GBK, in which spreadsheets in China save their tables, if a word of a heading stands in it.
+fn of_gbk(bytes: &[u8]) -> Option<Cow<'_, str>> {
+    let text = GBK.decode_without_bom_handling_and_without_replacement(bytes)?;
+    HEADING_IN_CHINESE.iter().any(|word| text.contains(word)).then_some(text)
 }
+
+/// Words for time, angle, turn, second, period, place, speed and length.
+const HEADING_IN_CHINESE: [&str; 9] = ["时间", "角度", "摆角", "角位移", "弧度", "毫秒", "周期", "位置", "速度"];
 
 /// Text has no control characters except tab, line ends and form feed.
 fn is_foreign(byte: u8) -> bool {
@@ -139,5 +148,19 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Vec<u8> {
 impl From<io::Error> for Fault {
     fn from(error: io::Error) -> Self {
         Self::Unreadable(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_heading_in_gbk_is_told_from_latin_and_cyrillic_words() {
+        let heading = b"\xca\xb1\xbc\xe4(s),\xb0\xda\xbd\xc7(\xb6\xc8),\xb1\xb8\xd7\xa2";
+        assert_eq!(of_some_alphabet(heading), "时间(s),摆角(度),备注");
+        assert_eq!(of_some_alphabet(b"t;Winkel (\xb0)"), "t;Winkel (°)");
+        assert_eq!(of_some_alphabet(b"\xc2\xf0\xe5\xec\xff, \xf1"), "Время, с");
+        assert_eq!(of_some_alphabet(b"\xca\xb1\xbc\xe4,\xb0"), "Ê±¼ä,°");
     }
 }
