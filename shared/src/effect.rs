@@ -49,6 +49,7 @@ effects! {
     general_stribeck,
     load_dependent_coulomb,
     gear_load,
+    general_gear_load,
     asymmetric_coulomb,
     angle_dependent_friction,
     eddy_brake,

@@ -8,7 +8,7 @@ pub const SHAPES: [(&str, &[&str]); 8] = [
     ("slow-stribeck", &["stribeck", "general-stribeck"]),
     ("ageing-friction", &["drifting-friction", "general-drift"]),
     ("wide-brake", &["eddy-brake", "general-brake"]),
-    ("lever-load", &["gear-load"]),
+    ("lever-load", &["gear-load", "general-gear-load"]),
     ("hard-bristle", &["presliding", "general-presliding"]),
     ("hard-spring", &["torsional-spring", "general-spring"]),
     ("eccentric", &["sensor-nonlinearity", "sensor-gain"]),
