@@ -77,9 +77,12 @@ impl Cut<'_> {
         let limit = |n: usize| STILL_SPREADS * self.noise_rms_rad * (1.0 / n_window as f64 + 1.0 / n as f64).sqrt();
         let mut sum = angles_rad[..n_window].iter().sum::<f64>();
         let mut until = n_window;
-        // The window runs ahead of the mean it is compared with, so a slow start cannot drag the mean along.
-        while let Some(window) = angles_rad.get(until..until + n_window) {
-            if (mean(window) - sum / until as f64).abs() > limit(until) {
+        let off = |from: usize, mean_rad: f64| Some(mean(angles_rad.get(from..from + n_window)?) - mean_rad);
+        // The window runs ahead of the mean it is compared with, so a slow start cannot drag the mean along. What falls goes
+        // on: if it is no further off some windows later, it was chance, or a knock.
+        while let Some(left_rad) = off(until, sum / until as f64) {
+            let goes_on = || off(until + 3 * n_window, sum / until as f64).is_none_or(|next| next / left_rad > 1.0);
+            if left_rad.abs() > limit(until) && goes_on() {
                 break;
             }
             sum += angles_rad[until];

@@ -44,6 +44,19 @@ fn a_held_pendulum_is_free_just_after_its_release() {
     }
 }
 
+/// With so much noise that no acceleration shows whether it is held.
+#[test]
+fn a_knock_on_a_held_pendulum_is_no_release() {
+    let knocked = |idx: usize| if (122..128).contains(&idx) { 1.43 + 0.012 } else { 1.43 };
+    let whole = [(0..170).map(knocked).collect(), swing(1.43, 20.0)].concat();
+    let third: Vec<f64> = whole.iter().map(|angle| angle / 3.0).collect();
+    let angles_rad = noisy(&third).angles_rad().iter().map(|angle| 3.0 * angle).collect();
+    let recording = Recording::uniform(1.0 / STEP_S, angles_rad).unwrap();
+    let segments = segment(&recording, &SegmentOptions::default()).unwrap();
+    let late = segments.free.start as f64 * STEP_S - 0.85;
+    assert!((0.0..0.06).contains(&late), "{late} {segments:?}");
+}
+
 /// Ten samples a second, eight a period, are too few to see a hand, and enough to see a pendulum that does not fall.
 #[test]
 fn a_held_pendulum_is_seen_between_few_samples() {
