@@ -18,9 +18,9 @@ const SHOWS: f64 = 1.2;
 
 /// Of rigs that hide something that shows, the law that comes nearest or its family stands first in at least this share;
 /// it alone is named in at least this share; something foreign is named in no more than this one.
-const FIRST: f64 = 0.9;
-const EXACT: f64 = 0.8;
-const FOREIGN: f64 = 0.1;
+const FIRST: f64 = 0.95;
+const EXACT: f64 = 0.9;
+const FOREIGN: f64 = 0.04;
 
 /// Readings that come so much too early or too late by chance have more noise the faster the pendulum is, s.
 const JITTER_S: [f64; 2] = [2e-4, 1e-3];

@@ -196,7 +196,11 @@ fn claim(holding: &Holding) -> String {
 }
 
 fn dropped(holding: &Holding) -> String {
-    let why = if holding.standing == Standing::TooShort { "too few windows" } else { "not on every part" };
+    let why = match holding.standing {
+        Standing::TooShort => "too few windows",
+        Standing::Slight => "too little beside what is claimed",
+        _ => "not on every part",
+    };
     format!("{}: {why}, would leave {:.2}", holding.effect, 1e3 * holding.rmse)
 }
 

@@ -117,6 +117,9 @@ fn left_out(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.effort.reached.then(|| wrapped(&words, 0))
 }
 
+/// Why what stands beside a law that explains much more is not claimed.
+const SLIGHT: &str = "by less than a tenth of what is claimed, whose own law may be as far from the truth";
+
 /// The claim that would explain most of what is left, but is not proven.
 fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
     let (name, unit) = (claim.effect, diagnosis.measured.milli_unit());
@@ -125,6 +128,7 @@ fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
             let windows = counted(claim.windows, "window of a few periods", "windows of a few periods");
             format!("there are only {windows} to check it on")
         }
+        Standing::Slight => SLIGHT.to_owned(),
         _ => format!(
             "a few periods carry it and the rest can't tell it from chance{}: a hand or a slip may look like this too",
             chance(claim)
@@ -147,6 +151,7 @@ fn unproven(claim: &Holding) -> String {
              releases, can tell.",
             counted(claim.windows, "window of a few periods", "windows of a few periods")
         ),
+        Standing::Slight => format!("Not claimed: {name}. It lowers the error, but {SLIGHT}."),
         _ => format!(
             "Not claimed: {name}. It lowers the error, but not on every part of the swings: without a few periods it can't \
              be told from chance{}.",

@@ -176,6 +176,11 @@ fn best_on_all(
     near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
     if !is_well_explained(problem, &near[0][0]) && budget.allows_more() {
         seen_from_other_sides(problem, rough, &mut near[0]);
+        // What leaves a little may imitate one of the next, whose fit ended on the way.
+        if is_explained(rough, &near[0][0]) {
+            near[1..].par_iter_mut().for_each(|model| begun_anew(rough, model));
+            near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
+        }
     }
     let limit = worth_all_samples(rough, near[0][0].cost);
     let n_worth_it = near.iter().take_while(|levels| levels[0].cost <= limit).count().max(1);
@@ -190,15 +195,20 @@ fn best_on_all(
 
 /// Begins a model anew with the first swings, then seeks a velocity band too, and keeps what is better.
 fn seen_from_other_sides(problem: &Problem, rough: &Problem, model: &mut Vec<Fitted>) {
-    let anew = levels(rough, &model[0].regrown(rough));
-    if anew[0].cost < model[0].cost {
-        *model = anew;
-    }
+    begun_anew(rough, model);
     if !is_well_explained(problem, &model[0]) && band_is_promising(rough, &model[0]) {
         let with_band = model[0].refined(rough, Band::Searched, Tolerance::JUDGE);
         if with_band.cost < model[0].cost {
             *model = vec![with_band];
         }
+    }
+}
+
+/// Begins a model anew with the first swings, if that is better.
+fn begun_anew(rough: &Problem, model: &mut Vec<Fitted>) {
+    let anew = levels(rough, &model[0].regrown(rough));
+    if anew[0].cost < model[0].cost {
+        *model = anew;
     }
 }
 

@@ -308,3 +308,39 @@ fn one_effect_less_is_what_the_search_preferred_if_that_is_better_than_the_rest(
     // A spring alone leaves the drag.
     assert_eq!(left.name(), "quadratic-drag");
 }
+
+/// Swings with a drag and a spring, and whether the spring is slight beside the drag.
+fn slight_beside_drag(name: &str, values: &[f64]) -> Option<String> {
+    let mut truth = rig_with("quadratic-drag", &[DRAG]);
+    truth.set(effect(name).id, values).unwrap();
+    let swings = [simulated("first", &truth, 14.0, 1), simulated("second", &truth, 14.0, 2)];
+    let levels = |on: &Problem| (fitted(on, &rig()), Vec::new());
+    judged(&swings, levels, |judge| {
+        let both = fitted(judge.problem, &truth);
+        let slight = judge.slight(&both, &judge.holdings(&both));
+        slight.map(|(holding, rest)| format!("{} beside {}: {:?}", holding.effect, rest.name(), holding.standing))
+    })
+}
+
+#[test]
+fn what_explains_less_than_a_tenth_beside_a_law_may_be_the_shape_of_that_law() {
+    let weak = slight_beside_drag("torsional-spring", &[1e-3, 0.0]);
+    assert_eq!(weak.as_deref(), Some("torsional-spring beside quadratic-drag: Slight"));
+    assert_eq!(slight_beside_drag("torsional-spring", &[2e-2, 0.0]), None);
+}
+
+#[test]
+fn what_pushes_to_one_side_is_no_shape_of_a_law_that_is_alike_on_both() {
+    assert_eq!(slight_beside_drag("asymmetric-coulomb", &[2e-5]), None);
+}
+
+#[test]
+fn a_law_with_fewer_numbers_is_taken_in_place_of_one_that_leaves_about_as_much_and_no_other() {
+    let swings = [simulated("drag", &rig_with("quadratic-drag", &[DRAG]), 28.0, 1)];
+    let taken = |reduced: f64| {
+        let levels = |on: &Problem| (with_excess(on, &rig(), 400.0), vec![vec![power_law(on, 1.4), drag(on, reduced)]]);
+        judged(&swings, levels, |judge| judge.simpler(&judge.found.levels[0][0], &[]).map(|(model, _)| model.name()))
+    };
+    assert_eq!(taken(1.5).as_deref(), Some("quadratic-drag"));
+    assert_eq!(taken(3.0), None);
+}

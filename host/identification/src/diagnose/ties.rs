@@ -1,5 +1,6 @@
 //! Laws that the windows of the swings can't separate, and the family they belong to.
 
+use super::extension::swings;
 use super::holds::{Holding, Standing};
 use super::verdict::Judge;
 use crate::fit::clusters::{Cluster, clusters, is_beyond_chance, squares};
@@ -56,8 +57,12 @@ impl Judge<'_, '_> {
     /// holds on every part too: that friction grows with the speed may be sure while its shape is not.
     pub(super) fn simpler(&self, claimed: &Fitted, others: &[Fitted]) -> Option<(Fitted, Vec<Holding>)> {
         let removed = |model: &Fitted| self.found.base.cost - model.cost;
-        let is_simpler =
-            |model: &&Fitted| model.n_added() < claimed.n_added() && removed(model) > SIMPLER_SHARE * removed(claimed);
+        let is_simpler = |model: &&Fitted| {
+            let removes_as_much = removed(model) > SIMPLER_SHARE * removed(claimed);
+            // What swings beside the pendulum imitates much, and leaves less than the law that it imitates.
+            let leaves_as_much = self.leaves_about_as_much(model, claimed) || swings(claimed) && !swings(model);
+            model.n_added() < claimed.n_added() && removes_as_much && leaves_as_much
+        };
         let mut simpler: Vec<&Fitted> = self.rivals(claimed, others).into_iter().filter(is_simpler).collect();
         simpler.sort_by(|a, b| a.n_added().cmp(&b.n_added()).then(a.cost.total_cmp(&b.cost)));
         simpler.into_iter().find_map(|model| {

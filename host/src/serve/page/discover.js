@@ -42,7 +42,12 @@ function showWords() {
   const names = found.verdict.join(' and ');
   const split = found.of_state ? ` ${found.of_state.words}` : '';
   const rest = (found.unexplained ? ' What remains is not explained by any candidate.' : '') + split;
-  const why = (claim) => (claim.standing === 'too-short' ? 'there are too few periods to check it on' : 'not on every part of the swings');
+  const reasons = {
+    'too-short': 'there are too few periods to check it on',
+    'slight': 'by less than a tenth of what is claimed, whose own law may be as far from the truth',
+    'partly': 'not on every part of the swings',
+  };
+  const why = (claim) => reasons[claim.standing];
   const doubt = (claim) => (claim.effect === found.suspect
     ? ` Likely, but not proven: ${claim.effect}. With it the error would fall to ${mrad(claim.rmse)}, but ${why(claim)}; another release can tell.`
     : ` Not claimed: ${claim.effect}. It lowers the error to ${mrad(claim.rmse)}, but ${why(claim)}.`);
