@@ -51,8 +51,8 @@ pub const fn effect<R: Real>() -> Effect<R> {
         starts: &[[0.0, 1.0, 0.0, 0.0], [0.0, 1.2, 0.2, 0.0]],
         family: Family::Angle,
         generalises: Some("gear-load"),
-        is_fine: false,
-        rules: Rules { follows_special_case: true, ..Rules::NONE },
+        is_fine: true,
+        rules: Rules { special_case_at: Some((1, 1.0)), follows_special_case: true, ..Rules::NONE },
         action: Action::Friction(torque),
     }
 }
