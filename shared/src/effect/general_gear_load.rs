@@ -19,8 +19,8 @@ pub const fn effect<R: Real>() -> Effect<R> {
         id: 27,
         name: "general-gear-load",
         summary: "Gears whose friction grows faster, or more slowly, than what they transmit, and less the faster they turn.",
-        formula: "torque = -mug*m*g*l*|sin(theta)|^a*max(|omega|, 0.1)^(-b)*sgn(omega)",
-        source: "ISO/TR 14179-2 (2001): a = 1.2, b = 0.2",
+        formula: "torque = -mug*m*g*l*|sin(theta)|^ag*max(|omega|, 0.1)^(-bg)*sgn(omega)",
+        source: "ISO/TR 14179-2 (2001): ag = 1.2, bg = 0.2",
         experiment: "Wide releases, and some of a tenth of their amplitude: the share that the gears take differs.",
         parameters: &[
             Parameter {
@@ -32,7 +32,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 meaning: prose!("share that the gears take standing out level at 1 rad/s"),
             },
             Parameter {
-                symbol: "a",
+                symbol: "ag",
                 unit: "1",
                 low: 0.3,
                 high: 3.0,
@@ -40,7 +40,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 meaning: prose!("exponent of the load"),
             },
             Parameter {
-                symbol: "b",
+                symbol: "bg",
                 unit: "1",
                 low: -0.5,
                 high: 1.0,
