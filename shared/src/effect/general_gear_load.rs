@@ -51,7 +51,9 @@ pub const fn effect<R: Real>() -> Effect<R> {
         starts: &[[0.0, 1.0, 0.0, 0.0], [0.0, 1.2, 0.2, 0.0]],
         family: Family::Angle,
         generalises: Some("gear-load"),
+        // Its powers have corners at rest and in the middle.
         is_fine: true,
+        // With bg at 0, too; but it is asked only where the usual law explains as much.
         rules: Rules { special_case_at: Some((1, 1.0)), follows_special_case: true, ..Rules::NONE },
         action: Action::Friction(torque),
     }

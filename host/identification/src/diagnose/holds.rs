@@ -27,7 +27,8 @@ pub const ALPHA: f64 = 0.01;
 /// Of what a model explains (root mean square), an effect alone shall explain so much: less may be the shape of another of
 /// its laws, which are seldom known to a tenth. Of 34 rigs with a drag or a spring of another shape than any of the list,
 /// five were told of a second effect, which explained 0.03 to 0.06; of the pairs of the forty rigs only one effect explains
-/// as little, 0.04, and that one pushes to one side. Half of it: some of the five are told again. Twice was not tried.
+/// as little, 0.04, and that one pushes to one side. Half of it: by their shares three of the five would be told again; the
+/// forty rigs and the real recordings are told alike. Twice: one real recording is told otherwise, with a quarter more left.
 const SLIGHT: f64 = 0.1;
 
 /// Columns of the test at most: three added effects of four numbers beside the base and an offset for each of a few swings.
@@ -43,7 +44,7 @@ pub enum Standing {
     Partly,
     /// There are too few windows to say.
     TooShort,
-    /// It explains so little beside another claim that the shape of that law may do as much.
+    /// It explains so little of all that is claimed that the shape of another law may do as much.
     Slight,
 }
 

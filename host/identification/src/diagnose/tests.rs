@@ -309,7 +309,7 @@ fn one_effect_less_is_what_the_search_preferred_if_that_is_better_than_the_rest(
     assert_eq!(left.name(), "quadratic-drag");
 }
 
-/// Swings with a drag and a spring, and whether the spring is slight beside the drag.
+/// What is slight in two swings with a drag and another effect, and beside what.
 fn slight_beside_drag(name: &str, values: &[f64]) -> Option<String> {
     let mut truth = rig_with("quadratic-drag", &[DRAG]);
     truth.set(effect(name).id, values).unwrap();

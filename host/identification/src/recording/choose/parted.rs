@@ -11,7 +11,8 @@ use super::standing::unnamed_time;
 /// Units of a rest of a second.
 const UNITS: [TimeUnit; 3] = [TimeUnit::Nanoseconds, TimeUnit::Microseconds, TimeUnit::Milliseconds];
 
-/// How much longer or shorter than usual a step from one second to the next may be: a sample that is missing is within it.
+/// How much longer or shorter than usual a step from one second to the next may be: a clock trembles by less, and in a wrong
+/// unit such a step is as long as a whole second. Half of the fifth refuses what trembles more, twice of it the same.
 const NEAR: f64 = 1.2;
 
 /// The columns of a time that stands in two of them, side by side.

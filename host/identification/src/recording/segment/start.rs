@@ -11,6 +11,10 @@ const GUARD_S: f64 = 0.010;
 /// A free pendulum is seen to fall after some noise rms; still for the time of a fall of this many, it is held.
 const HELD_FALL_NOISE: f64 = 20.0;
 
+/// What falls is further off so many windows later, in three twentieths of a half swing; with one, a knock of a window and
+/// a half still passed for a release. With twice as many it falls still.
+const FALLS_ON_FOR: usize = 3;
+
 /// The release is fitted to the first fall of this size, rad (a rate that makes it so within a swing): enough to be seen, too little for anything but gravity …
 const RELEASE_FALL_RAD: f64 = 0.15;
 
@@ -81,8 +85,8 @@ impl Cut<'_> {
         // The window runs ahead of the mean it is compared with, so a slow start cannot drag the mean along. What falls goes
         // on: if it is no further off some windows later, it was chance, or a knock.
         while let Some(left_rad) = off(until, sum / until as f64) {
-            let goes_on = || off(until + 3 * n_window, sum / until as f64).is_none_or(|next| next / left_rad > 1.0);
-            if left_rad.abs() > limit(until) && goes_on() {
+            let later = || off(until + FALLS_ON_FOR * n_window, sum / until as f64);
+            if left_rad.abs() > limit(until) && later().is_none_or(|later_rad| later_rad / left_rad > 1.0) {
                 break;
             }
             sum += angles_rad[until];
