@@ -28,6 +28,7 @@ pub mod replacement;
 pub mod resemblance;
 pub mod score;
 pub mod search;
+mod shape;
 mod summary;
 mod ties;
 pub mod value;
@@ -111,7 +112,7 @@ pub fn diagnose_counted<'r>(
     let budget = Budget::new(count);
     let bench = Bench { problem: &problem, rough: &rough, candidates: &candidates, budget: &budget, held_out, count };
     let alone = bench.concluded(&base);
-    let Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing } =
+    let Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others } =
         bench.with_levels(&base, &alone).unwrap_or(alone);
     let judge = bench.judge(&found);
     let curve = judge.friction_curve(&claimed);
@@ -131,6 +132,7 @@ pub fn diagnose_counted<'r>(
         carries,
         special_cases,
         offset_is_missing,
+        others,
         held_out,
         began,
         count,

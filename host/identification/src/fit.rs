@@ -6,6 +6,7 @@
 
 mod answered;
 pub mod arrow;
+mod bend;
 pub mod blocks;
 pub mod by_least_squares;
 mod by_surfaces;

@@ -188,11 +188,11 @@ fn added(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Res
     // Far above the noise the last swings tell nothing of a velocity band, whose search costs the most.
     let finished =
         if is_near_noise(problem, &best) { best } else { best.refined(problem, Band::Level, Tolerance::JUDGE) };
-    Ok(if is_near_noise(problem, &finished) {
-        finished.refined(problem, Band::Searched, Tolerance::JUDGE)
-    } else {
-        finished
-    })
+    let searched = match is_near_noise(problem, &finished) {
+        true => finished.refined(problem, Band::Searched, Tolerance::JUDGE),
+        false => finished,
+    };
+    Ok(searched.settled(problem))
 }
 
 fn is_near_noise(problem: &Problem, model: &Fitted) -> bool {
@@ -210,5 +210,5 @@ fn removed(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> R
         return Err(ChangeError::Absent { name: effect.name });
     }
     let smaller = model.without(effect.id).refined(problem, Band::Held, Tolerance::SCREEN);
-    Ok(smaller.refined(problem, Band::Level, Tolerance::JUDGE))
+    Ok(smaller.refined(problem, Band::Level, Tolerance::JUDGE).settled(problem))
 }

@@ -30,7 +30,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
                 symbol: "h",
                 unit: "1/rad²",
                 low: -0.3,
-                high: 5.0,
+                high: 50.0,
                 start: 0.0,
                 meaning: prose!("by what share it is stiffer at 1 rad"),
             },

@@ -43,7 +43,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         starts: &[[0.0, 0.5, 2.0, 0.0], [0.0, 0.5, 0.7, 0.0]],
         family: Family::Dry,
         generalises: Some("stribeck"),
-        is_fine: false,
+        is_fine: true,
         rules: Rules { special_case_at: Some((2, 2.0)), follows_special_case: true, ..Rules::NONE },
         action: Action::Friction(torque),
     }

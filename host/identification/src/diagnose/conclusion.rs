@@ -4,6 +4,7 @@ use super::budget::Budget;
 use super::holds::Holding;
 use super::levels;
 use super::models::is_explained;
+use super::physical::is_sound;
 use super::search::{Found, search};
 use super::summary::SpecialCase;
 use super::verdict::{INDISTINGUISHABLE, Judge};
@@ -36,6 +37,8 @@ pub(super) struct Conclusion {
     pub(super) holds_on: Vec<Holding>,
     pub(super) special_cases: Vec<SpecialCase>,
     pub(super) offset_is_missing: bool,
+    /// Models beside those of the search.
+    pub(super) others: Vec<Fitted>,
 }
 
 impl<'a, 'b> Bench<'a, 'b> {
@@ -76,7 +79,9 @@ impl<'a, 'b> Bench<'a, 'b> {
         let special_cases = judge.special_cases(&claimed, &others, &mut undecided);
         let (claimed, vetoed) = judge.not_contradicted(claimed, self.held_out, self.count);
         holds_on.retain(|holding| claimed.has(holding.effect));
-        Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing }
+        let settled = claimed.clone().settled(problem);
+        let claimed = if is_sound(problem, &settled) { settled } else { claimed };
+        Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others }
     }
 
     /// The same with friction levels that differ between the releases, where they explain most of what is left without

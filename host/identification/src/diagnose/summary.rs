@@ -9,7 +9,7 @@ use super::levels::{Levels, levels};
 use super::models::excess;
 use super::of_state::OfState;
 use super::ties::{FamilyClaim, family};
-use super::value::{Candidate, Value, values};
+use super::value::{Candidate, Value};
 use super::verdict::Judge;
 use super::zero;
 use crate::fit::fitted::Fitted;
@@ -204,6 +204,7 @@ pub(super) struct Summary<'a, 'b, 'c> {
     pub(super) carries: Option<Carries>,
     pub(super) special_cases: Vec<SpecialCase>,
     pub(super) offset_is_missing: bool,
+    pub(super) others: Vec<Fitted>,
     pub(super) held_out: &'c [Swing],
     pub(super) began: Instant,
     pub(super) count: &'c Tally,
@@ -268,7 +269,7 @@ impl Summary<'_, '_, '_> {
             of_state: self.of_state,
             formulas,
             evidence: evidence(problem, &self.claimed.parameters),
-            values: values(problem, &self.claimed),
+            values: self.judge.values_of(&self.claimed, &self.others),
             candidates: models.into_iter().map(|model| self.judge.candidate(model)).collect(),
             parameters: problem.tolerances.settled(&self.claimed.parameters),
             leading,

@@ -210,6 +210,7 @@ fn a_staircase_goes_down_from_the_base_to_the_claim_by_the_rms_of_each_model() {
             carries: None,
             special_cases: Vec::new(),
             offset_is_missing: false,
+            others: Vec::new(),
             held_out: &[],
             began: Instant::now(),
             count: problem.tally,

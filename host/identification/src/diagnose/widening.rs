@@ -23,20 +23,20 @@ pub(super) fn widened(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
 }
 
 /// A law of a model, and its wider form.
-struct Widening<'a> {
+pub(super) struct Widening<'a> {
     model: &'a Fitted,
     usual: &'static Effect<f64>,
     wide: &'static Effect<f64>,
 }
 
-fn widenings(model: &Fitted) -> impl Iterator<Item = Widening<'_>> {
+pub(super) fn widenings(model: &Fitted) -> impl Iterator<Item = Widening<'_>> {
     model.effects.iter().filter_map(move |usual| Some(Widening { model, usual, wide: usual.wider_form()? }))
 }
 
 impl Widening<'_> {
     /// From the numbers of the usual law and from each start of what the wider one has beyond them the best, and the
     /// usual law from there if that is better than it was.
-    fn fitted(&self, rough: &Problem) -> Option<Vec<Fitted>> {
+    pub(super) fn fitted(&self, rough: &Problem) -> Option<Vec<Fitted>> {
         let fits = self.wide.starts.iter().filter_map(|start| {
             let wide = exchanged(self.model, self.usual, self.wide, *start)?;
             Some(wide.refined(rough, Band::Held, Tolerance::SCREEN))

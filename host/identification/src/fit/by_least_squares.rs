@@ -16,7 +16,7 @@ use shared::parameters::base;
 /// The model of a rig fitted to the swings, whatever its numbers were, and never worse than with these.
 pub fn fitted_as_it_is(problem: &Problem) -> Fitted {
     let found = scouted(problem, |few| least_squares(few, &start::guess(few), &|_| ()));
-    not_worse_than_given(problem, found)
+    not_worse_than_given(problem, found).settled(problem)
 }
 
 /// Growing windows from a guess, then Ms and DV, then everything together.

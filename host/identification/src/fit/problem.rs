@@ -183,6 +183,13 @@ impl Unknown {
         }
     }
 
+    /// Is it of the rig itself, inertia or friction that every model has?
+    pub fn is_of_the_rig(&self) -> bool {
+        let is_base = |id: u16| base::has(id) && id != base::STICTION;
+        matches!(self.quantity, Quantity::Inertia)
+            || matches!(self.quantity, Quantity::Effect { id, .. } if is_base(id))
+    }
+
     /// Is it Ms or DV, in which the error is not smooth?
     pub fn is_stiction(&self) -> bool {
         matches!(self.quantity, Quantity::Effect { id: base::STICTION, .. })

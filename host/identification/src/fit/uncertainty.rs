@@ -45,6 +45,11 @@ pub fn without_bounds(on: &Problem, model: &Fitted) -> Uncertainty {
     tolerated(on, model, of_smooth_numbers(on, model).0)
 }
 
+/// The same with the rig's own numbers free where they lie on a bound: a law of a wrong shape may have driven them there.
+pub fn with_the_rig_free(on: &Problem, model: &Fitted) -> Uncertainty {
+    tolerated(on, model, of_numbers(on, model, Unknown::is_of_the_rig).0)
+}
+
 /// What the covariance was made from.
 struct Smooth<'a> {
     linear: Linear<'a>,
@@ -54,12 +59,18 @@ struct Smooth<'a> {
 }
 
 fn of_smooth_numbers<'a>(on: &Problem<'a>, model: &Fitted) -> (Uncertainty, Smooth<'a>) {
+    of_numbers(on, model, |_| false)
+}
+
+/// Of what is not on a bound, or free in any case.
+fn of_numbers<'a>(on: &Problem<'a>, model: &Fitted, is_free: impl Fn(&Unknown) -> bool) -> (Uncertainty, Smooth<'a>) {
     let mut unknowns = model.unknowns.clone();
     unknowns.extend(stiction_unknowns(&model.parameters));
     let has_stiction = model.has_band() && on.swings.iter().any(Swing::comes_to_rest);
     let value = |unknown: &Unknown| unknown.get(&model.parameters);
     let is_inside = |unknown: &Unknown| value(unknown) > unknown.low && value(unknown) < unknown.high;
-    let takes_part = |unknown: &Unknown| is_inside(unknown) && (has_stiction || !unknown.is_stiction());
+    let takes_part =
+        |unknown: &Unknown| (is_inside(unknown) || is_free(unknown)) && (has_stiction || !unknown.is_stiction());
     let known: Vec<usize> = (0..unknowns.len()).filter(|j| takes_part(&unknowns[*j])).collect();
     let part = Fitted { unknowns: known.iter().map(|j| unknowns[*j].clone()).collect(), steps: None, ..model.clone() };
     let linear = part.linearised(on);
@@ -122,7 +133,7 @@ impl Uncertainty {
 
 /// What a standard deviation is compared with: the inertia about the centre is a small part of the one about the pivot,
 /// which the period tells.
-fn size(unknown: &Unknown, model: &Fitted) -> f64 {
+pub fn size(unknown: &Unknown, model: &Fitted) -> f64 {
     match unknown.quantity {
         Quantity::Inertia => model.parameters.pendulum.pivot_inertia_kg_m2(),
         _ => unknown.get(&model.parameters).abs(),
