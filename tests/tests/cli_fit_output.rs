@@ -164,3 +164,27 @@ fn with_an_added_effect_every_stage_has_its_error() {
     assert_eq!(errors.len(), 3, "{lowered:?}");
     assert!(errors[1] < 0.1 * errors[0] && errors[2] <= 1.001 * errors[1], "{errors:?}");
 }
+
+/// The same swing as a file of others, with a motor that holds it back.
+fn with_motor(ours: &str) -> String {
+    let rows = ours.lines().filter(|line| line.starts_with(|letter: char| letter.is_ascii_digit()));
+    let driven = rows.filter_map(|row| {
+        let angle: f64 = row.split(',').nth(1)?.parse().ok()?;
+        Some(format!("{row},{:.3}\n", -0.1 * angle))
+    });
+    format!("t,theta,raw,torque\n{}", driven.collect::<String>())
+}
+
+#[test]
+fn what_speaks_against_a_recording_is_in_the_object() {
+    let folder = folder();
+    let swing = fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    fs::write(folder.path().join("driven.csv"), with_motor(&swing)).unwrap();
+    for command in ["fit --method least-squares", "diagnose"] {
+        let free = json(folder.path(), &format!("{command} a.csv --json"));
+        assert_eq!(free["doubts"].as_array().map(Vec::len), Some(0), "{command}");
+        let driven = json(folder.path(), &format!("{command} driven.csv --json"));
+        assert_eq!(driven["doubts"][0]["recording"], "driven.csv", "{command}");
+        assert!(driven["doubts"][0]["words"].as_str().unwrap().starts_with("3 (torque) goes from -0."), "{command}");
+    }
+}

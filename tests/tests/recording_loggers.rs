@@ -4,6 +4,8 @@
 mod clocks;
 #[path = "recording_loggers/columns.rs"]
 mod columns;
+#[path = "recording_loggers/drives.rs"]
+mod drives;
 #[path = "recording_loggers/refusals.rs"]
 mod refusals;
 #[path = "recording_loggers/rows.rs"]

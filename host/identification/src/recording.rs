@@ -13,6 +13,7 @@ mod chosen;
 mod circle;
 mod clock;
 mod columns;
+mod drive;
 mod error;
 mod foreign;
 mod grid;
@@ -61,6 +62,7 @@ pub use told::Told;
 pub use units::{AngleUnit, RateUnit, TimeUnit};
 pub use write::{Writer, save};
 
+use drive::Drive;
 use limits::LARGEST_RAD;
 use std::ops::Range;
 
@@ -79,6 +81,8 @@ pub struct Recording {
     codes: Option<Vec<u16>>,
     gaps: Vec<Gap>,
     notes: Vec<String>,
+    /// What moves it, as the file says.
+    drives: Vec<Drive>,
 }
 
 /// A place where samples are missing.
@@ -111,7 +115,7 @@ impl Recording {
         check_turns(&angles_rad)?;
         check_increasing(&times_s)?;
         let gaps = find_gaps(&times_s);
-        Ok(Self { header, times_s, angles_rad, codes, gaps, notes: Vec::new() })
+        Ok(Self { header, times_s, angles_rad, codes, gaps, notes: Vec::new(), drives: Vec::new() })
     }
 
     /// Evenly sampled angles (rad) at `rate_hz`, starting at t = 0.
@@ -200,14 +204,20 @@ impl Recording {
             .get(range.clone())
             .zip(self.angles_rad.get(range.clone()))
             .ok_or(Fault::TooFewSamples { n_found: n_wanted.min(self.len()) })?;
-        let codes = self.codes.as_ref().map(|codes| codes[range].to_vec());
+        let codes = self.codes.as_ref().map(|codes| codes[range.clone()].to_vec());
         let mut part = Self::new(self.header.clone(), times_s.to_vec(), angles_rad.to_vec(), codes)?;
         part.notes.clone_from(&self.notes);
+        part.drives = self.drives.iter().filter_map(|drive| drive.part(range.clone())).collect();
         Ok(part)
     }
 
     fn with_notes(mut self, notes: Vec<String>) -> Self {
         self.notes = notes;
+        self
+    }
+
+    fn with_drives(mut self, drives: Vec<Drive>) -> Self {
+        self.drives = drives;
         self
     }
 }

@@ -87,6 +87,8 @@ pub struct Swing {
     pub is_counted: bool,
     /// Does it not become smaller? Then something drives the pendulum.
     pub is_driven: bool,
+    /// What speaks against the recording, in words.
+    pub doubts: Vec<String>,
     /// A reading of so much is an amplitude of a radian: 1, or for rates the angular frequency of small swings.
     reading_per_rad: f64,
     /// How slowly the pendulum swings.
@@ -128,7 +130,7 @@ impl Swing {
     /// Other readings of the same sensor on the same pendulum.
     pub fn like(&self, times_s: &[f64], readings: &[f64]) -> Self {
         let other = Self::build(&self.name, self.measured, self.reading_per_rad, times_s, readings, self.noise_rad);
-        Self { is_counted: self.is_counted, is_driven: self.is_driven, ..other }
+        Self { is_counted: self.is_counted, is_driven: self.is_driven, doubts: self.doubts.clone(), ..other }
     }
 
     fn build(
@@ -159,6 +161,7 @@ impl Swing {
             noise_rad,
             is_counted: false,
             is_driven: false,
+            doubts: Vec::new(),
             longest_step_s,
         }
     }
@@ -206,7 +209,9 @@ impl Swing {
         let noise = segments.noise.total_rms;
         let swing = Self::of(name, recording.measured(), part.times_s(), part.angles_rad(), noise);
         let is_counted = recording.header().sensor.is_some();
-        Ok((Self { is_counted, is_driven: !segments.fades, ..swing }, segments))
+        let notes = recording.notes().iter().chain(&segments.notes);
+        let doubts = notes.filter_map(|note| note.strip_prefix("doubtful: ")).map(str::to_owned).collect();
+        Ok((Self { is_counted, is_driven: !segments.fades, doubts, ..swing }, segments))
     }
 
     /// How to step through the times with this model.

@@ -7,7 +7,7 @@ use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
 use crate::error::Failure;
 use crate::look::{Look, at_first_look};
 use crate::operations::diagnose::Fields;
-use crate::operations::json::all_named;
+use crate::operations::json::{all_named, doubts};
 use crate::plot::friction::friction;
 use crate::plot::svg::svg;
 use crate::report::diagnosis::report;
@@ -59,7 +59,10 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let wishes = Wishes { typed: options.effect, formulas: options.formulas, at_first_look: Some(first_look) };
     let diagnosis = diagnose_with(&swings, &held_out, model.known(), wishes);
     if options.given.json {
-        output::json("diagnose", &Fields { recordings: &all_named(&swings), diagnosis: &diagnosis });
+        output::json(
+            "diagnose",
+            &Fields { recordings: &all_named(&swings), doubts: doubts(&swings), diagnosis: &diagnosis },
+        );
     } else {
         output::result(&evidence::in_words(&diagnosis));
     }

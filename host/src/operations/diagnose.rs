@@ -1,5 +1,6 @@
 //! The fields of `diagnose --json`.
 
+use super::json::Doubt;
 use crate::diagnose::Diagnosis;
 use serde::Serialize;
 
@@ -8,6 +9,8 @@ use serde::Serialize;
 pub struct Fields<'a> {
     /// Their names.
     pub recordings: &'a [String],
+    /// What speaks against them.
+    pub doubts: Vec<Doubt<'a>>,
     /// What was found.
     #[serde(flatten)]
     pub diagnosis: &'a Diagnosis,

@@ -1,6 +1,7 @@
 //! The fit of a rig to its swings, with what may be asked of it: a typed torque, missing physics found and added.
 
 use super::covariance::Covariance;
+use super::json::Doubt;
 use super::stages;
 pub use super::stages::After;
 use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
@@ -89,6 +90,7 @@ pub struct Check {
 #[derive(Serialize)]
 pub struct Fields<'a> {
     recordings: &'a [String],
+    doubts: Vec<Doubt<'a>>,
     method: &'static str,
     parameters: &'a [Identified],
     correlations: &'a [Vec<Option<f64>>],
@@ -143,17 +145,19 @@ pub fn fit(
 }
 
 impl Outcome {
-    /// The fields of `--json`: with the names of the recordings, the method that was asked for, and how a rig took the
+    /// The fields of `--json`: with the names of the recordings, what speaks against them, the method that was asked for, and how a rig took the
     /// new model.
     pub fn fields<'a>(
         &'a self,
         recordings: &'a [String],
+        doubts: Vec<Doubt<'a>>,
         method: identify::Method,
         check: Option<&'a Check>,
     ) -> Fields<'a> {
         let fit = &self.fit;
         Fields {
             recordings,
+            doubts,
             method: words(method),
             parameters: &fit.identified,
             correlations: &fit.correlations,

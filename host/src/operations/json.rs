@@ -27,6 +27,21 @@ pub fn named(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
+/// What speaks against a recording.
+#[derive(Debug, Serialize)]
+pub struct Doubt<'a> {
+    recording: &'a str,
+    words: &'a str,
+}
+
+/// All that speaks against the recordings of these swings.
+pub fn doubts(swings: &[Swing]) -> Vec<Doubt<'_>> {
+    fn of(swing: &Swing) -> impl Iterator<Item = Doubt<'_>> {
+        swing.doubts.iter().map(|words| Doubt { recording: &swing.name, words })
+    }
+    swings.iter().flat_map(of).collect()
+}
+
 /// The recordings of these swings: their files, and of files that hold several the run too.
 pub fn all_named(swings: &[Swing]) -> Vec<String> {
     swings.iter().map(|swing| swing.name.clone()).collect()

@@ -11,6 +11,7 @@ use super::chosen::{Parted, ReadingSource, Sources, TimeSource};
 use super::circle::{Circle, is_arc};
 use super::clock;
 use super::columns::Columns;
+use super::drive::Drive;
 use super::error::Fault;
 use super::header::Header;
 use super::limits::MIN_SAMPLES;
@@ -32,6 +33,10 @@ use time::{as_time, choose_time, plotted_axes, unit_in_cell};
 
 /// What goes round is no point that swings, wherever it lies.
 const NO_CIRCLE: Fault = Fault::NoCircle { off_percent: 100.0 };
+
+/// What a voltage and the angle that was made of it have not in common: a hundredth of the motion is this share of its
+/// square. With half of it a rounded angle would miss its voltage; with twice of it a motor that holds back would pass.
+const MOST_APART: f64 = 1e-4;
 
 impl Sources {
     /// Chooses the columns of a table; what is assumed is noted.
@@ -92,7 +97,9 @@ impl Sources {
         let needed = reading.columns().into_iter().chain(time.column()).chain(code);
         let needed: Vec<usize> = needed.chain(parted.map(|parted| parted.rest)).collect();
         let run = runs::column(table, |idx| !needed.contains(&idx)).filter(|_| header.version.is_none());
-        Ok(Self { time, reading, parted, code, run, otherwise })
+        let is_free = |idx: &usize| !needed.contains(idx) && run != Some(*idx) && header.version.is_none();
+        let drives = drive_columns(table).filter(is_free).collect();
+        Ok(Self { time, reading, parted, code, run, drives, otherwise })
     }
 
     /// The same, where another run of the file shows that its angles are degrees and nothing else says so.
@@ -172,6 +179,15 @@ impl Sources {
         }
     }
 
+    /// What drives the pendulum, from the numbers that were read. A voltage that goes with the angle is its sensor's.
+    pub(super) fn drives(&self, table: &Table, lists: Vec<Vec<f64>>, readings: &[f64]) -> Vec<Drive> {
+        let columns = self.drives.iter().copied().zip(lists);
+        let is_sensors =
+            |(idx, values): &(usize, Vec<f64>)| table.says(*idx, words::is_of_volts) && go_together(values, readings);
+        let others = columns.filter(|column| !is_sensors(column));
+        others.filter_map(|(idx, values)| Drive::of(table.column_name(idx), values)).collect()
+    }
+
     /// What tells of one of these columns that it is an angular velocity.
     fn rate_example(&self, columns: &[usize]) -> String {
         let told = |idx: &usize| Told { reading: *idx, ..self.told() }.rate("");
@@ -187,6 +203,16 @@ impl Sources {
         let (column, available) = (table.column_name(idx), table.available());
         Err(Fault::NothingMoves { column, value: first, available, example: self.otherwise.clone() })
     }
+}
+
+/// Are these two the same but for zero, scale and sign? Then their correlation leaves no more than noise.
+fn go_together(a: &[f64], b: &[f64]) -> bool {
+    let n = a.len().min(b.len()) as f64;
+    let mean = |list: &[f64]| list.iter().take(n as usize).sum::<f64>() / n;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let sums = a.iter().zip(b).map(|(a, b)| (a - mean_a, b - mean_b));
+    let (aa, ab, bb) = sums.fold((0.0, 0.0, 0.0), |(aa, ab, bb), (a, b)| (aa + a * a, ab + a * b, bb + b * b));
+    ab * ab > (1.0 - MOST_APART) * aa * bb
 }
 
 /// The rest of each second, where the column that was chosen holds whole ones and that stands beside it.
@@ -286,6 +312,12 @@ fn rate_columns(table: &Table) -> Vec<usize> {
         .map(|(idx, _)| idx)
         .take(MOST_COLUMNS)
         .collect()
+}
+
+/// Columns of numbers that are named after a motor.
+fn drive_columns(table: &Table) -> impl Iterator<Item = usize> {
+    let is_one = |idx: &usize| table.says(*idx, words::is_of_drive) && table.is_of_numbers(*idx);
+    (0..table.n_columns).filter(is_one).take(MOST_COLUMNS)
 }
 
 /// gx, gy and gz alone are those of a gyroscope or of gravity.

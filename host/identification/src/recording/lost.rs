@@ -7,6 +7,7 @@
 
 use super::median_step_s;
 use super::noise;
+use super::samples::keep;
 use super::turning;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -52,11 +53,12 @@ struct Slip {
     n_samples: isize,
 }
 
-/// Sets times right; readings that stand there twice are left out.
-pub(super) fn set_right(times_s: &mut Vec<f64>, readings: &mut Vec<f64>, notes: &mut Vec<String>) {
+/// Sets times right; readings that stand there twice are left out: which samples are kept.
+pub(super) fn set_right(times_s: &mut Vec<f64>, readings: &mut Vec<f64>, notes: &mut Vec<String>) -> Vec<bool> {
     let step_s = median_step_s(times_s);
     let slips = slips(times_s, readings, step_s);
-    let Some(first) = slips.first().map(|slip| times_s[slip.idx]) else { return };
+    let mut kept = vec![true; times_s.len()];
+    let Some(first) = slips.first().map(|slip| times_s[slip.idx]) else { return kept };
     let numbers: Vec<String> = slips.iter().map(|slip| format!("{:+}", slip.n_samples)).collect();
     notes.push(format!(
         "the clock is off at {} places, at {first:.3} s first, by {} samples: they were lost (+) or stand there twice (-), \
@@ -64,16 +66,15 @@ pub(super) fn set_right(times_s: &mut Vec<f64>, readings: &mut Vec<f64>, notes: 
         slips.len(),
         numbers.join(", ")
     ));
-    let mut kept = vec![true; times_s.len()];
     for slip in slips {
         times_s[slip.idx..].iter_mut().for_each(|time_s| *time_s += slip.n_samples as f64 * step_s);
         let n_doubled = slip.n_samples.min(0).unsigned_abs();
         kept[slip.idx..slip.idx + n_doubled].fill(false);
     }
     for list in [times_s, readings] {
-        let mut keeps = kept.iter();
-        list.retain(|_| *keeps.next().unwrap_or(&true));
+        keep(list, &kept);
     }
+    kept
 }
 
 fn slips(times_s: &[f64], readings: &[f64], step_s: f64) -> Vec<Slip> {

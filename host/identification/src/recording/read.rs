@@ -18,7 +18,7 @@ use super::lost;
 use super::measured::Measured;
 use super::options::ReadOptions;
 use super::runs::{self, Runs};
-use super::samples::Samples;
+use super::samples::{Samples, keep};
 use super::source::Lines;
 use super::table::Table;
 use super::words;
@@ -216,15 +216,17 @@ impl Opened<'_> {
         let mut readings = sources.readings(table, &samples, &times_s, header, options, &mut notes)?;
         // Rigs of ours count their samples, and rows that are counted have no times to be wrong.
         if !is_ours && samples.codes.is_empty() && !sources.counts_rows() {
-            lost::set_right(&mut times_s, &mut readings, &mut notes);
+            let kept = lost::set_right(&mut times_s, &mut readings, &mut notes);
+            samples.drives.iter_mut().for_each(|list| keep(list, &kept));
         }
+        let drives = sources.drives(table, samples.drives, &readings);
         if options.mirrored {
             readings.iter_mut().for_each(|reading| *reading = -*reading);
         }
         let is_rate = sources.measured() == Measured::Rate;
         let header = Header { measured: is_rate.then_some(Measured::Rate), ..header.clone() };
         let codes = (!samples.codes.is_empty()).then_some(samples.codes);
-        Ok(Recording::new(header, times_s, readings, codes)?.with_notes(notes))
+        Ok(Recording::new(header, times_s, readings, codes)?.with_notes(notes).with_drives(drives))
     }
 }
 

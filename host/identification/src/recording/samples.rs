@@ -30,6 +30,8 @@ pub(super) struct Samples {
     /// One list a column: angles, x and y of a point, or the rates about several axes.
     pub(super) readings: Vec<Vec<f64>>,
     pub(super) codes: Vec<u16>,
+    /// One list for each column that drives the pendulum, NaN where it has no number.
+    pub(super) drives: Vec<Vec<f64>>,
     /// Which rows they are, where the rate tells the time and rows are missing.
     pub(super) rows: Vec<u32>,
     /// Which run each row belongs to, where a column says so.
@@ -69,7 +71,13 @@ impl Samples {
         notes: &mut Vec<String>,
     ) -> Result<Self, Fault> {
         let columns = sources.reading.columns();
-        let mut samples = Self { readings: vec![Vec::new(); columns.len()], headings: vec![0], ..Self::default() };
+        let lists = |n: usize| vec![Vec::new(); n];
+        let mut samples = Self {
+            readings: lists(columns.len()),
+            drives: lists(sources.drives.len()),
+            headings: vec![0],
+            ..Self::default()
+        };
         samples.says_steps = sources.time.column().is_some_and(|idx| table.says(idx, words::is_step));
         let mut numerals = table.numerals.clone();
         let mut missing = Missing::default();
@@ -139,8 +147,14 @@ impl Samples {
 
     /// The rows of each run as samples of their own.
     pub(super) fn by_runs(self, of_rows: &[u32], n_runs: usize) -> impl Iterator<Item = Self> {
-        let empty =
-            || Self { readings: vec![Vec::new(); self.readings.len()], says_steps: self.says_steps, ..Self::default() };
+        let lists = |of: &[Vec<f64>]| vec![Vec::new(); of.len()];
+        let (readings, drives) = (lists(&self.readings), lists(&self.drives));
+        let empty = || Self {
+            readings: readings.clone(),
+            drives: drives.clone(),
+            says_steps: self.says_steps,
+            ..Self::default()
+        };
         let mut runs: Vec<Self> = (0..n_runs).map(|_| empty()).collect();
         let mut first_rows = vec![None; n_runs];
         for (row, place) in of_rows.iter().enumerate() {
@@ -149,6 +163,7 @@ impl Samples {
             run.codes.extend(self.codes.get(row));
             run.rows.extend(self.rows.get(row).map(|idx| idx - *first_rows[*place as usize].get_or_insert(*idx)));
             run.readings.iter_mut().zip(&self.readings).for_each(|(list, all)| list.push(all[row]));
+            run.drives.iter_mut().zip(&self.drives).for_each(|(list, all)| list.push(all[row]));
         }
         runs.into_iter().map(Self::looked_over)
     }
@@ -218,6 +233,9 @@ impl Samples {
         self.times.extend(time.map(|time| time + rest_s));
         self.readings.iter_mut().zip(readings).for_each(|(list, reading)| list.push(reading));
         self.codes.extend(code);
+        for (list, column) in self.drives.iter_mut().zip(&sources.drives) {
+            list.push(row.number(*column, numerals).ok().flatten().unwrap_or(f64::NAN));
+        }
         Ok(Taken::Sample)
     }
 
@@ -332,7 +350,7 @@ impl Samples {
 
     fn keep(&mut self, kept: &[bool]) {
         keep(&mut self.times, kept);
-        self.readings.iter_mut().for_each(|list| keep(list, kept));
+        self.readings.iter_mut().chain(&mut self.drives).for_each(|list| keep(list, kept));
         keep(&mut self.codes, kept);
         keep(&mut self.rows, kept);
     }
@@ -394,13 +412,13 @@ impl Samples {
 
     fn shrink(&mut self) {
         self.times.shrink_to_fit();
-        self.readings.iter_mut().for_each(Vec::shrink_to_fit);
+        self.readings.iter_mut().chain(&mut self.drives).for_each(Vec::shrink_to_fit);
         self.codes.shrink_to_fit();
     }
 }
 
 /// Keeps what is marked, of a list that has something for each mark.
-fn keep<T>(list: &mut Vec<T>, kept: &[bool]) {
+pub(super) fn keep<T>(list: &mut Vec<T>, kept: &[bool]) {
     let mut marks = kept.iter();
     list.retain(|_| *marks.next().unwrap_or(&true));
 }

@@ -290,6 +290,7 @@ fn notes(
             "too few samples a swing to see a hand in it: --from and --to tell where it swings freely".to_owned(),
         );
     }
+    notes.extend(cut.driven_in_words(free));
     if !cut.fades(free) {
         notes.push(
             "doubtful: its swings don't become smaller, as free ones do; does a motor or a hand drive it?".to_owned(),

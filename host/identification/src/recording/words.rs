@@ -5,6 +5,7 @@
 //! `theta_punkt`) is no angle, nor is one with a unit that no angle has (`position (m)`).
 
 mod derivative;
+mod drive;
 mod hints;
 mod meaning;
 mod rotary;
@@ -13,6 +14,7 @@ mod split;
 mod vocabulary;
 
 pub(super) use super::units::{angle_unit, rate_unit, time_unit};
+pub(super) use drive::{is_of_drive, is_of_volts};
 pub(super) use hints::{
     is_counter, is_of_carrier, is_of_pendulum, is_of_sine, is_size, is_stamp, is_step, says_nothing, says_nothing_else,
 };

@@ -7,7 +7,7 @@ use crate::fit::identify::{Fit, Identified, Verdict};
 use crate::fit::quality::Responses;
 use crate::number::{count, noises, significant, with_spread};
 use crate::operations::fit::{After, Check, Outcome};
-use crate::operations::json::all_named;
+use crate::operations::json::{all_named, doubts};
 use crate::recording::Measured;
 use crate::rigfile::USUAL_NAME;
 use crate::swing::Swing;
@@ -36,7 +36,10 @@ pub(super) struct Shown<'a> {
 /// Prints it on stdout.
 pub(super) fn show(options: &Options, recordings: &[PathBuf], shown: &Shown) {
     if options.json {
-        output::json("fit", &shown.outcome.fields(&all_named(shown.swings), options.method.into(), shown.check));
+        output::json(
+            "fit",
+            &shown.outcome.fields(&all_named(shown.swings), doubts(shown.swings), options.method.into(), shown.check),
+        );
     } else {
         if let Some(found) = &shown.outcome.discovery {
             output::result(&format!("{}\n", evidence::in_words(found)));

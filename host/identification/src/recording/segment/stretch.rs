@@ -1,5 +1,6 @@
 //! The stretch that is swung freely, and the rest at its end.
 
+use super::super::drive::{self, Drive};
 use super::super::median;
 use super::super::turning::{ROUGH_FALL_SHARE, TurningPoint};
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
@@ -52,19 +53,63 @@ impl Cut<'_> {
         let worth = |part: &Range<usize>| {
             (self.count_turns(part) >= MIN_TURNING_POINTS, self.fades(part), self.count_swings(part))
         };
-        let best = self.parts_left_alone().max_by_key(worth).unwrap_or(0..0);
-        match self.count_turns(&best) {
-            n if n >= MIN_TURNING_POINTS => Ok(best),
+        let best = |stretches: Vec<Range<usize>>| self.parts_of(stretches).max_by_key(worth).unwrap_or(0..0);
+        let mut part = best(self.undriven_stretches());
+        if self.count_turns(&part) < MIN_TURNING_POINTS {
+            part = best(self.stretches());
+        }
+        match self.count_turns(&part) {
+            n if n >= MIN_TURNING_POINTS => Ok(part),
             n_turning_points => {
-                Err(SegmentError::TooFewSwings { n_turning_points, duration_s: self.duration_s(&best) })
+                Err(SegmentError::TooFewSwings { n_turning_points, duration_s: self.duration_s(&part) })
             }
         }
     }
 
     /// Between disturbances, between growths, and behind a motor.
     fn parts_left_alone(&self) -> impl Iterator<Item = Range<usize>> {
-        let parts = self.stretches().into_iter().flat_map(|range| self.fading_parts(range));
+        self.parts_of(self.undriven_stretches())
+    }
+
+    /// Of these stretches what lies between growths and behind a motor.
+    fn parts_of(&self, stretches: Vec<Range<usize>>) -> impl Iterator<Item = Range<usize>> {
+        let parts = stretches.into_iter().flat_map(|range| self.fading_parts(range));
         parts.map(|part| self.left_alone(&part))
+    }
+
+    /// Between the disturbances, and where no motor is on as far as the file tells.
+    fn undriven_stretches(&self) -> Vec<Range<usize>> {
+        let drives = &self.recording.drives;
+        match drives.is_empty() {
+            true => self.stretches(),
+            false => self.stretches().into_iter().flat_map(|range| drive::undriven(drives, range)).collect(),
+        }
+    }
+
+    /// What the file says of a motor: that it moves in the free swing, or beside it.
+    pub(super) fn driven_in_words(&self, free: &Range<usize>) -> Vec<String> {
+        let drives = &self.recording.drives;
+        let inside = |drive: &Drive| {
+            let (low, high, share) = drive.within(free)?;
+            let moves =
+                if low < high { format!("goes from {low} to {high}") } else { format!("is {low}, and not off,") };
+            Some(format!(
+                "doubtful: {} {moves} in {:.0} % of the free swing; where a motor drives it the friction \
+                 can't be found: --from and --to choose a stretch in which it stands still",
+                drive.column,
+                (100.0 * share).ceil()
+            ))
+        };
+        let beside = |drive: &Drive| {
+            let mut on = self.asked.clone().filter(|idx| drive.moves_at(*idx));
+            let first = on.next()?;
+            let (from_s, to_s) = (self.times_s()[first], self.times_s()[on.next_back().unwrap_or(first)]);
+            Some(format!(
+                "{} moves between {from_s:.2} and {to_s:.2} s: the free swing is taken where it stands still",
+                drive.column
+            ))
+        };
+        drives.iter().filter_map(|drive| inside(drive).or_else(|| beside(drive))).collect()
     }
 
     /// Index ranges between the disturbances.

@@ -1,0 +1,88 @@
+//! Columns of a motor beside the angle: a swing that it drives is no free one.
+
+use crate::swing::{CENTIDEGREES, Row, check_found, open, swing, table};
+use host::recording::segment::{SegmentOptions, Segments, segment};
+use host::recording::{ReadOptions, Recording};
+
+fn cut(recording: &Recording) -> Segments {
+    segment(recording, &SegmentOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn notes(name: &str, drive: impl Fn(Row) -> String) -> String {
+    let text = table(&format!("t,theta,{name}\n"), |row| format!("{:.2},{:.5},{}", row.0, row.1, drive(row)));
+    cut(&check_found(&text, CENTIDEGREES, "")).notes.join("; ")
+}
+
+#[test]
+fn a_motor_that_is_on_all_the_time_is_doubted_in_whatever_language() {
+    let hold = |(_, angle, velocity): Row| format!("{:.3}", -0.2 * angle - 0.1 * velocity);
+    for name in ["pwm", "u", "Torque (Nm)", "Motorspannung [V]", "commande", "corriente (A)", "控制量", "motor_speed"]
+    {
+        let notes = notes(name, hold);
+        assert!(notes.contains(&format!("doubtful: 2 ({name}) goes from -0.")), "{name}: {notes}");
+        assert!(notes.contains("in 100 % of the free swing") && notes.contains("--from and --to"), "{notes}");
+    }
+}
+
+#[test]
+fn a_motor_that_stands_still_is_not_mentioned() {
+    for still in ["0", "0.00", "1500", "", "off", "NaN"] {
+        assert_eq!(notes("control", |_| still.to_owned()), "", "{still}");
+    }
+    let mut state = 7_u32;
+    let mut trembling = (0..2000).map(|_| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 16) / 65536.0
+    });
+    let trembling: Vec<f64> = trembling.by_ref().collect();
+    let current = |(t, ..): Row| format!("{:.4}", 0.02 * trembling[(t * 100.0).round() as usize]);
+    assert_eq!(notes("motor_current", current), "");
+    // The voltage is that of the angle's own sensor, and nothing else is a motor's.
+    assert_eq!(notes("voltage", |(_, angle, _)| format!("{:.4}", 2.5 + 0.8 * angle)), "");
+    assert!(
+        notes("voltage", |(_, angle, velocity)| format!("{:.4}", 0.8 * angle + 0.1 * velocity)).contains("doubtful")
+    );
+    for name in ["battery voltage", "temperature", "omega", "u_theta"] {
+        assert_eq!(notes(name, |(_, _, velocity)| format!("{velocity:.3}")), "", "{name}");
+    }
+}
+
+/// A motor swings it for ten seconds, to and fro as it would swing by itself, and is switched off.
+fn switched_off(pause: &str) -> String {
+    let driven = (0..1000).map(|idx| f64::from(idx) / 100.0).map(|t| {
+        let phase = 6.3 * (t - 10.0);
+        format!("{t:.2},{:.5},{:.3}\n", 1.0 * phase.cos() * (0.9 + 0.01 * t), (3.0 * phase).sin() * 12.0)
+    });
+    let free = swing(100, 15).into_iter().map(|(t, angle, _)| format!("{:.2},{angle:.5},{pause}\n", t + 10.0));
+    driven.chain(free).collect()
+}
+
+#[test]
+fn the_stretch_is_taken_in_which_the_motor_stands_still() {
+    for pause in ["0", "0.004", "3"] {
+        let recording =
+            open(format!("t,theta,u\n{}", switched_off(pause)).as_bytes(), &ReadOptions::default()).unwrap();
+        let segments = cut(&recording);
+        let notes = segments.notes.join("; ");
+        let begin_s = recording.times_s()[segments.free.start];
+        assert!(!notes.contains("doubtful") && (9.9..10.3).contains(&begin_s), "{begin_s} {notes}");
+        let taken = "2 (u) moves between 0.00 and 9.99 s: the free swing is taken where it stands still";
+        assert!(notes.contains(taken), "{notes}");
+    }
+}
+
+#[test]
+fn a_motor_that_goes_on_at_another_number_than_its_zero_is_doubted() {
+    let text = format!("t,theta,u\n-0.01,1,0\n{}", switched_off("3"));
+    let notes = cut(&open(text.as_bytes(), &ReadOptions::default()).unwrap()).notes.join("; ");
+    assert!(notes.contains("doubtful: 2 (u) is 3, and not off, in 100 % of the free swing"), "{notes}");
+}
+
+#[test]
+fn what_the_user_chooses_is_doubted_where_a_motor_moves_in_it() {
+    let recording = open(format!("t,theta,u\n{}", switched_off("0")).as_bytes(), &ReadOptions::default()).unwrap();
+    let options = |from_s| SegmentOptions { from_s: Some(from_s), to_s: Some(20.0) };
+    let said = |from_s| segment(&recording, &options(from_s)).unwrap().notes.join("; ");
+    assert!(said(4.0).contains("doubtful: 2 (u) goes from -1"), "{}", said(4.0));
+    assert!(!said(11.0).contains("(u)"), "{}", said(11.0));
+}
