@@ -68,6 +68,11 @@ fn an_encoder_that_has_turned_before_is_read_in_radians() {
     let (recording, notes) = reads(&turned, &ReadOptions::default());
     assert!(hangs_at(&recording).abs() < 0.01, "{notes:?}");
     assert!(notes.iter().any(|note| note.contains("whole turns")), "{notes:?}");
+    // From upright, and once around.
+    let upright: Vec<f64> = swing(2.0, 40).iter().map(|angle| angle + 3.0 * std::f64::consts::PI).collect();
+    let (recording, notes) = reads(&upright, &ReadOptions::default());
+    assert!(hangs_at(&recording).abs() < 0.01, "{notes:?}");
+    assert!(notes.iter().any(|note| note.contains("from upright")), "{notes:?}");
     // With the zero told nothing has to be found out.
     let told = ReadOptions { zero: Some(-2.0 * std::f64::consts::TAU), ..ReadOptions::default() };
     assert!(hangs_at(&reads(&turned, &told).0).abs() < 0.01);

@@ -104,6 +104,45 @@ fn whole_seconds_and_the_rest_of_them_are_one_time() {
 }
 
 #[test]
+fn a_clock_of_whole_seconds_and_the_rest_of_each_are_one_time() {
+    let of = |unit: f64| {
+        move |(t, a, _): Row| {
+            let late = t + 7.25 + 1e-9;
+            format!("12:00:{:02},{},{a:.5}", late as u64, (late.fract() * unit) as u64)
+        }
+    };
+    for (head, unit) in
+        [("time,ms,angle\n", 1e3), ("Uhrzeit,Millisekunden,Winkel\n", 1e3), ("timestamp,microseconds,angle\n", 1e6)]
+    {
+        check_found(&table(head, of(unit)), 1e-5, "holds the rest of each: added");
+    }
+    // A count of milliseconds that goes on is another clock, and so is one that begins anew at other moments.
+    let goes_on = |(t, a, _): Row| format!("12:00:{:02},{},{a:.5}", t as u64, (1e3 * t).round());
+    check_found(&table("time,ms,angle\n", goes_on), 1e-5, "coarser than the samples");
+    let apart = |(t, a, _): Row| format!("12:00:{:02},{},{a:.5}", t as u64, (1e3 * t + 400.0).round() as u64 % 1000);
+    check_found(&table("time,ms,angle\n", apart), 1e-5, "coarser than the samples");
+}
+
+#[test]
+fn how_many_samples_a_second_is_said_in_a_line_above_a_lone_column() {
+    for head in [
+        "fs=100\n",
+        "# fs = 100 Hz\n",
+        "Sample rate: 100 Hz\nangle (rad)\n",
+        "# dt = 0.01\ntheta\n",
+        "Abtastzeit: 10 ms\n",
+    ] {
+        check_found(&table(head, |(_, a, _)| format!("{a:.5}")), 1e-5, "100 samples a second, as a line above");
+    }
+    // What is said of a table with times is not needed.
+    check_found(&table("fs=50\nt,theta\n", |(t, a, _)| format!("{t:.2},{a:.5}")), 1e-5, "");
+    for head in ["fs=fast\n", "Sampling time: 20 s\n", "rate=100\n"] {
+        let refused = open(table(head, |(_, a, _)| format!("{a:.5}")).as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("--"), "{head}: {refused}");
+    }
+}
+
+#[test]
 fn numbers_that_may_be_frames_are_said_to_be() {
     let tens = table("x y\n", |(t, a, _)| format!("{:.0} {a:.5}", 1000.0 * t));
     check_found(&tens, 1e-5, "in milliseconds");

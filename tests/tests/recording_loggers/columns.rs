@@ -1,6 +1,7 @@
 //! Which column is the angle, the rate or a point, among others and with names of all kinds.
 
 use crate::swing::{CENTIDEGREES, RATE_HZ, Row, check, check_found, open, swing, table, told};
+use host::recording::segment::{SegmentOptions, segment};
 use host::recording::{Measured, ReadOptions, read_bytes};
 
 #[test]
@@ -64,6 +65,17 @@ fn settings_beside_the_columns_are_no_angle() {
     let refused = open(in_volts.as_bytes(), &ReadOptions::default()).unwrap_err();
     assert!(refused.contains("--columns t=3,theta=4:54.5deg") && refused.contains("--zero"), "{refused}");
     check(&in_volts, &told("t=3,theta=4:57.29578deg"), 2e-5, "");
+}
+
+#[test]
+fn an_amplitude_alone_is_the_angle() {
+    let degrees = |(t, a, _): Row| format!("{t:.2},{:.2}", a.to_degrees());
+    check_found(&table("time,Amplitude\n", degrees), CENTIDEGREES, "says nothing else and is read as the angle");
+    // The sizes of the swings one after the other are no swing.
+    let sizes: String =
+        (0..300).map(|idx| format!("{:.2},{:.3}\n", 0.5 * f64::from(idx), (-0.01 * f64::from(idx)).exp())).collect();
+    let read = open(format!("time,amplitude\n{sizes}").as_bytes(), &ReadOptions::default());
+    assert!(read.is_err() || segment(&read.unwrap(), &SegmentOptions::default()).is_err());
 }
 
 #[test]

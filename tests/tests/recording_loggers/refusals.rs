@@ -55,6 +55,33 @@ fn periods_of_a_light_gate_are_named_as_such() {
 }
 
 #[test]
+fn however_many_periods_a_table_has_they_are_no_times() {
+    let periods = |n: u32| {
+        let rows =
+            (0..n).map(|idx| format!("{:.3},{:.3}\n", 0.33 - 1e-3 * f64::from(idx), 0.95 + 0.01 * f64::from(idx % 3)));
+        format!("Amplitude (rad),Period (s)\n{}", rows.collect::<String>())
+    };
+    for n in [30, 300] {
+        let refused = open(periods(n).as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("record the angle"), "{n}: {refused}");
+    }
+    // The period of a loop is the time since the row before.
+    let steps = table("period (ms),angle\n", |(t, a, _)| {
+        format!("{},{a:.5}", 10 + 3 * (((1e2 * t).round() as u64 + 1) % 2) - 3 * u64::from(t > 0.0))
+    });
+    let read = open(steps.as_bytes(), &ReadOptions::default());
+    assert!(!read.as_ref().is_err_and(|refused| refused.contains("record the angle")), "{read:?}");
+}
+
+#[test]
+fn of_many_columns_a_message_lists_some() {
+    let names: String = (0..200).map(|idx| format!("quantity {idx},")).collect();
+    let row = |(_, a, v): Row| format!("{a:.5},").repeat(100) + &format!("{v:.5},").repeat(100);
+    let refused = open(table(&format!("{names}\n"), row).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("quantity 29 and 171 more") && refused.len() < 1000, "{refused}");
+}
+
+#[test]
 fn states_of_a_light_gate_and_times_for_lengths_are_no_recordings_of_a_swing() {
     let gate = table("Time,Event Time,State at A,State at B\ns,s,State,State\n\n", |(t, a, _)| {
         format!("{:.5},{:.5},{},0", 0.4 * t, 0.4 * t, u8::from(a > 0.0))

@@ -21,6 +21,36 @@ fn lines_of_serial_monitors_and_plotters_are_rows() {
 }
 
 #[test]
+fn the_time_in_front_of_what_a_chip_logs_is_the_time() {
+    let ms = |t: f64| 1055 + (1e3 * t).round() as u64;
+    let in_brackets = |(t, a, v): Row| format!("[{}ms] angle={:.2} vel={v:.2}", ms(t), a.to_degrees());
+    check_found(&table("", in_brackets), CENTIDEGREES, "read as degrees");
+    let in_seconds = |(t, a, v): Row| format!("[{:.3} s] {a:.5}, {v:.2}", 0.3 + t);
+    check_found(&table("boot\n", in_seconds), 1e-5, "");
+    let with_level = |(t, a, _): Row| format!("I ({}) pendulum: angle: {:.2} deg", ms(t), a.to_degrees());
+    check_found(&table("W (12) wifi: no network\n", with_level), CENTIDEGREES, "in milliseconds");
+    let counts = |(t, a, v): Row| format!("[{}ms] enc={} vel={v:.2}", ms(t), (a * 652.0).round());
+    let refused = open(table("", counts).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("--columns t=0,theta=1:4096/turn"), "{refused}");
+}
+
+#[test]
+fn degrees_and_minutes_are_degrees() {
+    let sixtieths =
+        |angle: f64| ((angle.to_degrees() * 3600.0).round().abs() as u64, if angle < 0.0 { "-" } else { "" });
+    let minutes = |(t, a, _): Row| {
+        let (seconds, sign) = sixtieths(a);
+        format!("{t:.2};{sign}{}°{:.2}'", seconds / 3600, (seconds % 3600) as f64 / 60.0)
+    };
+    check_found(&table("t;theta\n", minutes), CENTIDEGREES, "");
+    let seconds = |(t, a, _): Row| {
+        let (seconds, sign) = sixtieths(a);
+        format!("{t:.2},{sign}{}° {:02}′ {:02}″", seconds / 3600, seconds / 60 % 60, seconds % 60)
+    };
+    check_found(&table("t,theta\n", seconds), CENTIDEGREES, "");
+}
+
+#[test]
 fn words_between_the_rows_and_units_in_the_cells_are_no_numbers() {
     let plain = table("time,angle\n", |(t, a, _)| format!("{t:.2},{a:.5}"));
     check_found(&format!("{plain}Done. 2000 samples\nbye\n"), 1e-5, "2 lines without any number left out");

@@ -11,7 +11,7 @@ use super::ticks;
 use super::told::Told;
 use super::units::AngleUnit;
 use std::borrow::Cow;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Angles of unstated unit beyond this leave a note: more than half a turn is rare.
 const NOTED_UNSTATED_RAD: f64 = 3.3;
@@ -109,12 +109,12 @@ impl Angles<'_> {
         Ok(None)
     }
 
-    /// Are these radians of a pendulum that hangs some whole turns from 0? Its swings stay within a turn about there, and
+    /// Are these radians of a pendulum that hangs some turns from 0, or from upright? Its swings stay within a turn about there, and
     /// their period grows with them as that of a pendulum does.
     fn are_turns_away(&self, angles: &[f64]) -> bool {
         Swings::of(self.times_s, angles).is_some_and(|swings| {
-            let turns = swings.middle_rad / TAU;
-            let is_whole = (turns - turns.round()).abs() * TAU < NEAR_QUARTER_RAD;
+            let halves = swings.middle_rad / PI;
+            let is_whole = (halves - halves.round()).abs() * PI < NEAR_QUARTER_RAD;
             is_whole && swings.largest_rad < LARGEST_UNSTATED_RAD && swings.is_pendulum()
         })
     }

@@ -26,7 +26,7 @@ use super::told::Told;
 use super::units::{AngleUnit, RateUnit, TimeUnit};
 use super::words::{self, Meaning, is_of_sine, is_size, meaning};
 use names::{all_best, ambiguous, bare_axes, example, find, is_of_periods, no_angle, note_rivals, the_one};
-use parted::parted;
+use parted::{beside_clock, parted};
 use standing::unnamed_time;
 use std::f64::consts::{FRAC_PI_2, PI};
 use time::{as_time, choose_time, plotted_axes, unit_in_cell};
@@ -217,6 +217,14 @@ fn go_together(a: &[f64], b: &[f64]) -> bool {
 
 /// The rest of each second, where the column that was chosen holds whole ones and that stands beside it.
 fn in_two_columns(table: &Table, time: TimeSource, notes: &mut Vec<String>) -> (TimeSource, Option<Parted>) {
+    if let TimeSource::Clock { idx } = time {
+        let parted = beside_clock(table, idx);
+        notes.extend(parted.map(|parted| {
+            let rest = table.column_name(parted.rest);
+            format!("the clock shows whole seconds, and {rest} holds the rest of each: added")
+        }));
+        return (time, parted);
+    }
     let TimeSource::Column { idx, unit } = time else { return (time, None) };
     let is_its = |parted: &Parted| idx == parted.seconds && unit.is_none_or(|unit| unit == TimeUnit::Seconds);
     let Some(parted) = parted(table).filter(is_its) else { return (time, None) };

@@ -14,13 +14,16 @@
 //! # comment: brass bush, 0.5 rad
 //! t,theta,code
 //! ```
-//! Unknown keys are left alone, so that later versions may add some. `key=value` is read too.
+//! Unknown keys are left alone, so that later versions may add some. `key=value` is read too. Files of others say in words
+//! how many samples a second there are, or how far apart they lie.
 
 use std::fmt;
 
 use super::error::Fault;
-use super::limits::{FORMAT_NAME, FORMAT_VERSION};
+use super::limits::{FORMAT_NAME, FORMAT_VERSION, LONGEST_STEP_S};
 use super::measured::Measured;
+use super::number::number_and_unit;
+use super::units::time_unit;
 use shared::sensor::Sensor;
 
 /// Facts about how a recording was taken; what is not known is `None`.
@@ -123,8 +126,8 @@ impl HeaderReader {
             "started" => set_text(&mut self.header.started, value),
             "measured" => self.measured(line, value),
             "comment" => set_text(&mut self.header.comment, value),
-            key if self.header.version.is_none() && says_sampling_rate(key) => {
-                self.said_rate_hz = number_of_hertz(value).or(self.said_rate_hz);
+            key if self.header.version.is_none() => {
+                self.said_rate_hz = said_rate_hz(key, value).or(self.said_rate_hz);
                 Ok(())
             }
             _ => Ok(()),
@@ -207,6 +210,38 @@ fn set_text(text: &mut Option<String>, value: &str) -> Result<(), Fault> {
 }
 
 /// `# key: value` or `# key=value`, whichever sign comes first.
+/// Does a line say nothing but how many samples a second there are? `Sample rate: 100 Hz`, `fs=100`, `dt = 10 ms`.
+pub(super) fn says_rate(line: &str) -> bool {
+    split_line(line).is_some_and(|(key, value)| said_rate_hz(&key, value).is_some())
+}
+
+/// Samples a second as a key and its value say them, or the time between two.
+fn said_rate_hz(key: &str, value: &str) -> Option<f64> {
+    match key {
+        "fs" | "f_s" => number_of_hertz(value),
+        key if says_sampling_rate(key) => number_of_hertz(value),
+        key if says_sampling_interval(key) => seconds_of_interval(value).map(f64::recip),
+        _ => None,
+    }
+}
+
+fn says_sampling_interval(key: &str) -> bool {
+    let is_of_samples = ["sampl", "abtast", "échantillon", "muestreo", "campionamento"];
+    let is_interval = ["interval", "intervall", "period", "time", "zeit", "période", "tiempo", "tempo"];
+    let has = |words: &[&str]| words.iter().any(|word| key.contains(word));
+    matches!(key, "dt" | "δt" | "ts" | "time step" | "timestep") || has(&is_of_samples) && has(&is_interval)
+}
+
+/// `0.01`, `10 ms`: seconds unless it says otherwise. What is longer is how long somebody measured.
+fn seconds_of_interval(value: &str) -> Option<f64> {
+    let value = value.replace(',', ".");
+    let number = match number_and_unit(&value) {
+        Some((number, unit)) => number.parse::<f64>().ok()? * time_unit(&unit.to_lowercase())?.seconds(),
+        None => value.trim().parse::<f64>().ok()?,
+    };
+    (number > 0.0 && number < LONGEST_STEP_S).then_some(number)
+}
+
 fn says_sampling_rate(key: &str) -> bool {
     let is_of_samples = ["sampl", "frame", "fps", "abtast", "échantillon", "muestreo", "campionamento"];
     let is_rate = ["rate", "freq", "fréq", "frec", "hz", "fps"];
@@ -282,6 +317,26 @@ mod tests {
         }
         let turned = parse("# format: pendulum-recording 1\n# zero_code: 0\n# radians_per_code: -0.002").unwrap();
         assert_eq!(turned.calibration, Some(Calibration { zero_code: 0.0, radians_per_code: -0.002 }));
+    }
+
+    #[test]
+    fn samples_a_second_are_said_in_many_ways() {
+        let said = |line: &str| {
+            let mut reader = HeaderReader::default();
+            reader.take(1, line).unwrap();
+            reader.said_rate_hz()
+        };
+        for line in
+            ["# fs=100", "fs = 100 Hz", "# Sample rate: 100 Hz", "dt: 10 ms", "# Ts = 0,01", "Abtastzeit: 0.01 s"]
+        {
+            assert!(said(line).is_some_and(|rate_hz| (rate_hz - 100.0).abs() < 1e-9), "{line}");
+            assert!(says_rate(line), "{line}");
+        }
+        for line in
+            ["# fs=fast", "dt = 0", "fs=100 kHz", "# time: 12", "t,theta", "theta: 3", "rate: 100", "date: 2026"]
+        {
+            assert!(said(line).is_none() && !says_rate(line), "{line}");
+        }
     }
 
     #[test]

@@ -1,11 +1,15 @@
 //! Lines of serial monitors and plotters: clock times before an arrow, labels before the numbers, brackets around a row.
 //!
-//! `12:34:05.120 -> 120,57.3`, `[12:34:05.120] 57.3`, `t:120 angle:57.3`, `Time: 120 ms, Angle: 57.3 deg`, `(0.12, 57.3)`.
+//! `12:34:05.120 -> 120,57.3`, `[12:34:05.120] 57.3`, `[1055ms] angle=57.3`, `I (1055) main: angle=57.3`,
+//! `t:120 angle:57.3`, `Time: 120 ms, Angle: 57.3 deg`, `(0.12, 57.3)`.
 //! Tables of Markdown, `| 0.12 | 57.3 |`, are parted by bars.
 //! Each line becomes the row that somebody could have printed without them; the labels become the names of the columns.
 
 use super::clock;
+use super::number::number_and_unit;
 use super::pairs::Pairs;
+use super::row::{Separator, find_separator, split};
+use super::units::time_unit;
 use super::words::{Meaning, is_unit, meaning};
 
 /// What the rows of a file are dressed in.
@@ -13,6 +17,8 @@ use super::words::{Meaning, is_unit, meaning};
 pub(super) struct Dress {
     /// Each row begins with the clock time at which a monitor showed it.
     arrow: Option<Arrow>,
+    /// What parts the numbers behind such a time, where they are several.
+    behind: Option<Separator>,
     /// Names that stand before the numbers, with a unit behind the number if there is one.
     pub(super) labels: Option<Vec<String>>,
     /// Some cells hold two numbers.
@@ -33,21 +39,28 @@ enum Arrow {
 impl Dress {
     /// What most of the first lines wear.
     pub(super) fn of(lines: &[&str]) -> Self {
-        let behind: Vec<&str> = lines.iter().filter_map(|line| behind_arrow(line)).map(|(_, rest)| rest).collect();
+        let behind: Vec<(&str, &str)> = lines.iter().filter_map(|line| behind_arrow(line)).collect();
+        let is_clock = behind.iter().any(|(time, _)| clock::read(time).is_some());
+        let behind: Vec<&str> = behind.into_iter().map(|(_, rest)| rest).collect();
         let has_arrow = 2 * behind.len() > lines.len();
         let bare = if has_arrow { &behind } else { lines };
         let labels = common_labels(bare);
         let arrow = has_arrow.then(|| {
             let has_time = match &labels {
                 Some(labels) => labels.iter().any(|label| matches!(meaning(label), Meaning::Time { .. })),
-                None => 2 * behind.iter().filter(|rest| n_words_with_digits(rest) > 1).count() > behind.len(),
+                // A program that prints how long it runs prints no other time.
+                None => {
+                    is_clock && 2 * behind.iter().filter(|rest| n_words_with_digits(rest) > 1).count() > behind.len()
+                }
             };
             if has_time { Arrow::Drop } else { Arrow::Keep }
         });
         let pairs = Pairs::of(lines).filter(|_| !has_arrow);
         let n_bars = lines.iter().filter(|line| between_bars(line).is_some()).count();
         let has_bars = !has_arrow && labels.is_none() && 2 * n_bars > lines.len();
-        Self { arrow, labels, pairs, has_bars }
+        let is_kept = arrow == Some(Arrow::Keep) && labels.is_none();
+        let behind = is_kept.then(|| several(&behind)).flatten();
+        Self { arrow, behind, labels, pairs, has_bars }
     }
 
     /// The row in plain text; lines in another dress stay as they are.
@@ -68,10 +81,14 @@ impl Dress {
             None => between_brackets(rest).map(str::to_owned),
         };
         match (row, time) {
-            (row, Some(time)) => Some(format!("{time}\t{}", row.as_deref().unwrap_or(rest))),
+            (row, Some(time)) => Some(format!("{time}\t{}", self.in_cells(row.as_deref().unwrap_or(rest)))),
             (None, None) if rest.len() != line.len() => Some(rest.to_owned()),
             (row, None) => row,
         }
+    }
+
+    fn in_cells(&self, row: &str) -> String {
+        self.behind.map_or_else(|| row.to_owned(), |separator| split(row, separator).join("\t"))
     }
 
     /// The names of the columns, where they stand before the numbers.
@@ -81,11 +98,34 @@ impl Dress {
     }
 }
 
-/// The clock time before ` -> ` or in brackets, and what stands behind.
+/// The time before ` -> ` or in brackets, of a clock or since the program began, and what stands behind.
 fn behind_arrow(line: &str) -> Option<(&str, &str)> {
     let in_brackets = || line.trim_start().strip_prefix('[')?.split_once(']');
-    let (time, rest) = line.split_once("->").or_else(in_brackets)?;
-    clock::read(time.trim()).map(|_| (time.trim(), rest.trim()))
+    let found = line.split_once("->").or_else(in_brackets).map(|(time, rest)| (time.trim(), rest.trim()));
+    let is_time = |(time, _): &(&str, &str)| clock::read(time).is_some() || is_span(time);
+    found.filter(is_time).or_else(|| behind_level(line))
+}
+
+/// `1055ms`, `1.055 s`.
+fn is_span(text: &str) -> bool {
+    let is_one = |(number, unit): (&str, &str)| number.parse::<f64>().is_ok() && time_unit(unit).is_some();
+    number_and_unit(text).is_some_and(is_one)
+}
+
+/// Of a line of a chip's log, `I (1055) main: angle=57.3`, the milliseconds since it began and the words.
+fn behind_level(line: &str) -> Option<(&str, &str)> {
+    let (time, rest) =
+        line.trim_start().strip_prefix(['E', 'W', 'I', 'D', 'V'])?.strip_prefix(" (")?.split_once(") ")?;
+    let (_, words) = rest.split_once(": ")?;
+    time.parse::<u64>().ok().map(|_| (time, words.trim()))
+}
+
+/// What parts several numbers; of a lone one the comma is a decimal mark.
+fn several(lines: &[&str]) -> Option<Separator> {
+    let separator = find_separator(lines);
+    let is_several = |line: &&str| split(line, separator).len() > 1;
+    let is_lone = separator == Separator::Comma && !lines.iter().any(|line| line.contains(['.', ' ']));
+    (!is_lone && lines.iter().any(is_several)).then_some(separator)
 }
 
 fn n_words_with_digits(text: &str) -> usize {
@@ -207,6 +247,13 @@ mod tests {
         check(&["12:34:05.120 -> angle:7"], Some(&["clock", "angle"]), &[Some("12:34:05.120\t7")]);
         let two = ["12:34:05.120 -> angle=57.3 deg, raw=652"];
         check(&two, Some(&["clock", "angle deg", "raw"]), &[Some("12:34:05.120\t57.3\t652")]);
+        let spans = ["[1055ms] enc=512 vel=-3", "[1065 ms] enc=510 vel=-4"];
+        let rows = [Some("1055ms\t512\t-3"), Some("1065 ms\t510\t-4")];
+        check(&spans, Some(&["clock", "enc", "vel"]), &rows);
+        check(&["[0.105s] 57.3, 2", "[0.110s] 57.2, 2"], None, &[Some("0.105s\t57.3\t2"), Some("0.110s\t57.2\t2")]);
+        check(&["[0.105s] 57,3", "[0.110s] 57,2"], None, &[Some("0.105s\t57,3"), Some("0.110s\t57,2")]);
+        check(&["I (1055) main: angle=57.3 deg"], Some(&["clock", "angle deg"]), &[Some("1055\t57.3")]);
+        check(&["[57.3 deg] 12", "I (me) main: 5"], None, &[None, None]);
         check(&["12:34:05.120 -> t=120, angle=57.3"], Some(&["t", "angle"]), &[Some("120\t57.3")]);
     }
 

@@ -51,6 +51,9 @@ impl Numerals {
 
     /// Reads one cell, and learns from it.
     pub(super) fn read(&mut self, cell: &str) -> Cell {
+        if let Some(degrees) = of_degrees_and_minutes(cell) {
+            return Cell::Number(degrees);
+        }
         let cell = cell.trim().trim_end_matches('°').trim_end();
         if is_missing(cell) {
             return Cell::Missing;
@@ -113,9 +116,27 @@ impl Numerals {
     }
 }
 
-/// A number and the unit behind it, if there is one: `57.3 deg`, `12.5°`.
+/// Degrees of `57°17'`, `-0°17.5′` and `57° 17' 30"`; the mark of the seconds may be lost as a quote is.
+fn of_degrees_and_minutes(cell: &str) -> Option<f64> {
+    let (degrees, rest) = cell.trim().split_once('°')?;
+    let (minutes, seconds) = rest.split_once(['\'', '′', '’'])?;
+    let plain = |text: &str| text.trim().replace(MINUS, "-").parse::<f64>().ok();
+    // Programs that round write 60.
+    let sixtieths = |text: &str| plain(text).filter(|value| (0.0..=60.0).contains(value));
+    let seconds = match seconds.trim().trim_end_matches(['"', '″', '”', '\'']) {
+        "" => 0.0,
+        seconds => sixtieths(seconds)?,
+    };
+    let size = plain(degrees)?.abs() + sixtieths(minutes)? / 60.0 + seconds / 3600.0;
+    Some(if degrees.trim().starts_with(['-', MINUS]) { -size } else { size })
+}
+
+/// A number and the unit behind it, if there is one: `57.3 deg`, `12.5°`; that of minutes is the one of degrees.
 pub(super) fn number_and_unit(cell: &str) -> Option<(&str, &str)> {
     let cell = cell.trim();
+    if of_degrees_and_minutes(cell).is_some() {
+        return Some((cell, "°"));
+    }
     let end = cell.rfind(|letter: char| letter.is_ascii_digit() || letter == '.')?;
     let (number, unit) = cell.split_at(end + 1);
     is_unit(unit.trim()).then(|| (number.trim_end(), unit.trim()))
@@ -179,6 +200,11 @@ mod tests {
             ("12.5°", 12.5),
             ("+7", 7.0),
             ("57.3 deg", 57.3),
+            ("57°15'", 57.25),
+            ("-0° 30.6′", -0.51),
+            ("1°30'36\"", 1.51),
+            ("1°30'36", 1.51),
+            ("1°60'", 2.0),
             ("120ms", 120.0),
             ("-1,5 Grad", -1.5),
             ("\u{2212}1.5e\u{2212}2", -0.015),
@@ -193,7 +219,7 @@ mod tests {
         for text in ["", " ", "NaN", "-nan", "NA", "#N/A", "null", "-"] {
             assert_eq!(Numerals::new().read(text), Cell::Missing, "{text}");
         }
-        for text in ["oops", "1.2.3,4,5", "1,23.5", "12:00", "1.5 apples", "deg", "1 2"] {
+        for text in ["57°75'", "1°2'x", "°5'", "oops", "1.2.3,4,5", "1,23.5", "12:00", "1.5 apples", "deg", "1 2"] {
             assert_eq!(Numerals::new().read(text), Cell::Text, "{text}");
         }
         assert_eq!(Numerals::new().read("1e999"), Cell::Number(f64::INFINITY));

@@ -4,6 +4,7 @@
 //! first lines; rows are split here but judged in `read.rs`.
 
 use super::error::Fault;
+use super::header;
 use super::heading;
 use super::monitor::Dress;
 use super::number::{Cell, Numerals, is_missing};
@@ -18,6 +19,9 @@ const N_LINES_LOOKED_AT: usize = 200;
 
 /// A table has fewer columns; in a file of more lines they would be something else.
 const MOST_COLUMNS: usize = 1000;
+
+/// A message lists so many names at most: more are read by nobody.
+const MOST_SHOWN: usize = 30;
 
 /// Where each line is a quantity there are no more of them …
 const MOST_QUANTITIES: usize = 8;
@@ -87,12 +91,17 @@ impl<'a> Table<'a> {
         if n_columns > MOST_COLUMNS {
             return Err(Fault::TooWide { line: held[first_row_idx].number, n_columns });
         }
-        let names = dress.names().or_else(|| heading::names(&texts[above_idx..first_row_idx], separator, n_columns));
-        if separator == Separator::Comma && names_fit_pairs(texts[above_idx..first_row_idx].last(), n_columns) {
+        let above = texts[above_idx..first_row_idx].iter().copied().filter(|line| !header::says_rate(line));
+        let above: Vec<&str> = above.collect();
+        let names = dress.names().or_else(|| heading::names(&above, separator, n_columns));
+        if separator == Separator::Comma && names_fit_pairs(above.last(), n_columns) {
             return Err(Fault::BareCommas);
         }
         let numerals = learnt(&texts[first_row_idx..], separator);
-        let comments = held.iter().filter(|line| is_comment(&line.text)).map(|line| (line.number, line.text.clone()));
+        let is_remark = |(idx, line): &(usize, &Line)| {
+            is_comment(&line.text) || (*idx < first_row_idx && header::says_rate(&line.text))
+        };
+        let comments = held.iter().enumerate().filter(is_remark).map(|(_, line)| (line.number, line.text.clone()));
         let comments = comments.collect();
         let held = held.into_iter().skip(first_row_idx).collect();
         let row = Line::default();
@@ -196,7 +205,7 @@ impl<'a> Table<'a> {
     }
 
     /// One cell for each of the first rows; empty where the row is shorter.
-    fn first_cells(&self, idx: usize) -> impl Iterator<Item = &str> {
+    pub(super) fn first_cells(&self, idx: usize) -> impl Iterator<Item = &str> {
         let rows = self.held.iter().filter(|line| !line.text.trim().is_empty() && !is_comment(&line.text));
         rows.map(move |line| split(&line.text, self.separator).get(idx).copied().unwrap_or_default())
     }
@@ -217,6 +226,9 @@ impl<'a> Table<'a> {
     /// What a message lists as the columns there are.
     pub(super) fn available(&self) -> String {
         match &self.names {
+            Some(names) if names.len() > MOST_SHOWN => {
+                format!("the columns {} and {} more", names[..MOST_SHOWN].join(", "), names.len() - MOST_SHOWN)
+            }
             Some(names) => format!("the columns {}", names.join(", ")),
             None => format!("{} columns without names, counted from 0", self.n_columns),
         }

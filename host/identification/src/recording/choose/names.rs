@@ -2,6 +2,7 @@
 
 use super::super::columns::ColumnRef;
 use super::super::error::Fault;
+use super::super::plausible::SHORTEST_PERIOD_S;
 use super::super::runs::is_one_of_several;
 use super::super::table::Table;
 use super::super::words::{
@@ -81,7 +82,18 @@ fn are_few(table: &Table, idx: usize) -> bool {
 /// Is it the time by its name and yet a few periods, `T` or `Period (s)` above numbers that stay about the same?
 pub(super) fn is_of_periods(table: &Table, idx: usize) -> bool {
     let name = table.names.as_ref().and_then(|names| names.get(idx));
-    name.is_some_and(|name| is_duration(name) || is_symbol(name)) && are_alike(table, idx)
+    let has = |is_it: fn(&str) -> bool| name.is_some_and(|name| is_it(name));
+    let least = || SHORTEST_PERIOD_S / seconds_of(name);
+    (has(is_duration) || has(is_symbol)) && are_alike(table, idx)
+        || has(is_duration) && lie_together(&table.first_numbers(idx), least())
+}
+
+/// Seconds of the unit that a name says.
+fn seconds_of(name: Option<&String>) -> f64 {
+    match name.map(|name| meaning(name)) {
+        Some(Meaning::Time { unit: Some(unit), .. }) => unit.seconds(),
+        _ => 1.0,
+    }
 }
 
 fn is_symbol(name: &str) -> bool {
@@ -89,9 +101,13 @@ fn is_symbol(name: &str) -> bool {
 }
 
 fn are_alike(table: &Table, idx: usize) -> bool {
-    let numbers = table.first_numbers(idx);
+    are_few(table, idx) && lie_together(&table.first_numbers(idx), 0.0)
+}
+
+/// Are all alike, and longer than this?
+fn lie_together(numbers: &[f64], least: f64) -> bool {
     let (low, high) = numbers.iter().fold((f64::MAX, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
-    (2..MOST_PERIODS).contains(&numbers.len()) && low > 0.0 && high < PERIODS_ALIKE * low
+    numbers.len() > 1 && low > least && high < PERIODS_ALIKE * low
 }
 
 /// Of a pendulum whose length or release angle is changed, nobody measures more periods …

@@ -1,6 +1,8 @@
-//! A time in two columns, as robots and microcontrollers log it: whole seconds, and beside them the rest in ns, µs or ms.
+//! A time in two columns, as robots and microcontrollers log it: whole seconds, or a clock that shows no more, and beside
+//! them the rest in ns, µs or ms.
 
 use super::super::chosen::Parted;
+use super::super::clock::{self, Moment};
 use super::super::limits::MIN_SAMPLES;
 use super::super::median_step_s;
 use super::super::table::Table;
@@ -24,34 +26,55 @@ pub(super) fn parted(table: &Table) -> Option<Parted> {
     }
 }
 
+/// The rest of each second beside a clock that shows whole ones: `12:00:07` and 120 ms.
+pub(super) fn beside_clock(table: &Table, clock: usize) -> Option<Parted> {
+    let shown = table.first_cells(clock).map_while(clock::read).map(Moment::seconds);
+    let seconds: Vec<f64> = shown.collect();
+    let parted = |rest: usize| {
+        let unit =
+            table.names.as_ref().and_then(|names| unit_of(names.get(rest)?)).filter(|unit| UNITS.contains(unit))?;
+        let parted = Parted { seconds: clock, rest, unit };
+        let (is_one, _) = are_parts(&seconds, &table.first_numbers(rest), unit)?;
+        is_one.then_some(parted)
+    };
+    (0..table.n_columns).filter(|idx| *idx != clock).find_map(parted)
+}
+
+/// The unit of a time that a name says.
+fn unit_of(name: &str) -> Option<TimeUnit> {
+    match meaning(name) {
+        Meaning::Time { unit, .. } => unit,
+        _ => time_unit(&name.to_lowercase()),
+    }
+}
+
 /// Names say which they are, and nothing in the first rows speaks against it.
 fn named(table: &Table, names: &[String], rest: usize) -> Option<Parted> {
     let seconds = rest - 1;
-    let unit_of = |idx: usize| match meaning(&names[idx]) {
-        Meaning::Time { unit, .. } => unit,
-        _ => time_unit(&names[idx].to_lowercase()),
-    };
-    let unit = unit_of(rest).filter(|unit| UNITS.contains(unit))?;
+    let unit = unit_of(&names[rest]).filter(|unit| UNITS.contains(unit))?;
     let parted = Parted { seconds, rest, unit };
-    let is_one = unit_of(seconds) == Some(TimeUnit::Seconds) && are_parts(table, parted)?.0;
+    let is_one = unit_of(&names[seconds]) == Some(TimeUnit::Seconds) && are_parts_of(table, parted)?.0;
     is_one.then_some(parted)
 }
 
 /// Without names the steps from one second to the next tell the unit: only in one they are as long as the others.
 fn unnamed(table: &Table, seconds: usize) -> Option<Parted> {
     let of = |unit: TimeUnit| Parted { seconds, rest: seconds + 1, unit };
-    let fits = |parted: &Parted| are_parts(table, *parted).is_some_and(|(is_one, goes_on)| is_one && goes_on);
+    let fits = |parted: &Parted| are_parts_of(table, *parted).is_some_and(|(is_one, goes_on)| is_one && goes_on);
     UNITS.into_iter().map(of).find(fits)
 }
 
 /// Do whole seconds and a rest below one second give a time that rises; and does it go on evenly from second to second?
-fn are_parts(table: &Table, parted: Parted) -> Option<(bool, bool)> {
-    let (seconds, rests) = (table.first_numbers(parted.seconds), table.first_numbers(parted.rest));
+fn are_parts_of(table: &Table, parted: Parted) -> Option<(bool, bool)> {
+    are_parts(&table.first_numbers(parted.seconds), &table.first_numbers(parted.rest), parted.unit)
+}
+
+fn are_parts(seconds: &[f64], rests: &[f64], unit: TimeUnit) -> Option<(bool, bool)> {
     let n = seconds.len().min(rests.len());
     if n < MIN_SAMPLES {
         return None;
     }
-    let scale = parted.unit.seconds();
+    let scale = unit.seconds();
     let are_whole = seconds.iter().all(|second| second.fract() == 0.0);
     let are_rests = rests.iter().all(|rest| (0.0..1.0).contains(&(rest * scale)));
     let times: Vec<f64> = (0..n).map(|row| seconds[row] - seconds[0] + rests[row] * scale).collect();

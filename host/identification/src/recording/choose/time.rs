@@ -168,10 +168,15 @@ pub(super) fn choose_time(
             let unit = unit.or(unit_in_name(table, idx)).or_else(|| unit_in_cell(table, idx, words::time_unit));
             Ok(TimeSource::Column { idx, unit })
         }
-        (_, None, Some(rate_hz)) => Ok(match counter(table) {
-            Some(idx) => TimeSource::Counter { idx, rate_hz },
-            None => TimeSource::Rate(rate_hz),
-        }),
+        (_, None, Some(rate_hz)) => {
+            if header.version.is_none() && table.settings.is_none() {
+                notes.push(format!("{rate_hz} samples a second, as a line above the table says"));
+            }
+            Ok(match counter(table) {
+                Some(idx) => TimeSource::Counter { idx, rate_hz },
+                None => TimeSource::Rate(rate_hz),
+            })
+        }
         (None, None, None)
             if table.names.is_none() && table.n_columns >= 2 && reading_idx != Some(unnamed_time(table)) =>
         {

@@ -20,12 +20,14 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
 
 /// Its columns.
 pub(super) fn columns(bytes: &[u8]) -> Result<Vec<Vec<f64>>, Fault> {
-    let array = Array::of(bytes).ok_or_else(|| {
-        let cure = "expected an array of one or two dimensions of plain numbers; save it as text: numpy.savetxt(\"swing.csv\", \
-                    numpy.c_[t, theta])";
-        refused("NumPy array", cure)
-    })?;
-    Ok(array.columns())
+    Ok(Array::of(bytes).ok_or_else(no_table)?.columns())
+}
+
+/// It holds something else than columns.
+pub(super) fn no_table() -> Fault {
+    let cure = "expected an array of one or two dimensions of plain numbers; save it as text: numpy.savetxt(\"swing.csv\", \
+                numpy.c_[t, theta])";
+    refused("NumPy array", cure)
 }
 
 struct Array {

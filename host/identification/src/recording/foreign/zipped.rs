@@ -21,7 +21,7 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, S
         return workbook::table(&mut archive, notes);
     }
     if !names.is_empty() && names.iter().all(|name| name.ends_with(".npy")) {
-        return arrays(&mut archive, &names);
+        return arrays(&mut archive, &names, notes);
     }
     let is_table = |name: &&String| {
         let lower = name.to_lowercase();
@@ -50,15 +50,28 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, S
 }
 
 /// Arrays by their names; the columns of a matrix are numbered.
-fn arrays(archive: &mut ZipArchive<Cursor<&[u8]>>, files: &[String]) -> Result<(Vec<u8>, String), Fault> {
-    let (mut names, mut columns) = (Vec::new(), Vec::new());
+fn arrays(
+    archive: &mut ZipArchive<Cursor<&[u8]>>,
+    files: &[String],
+    notes: &mut Vec<String>,
+) -> Result<(Vec<u8>, String), Fault> {
+    let (mut names, mut columns, mut left) = (Vec::new(), Vec::new(), Vec::new());
     for file in files {
-        let of_array = numpy::columns(&bytes_of(archive, file)?)?;
-        // Scalars are settings, not measurements.
+        // Words, and arrays of several dimensions, are none of the table, and neither are scalars, which are settings.
+        let Ok(of_array) = numpy::columns(&bytes_of(archive, file)?) else {
+            left.push(stem(file));
+            continue;
+        };
         let of_array = if of_array.iter().any(|column| column.len() > 1) { of_array } else { Vec::new() };
         let n = of_array.len();
         names.extend((1..=n).map(|idx| if n > 1 { format!("{} {idx}", stem(file)) } else { stem(file).to_owned() }));
         columns.extend(of_array);
+    }
+    if columns.is_empty() {
+        return Err(numpy::no_table());
+    }
+    if !left.is_empty() {
+        notes.push(format!("{} left out of the archive: no columns of numbers", left.join(", ")));
     }
     let is_lone = files.len() == 1 && columns.len() > 1;
     Ok((text_of(if is_lone { &[] } else { &names }, &columns), String::new()))
@@ -76,6 +89,35 @@ mod tests {
             writer.write_all(text.as_bytes()).unwrap();
         }
         writer.finish().unwrap().into_inner()
+    }
+
+    /// An array of NumPy, version 1.
+    fn array(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+        let head = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");
+        [b"\x93NUMPY\x01\x00", &(head.len() as u16).to_le_bytes()[..], head.as_bytes(), data].concat()
+    }
+
+    #[test]
+    fn words_beside_the_arrays_of_an_archive_are_left_out() {
+        let numbers = |all: [f64; 2]| array("<f8", "(2,)", &all.map(f64::to_le_bytes).concat());
+        let (words, blocks) = (array("<U2", "(1,)", &[0; 8]), array("<f8", "(1, 1, 1)", &[0; 8]));
+        let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        let files = [
+            ("t.npy", numbers([0.0, 0.5])),
+            ("meta.npy", words),
+            ("theta.npy", numbers([1.0, 2.0])),
+            ("map.npy", blocks),
+        ];
+        for (name, bytes) in &files {
+            writer.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+            writer.write_all(bytes).unwrap();
+        }
+        let mut notes = Vec::new();
+        let (text, _) = table(&writer.finish().unwrap().into_inner(), &mut notes).unwrap();
+        assert!(text.starts_with(b"\"t\";\"theta\"\n"), "{}", String::from_utf8_lossy(&text));
+        assert_eq!(notes, ["meta, map left out of the archive: no columns of numbers"]);
+        let only = archive(&[("a.npy", "no array")]);
+        assert!(table(&only, &mut Vec::new()).unwrap_err().to_string().contains("numpy.savetxt"));
     }
 
     #[test]

@@ -4,12 +4,16 @@ use super::super::drive::{self, Drive};
 use super::super::median;
 use super::super::turning::{ROUGH_FALL_SHARE, TurningPoint};
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
+use crate::number::significant;
 use crate::recording::noise::rms_about_line;
 use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Half swings at the end that may be too small to be seen.
 const N_UNSEEN: f64 = 3.0;
+
+/// Digits of a motor's numbers that a message shows.
+const N_DIGITS: usize = 4;
 
 /// Swings from turn to turn below this many noise rms are too uncertain to say that they grew.
 const GROWTH_NOISE: f64 = 20.0;
@@ -91,8 +95,9 @@ impl Cut<'_> {
         let drives = &self.recording.drives;
         let inside = |drive: &Drive| {
             let (low, high, share) = drive.within(free)?;
+            let (low, high) = (shown(low), shown(high));
             let moves =
-                if low < high { format!("goes from {low} to {high}") } else { format!("is {low}, and not off,") };
+                if low != high { format!("goes from {low} to {high}") } else { format!("is {low}, and not off,") };
             Some(format!(
                 "doubtful: {} {moves} in {:.0} % of the free swing; where a motor drives it the friction \
                  can't be found: --from and --to choose a stretch in which it stands still",
@@ -263,6 +268,11 @@ impl Cut<'_> {
         let rest = self.recording.index_at(start_s)..stretch.end;
         (rest.start < rest.end && rest.len() >= n_window).then_some(rest)
     }
+}
+
+/// Whole numbers as they are, others with few digits.
+fn shown(number: f64) -> String {
+    if number.fract() == 0.0 { number.to_string() } else { significant(number, N_DIGITS) }
 }
 
 /// From each turning point to the next, rad.

@@ -58,6 +58,10 @@ pub(in crate::recording) fn is_of_carrier(name: &str) -> bool {
 
 /// Words that tell nothing of a quantity.
 const MUTE: &[&str] = &[
+    "amplitude",
+    "amplitud",
+    "ampiezza",
+    "auslenkung",
     "data",
     "field",
     "measurement",
