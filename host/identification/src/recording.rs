@@ -7,6 +7,7 @@
 //! This part knows files and samples, but neither models nor the link.
 
 mod angle;
+mod carrier;
 pub mod check;
 mod choose;
 mod chosen;
@@ -62,6 +63,7 @@ pub use told::Told;
 pub use units::{AngleUnit, RateUnit, TimeUnit};
 pub use write::{Writer, save};
 
+use carrier::Carrier;
 use drive::Drive;
 use limits::LARGEST_RAD;
 use std::ops::Range;
@@ -83,6 +85,8 @@ pub struct Recording {
     notes: Vec<String>,
     /// What moves it, as the file says.
     drives: Vec<Drive>,
+    /// What carries it.
+    carriers: Vec<Carrier>,
 }
 
 /// A place where samples are missing.
@@ -115,7 +119,16 @@ impl Recording {
         check_turns(&angles_rad)?;
         check_increasing(&times_s)?;
         let gaps = find_gaps(&times_s);
-        Ok(Self { header, times_s, angles_rad, codes, gaps, notes: Vec::new(), drives: Vec::new() })
+        Ok(Self {
+            header,
+            times_s,
+            angles_rad,
+            codes,
+            gaps,
+            notes: Vec::new(),
+            drives: Vec::new(),
+            carriers: Vec::new(),
+        })
     }
 
     /// Evenly sampled angles (rad) at `rate_hz`, starting at t = 0.
@@ -208,6 +221,7 @@ impl Recording {
         let mut part = Self::new(self.header.clone(), times_s.to_vec(), angles_rad.to_vec(), codes)?;
         part.notes.clone_from(&self.notes);
         part.drives = self.drives.iter().filter_map(|drive| drive.part(range.clone())).collect();
+        part.carriers = self.carriers.iter().filter_map(|carrier| carrier.part(range.clone())).collect();
         Ok(part)
     }
 
@@ -216,8 +230,8 @@ impl Recording {
         self
     }
 
-    fn with_drives(mut self, drives: Vec<Drive>) -> Self {
-        self.drives = drives;
+    fn with_others(mut self, (drives, carriers): (Vec<Drive>, Vec<Carrier>)) -> Self {
+        (self.drives, self.carriers) = (drives, carriers);
         self
     }
 }

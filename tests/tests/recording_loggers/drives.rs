@@ -79,6 +79,31 @@ fn a_motor_that_goes_on_at_another_number_than_its_zero_is_doubted() {
 }
 
 #[test]
+fn an_arm_that_moves_with_the_pendulum_is_doubted_and_one_that_is_held_is_not() {
+    let said = |names: &str, arm: &dyn Fn(Row) -> f64| {
+        let text = table(&format!("t,{names}\n"), |row| {
+            format!("{:.2},{:.2},{:.2}", row.0, arm(row).to_degrees(), row.1.to_degrees())
+        });
+        let recording = open(text.as_bytes(), &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        cut(&recording).notes.join("; ")
+    };
+    let same = |(_, angle, _): Row| -angle + 0.3;
+    let loose = |(_, angle, velocity): Row| -0.05 * angle + 0.001 * velocity;
+    for names in ["arm_deg,pendulum_deg", "motor angle (deg),pendulum angle (deg)", "base_angle,pendulum_angle"] {
+        let notes = said(names, &loose);
+        assert!(notes.contains("doubtful: 1 (") && notes.contains("what carries the pendulum moves too"), "{notes}");
+        assert_eq!(
+            said(names, &|(t, ..)| if ((t * 100.0) as u64).is_multiple_of(7) { 1e-4 } else { 0.0 }),
+            "",
+            "{names}"
+        );
+    }
+    // That of the same shaft, and in another unit.
+    assert_eq!(said("motor_angle,pendulum_angle", &same), "");
+    assert_eq!(said("arm_rad,pendulum_deg", &loose), "");
+}
+
+#[test]
 fn what_the_user_chooses_is_doubted_where_a_motor_moves_in_it() {
     let recording = open(format!("t,theta,u\n{}", switched_off("0")).as_bytes(), &ReadOptions::default()).unwrap();
     let options = |from_s| SegmentOptions { from_s: Some(from_s), to_s: Some(20.0) };

@@ -7,6 +7,7 @@ mod standing;
 mod time;
 
 use super::angle::Angles;
+use super::carrier::Carrier;
 use super::chosen::{Parted, ReadingSource, Sources, TimeSource};
 use super::circle::{Circle, is_arc};
 use super::clock;
@@ -24,9 +25,11 @@ use super::samples::{MOST_COLUMNS, Samples};
 use super::table::Table;
 use super::told::Told;
 use super::units::{AngleUnit, RateUnit, TimeUnit};
-use super::words::{self, Meaning, is_of_sine, is_size, meaning};
+use super::words::{self, Meaning, is_of_carrier, is_of_sine, is_size, meaning};
 use names::{all_best, ambiguous, bare_axes, example, find, is_of_periods, no_angle, note_rivals, the_one};
 use parted::{beside_clock, parted};
+pub(super) use rivals::HARDLY;
+use rivals::movement;
 use standing::unnamed_time;
 use std::f64::consts::{FRAC_PI_2, PI};
 use time::{as_time, choose_time, plotted_axes, unit_in_cell};
@@ -37,6 +40,10 @@ const NO_CIRCLE: Fault = Fault::NoCircle { off_percent: 100.0 };
 /// What a voltage and the angle that was made of it have not in common: a hundredth of the motion is this share of its
 /// square. With half of it a rounded angle would miss its voltage; with twice of it a motor that holds back would pass.
 const MOST_APART: f64 = 1e-4;
+
+/// What turns with the pendulum goes as far, and behind gears further. With twice of it rounding would make two of one, with
+/// half of it a loose arm would be the same shaft.
+const SAME_SHAFT: f64 = 0.9;
 
 impl Sources {
     /// Chooses the columns of a table; what is assumed is noted.
@@ -98,8 +105,8 @@ impl Sources {
         let needed: Vec<usize> = needed.chain(parted.map(|parted| parted.rest)).collect();
         let run = runs::column(table, |idx| !needed.contains(&idx)).filter(|_| header.version.is_none());
         let is_free = |idx: &usize| !needed.contains(idx) && run != Some(*idx) && header.version.is_none();
-        let drives = drive_columns(table).filter(is_free).collect();
-        Ok(Self { time, reading, parted, code, run, drives, otherwise })
+        let others = drives_and_carriers(table, &reading).filter(is_free).take(MOST_COLUMNS).collect();
+        Ok(Self { time, reading, parted, code, run, others, otherwise })
     }
 
     /// The same, where another run of the file shows that its angles are degrees and nothing else says so.
@@ -179,13 +186,24 @@ impl Sources {
         }
     }
 
-    /// What drives the pendulum, from the numbers that were read. A voltage that goes with the angle is its sensor's.
-    pub(super) fn drives(&self, table: &Table, lists: Vec<Vec<f64>>, readings: &[f64]) -> Vec<Drive> {
-        let columns = self.drives.iter().copied().zip(lists);
-        let is_sensors =
-            |(idx, values): &(usize, Vec<f64>)| table.says(*idx, words::is_of_volts) && go_together(values, readings);
-        let others = columns.filter(|column| !is_sensors(column));
-        others.filter_map(|(idx, values)| Drive::of(table.column_name(idx), values)).collect()
+    /// What drives or carries the pendulum, from the numbers that were read. A voltage that goes with the angle is its
+    /// sensor's, and an angle that does is that of the same shaft.
+    pub(super) fn others(&self, table: &Table, samples: &Samples, readings: &[f64]) -> (Vec<Drive>, Vec<Carrier>) {
+        let (mut drives, mut carriers) = (Vec::new(), Vec::new());
+        let raw = samples.readings.first().map_or(f64::NAN, |raw| movement(raw));
+        for (idx, values) in self.others.iter().copied().zip(&samples.others) {
+            let (name, values) = (table.column_name(idx), values.clone());
+            let is_drive = table.says(idx, words::is_of_drive);
+            let is_sensors = || table.says(idx, words::is_of_volts) && go_together(&values, readings);
+            // An arm that is loose goes less far than the pendulum.
+            let is_same_shaft = || movement(&values) > SAME_SHAFT * raw && go_together(&values, readings);
+            match is_drive {
+                true if !is_sensors() => drives.extend(Drive::of(name, values)),
+                false if !is_same_shaft() => carriers.push(Carrier::new(name, values, raw / movement(readings))),
+                _ => {}
+            }
+        }
+        (drives, carriers)
     }
 
     /// What tells of one of these columns that it is an angular velocity.
@@ -322,10 +340,18 @@ fn rate_columns(table: &Table) -> Vec<usize> {
         .collect()
 }
 
-/// Columns of numbers that are named after a motor.
-fn drive_columns(table: &Table) -> impl Iterator<Item = usize> {
-    let is_one = |idx: &usize| table.says(*idx, words::is_of_drive) && table.is_of_numbers(*idx);
-    (0..table.n_columns).filter(is_one).take(MOST_COLUMNS)
+/// Columns of numbers that are named after a motor, and angles in the same unit of what carries the pendulum.
+fn drives_and_carriers(table: &Table, reading: &ReadingSource) -> impl Iterator<Item = usize> {
+    let angle_idx = match reading {
+        ReadingSource::Angle { idx, .. } => Some(*idx),
+        _ => None,
+    };
+    let is_angle = |name: &str| matches!(meaning(name), Meaning::Angle { .. });
+    let is_like =
+        move |idx: usize| angle_idx.is_some_and(|angle| angle_unit_of(table, angle) == angle_unit_of(table, idx));
+    let carries = move |idx: usize| table.says(idx, |name| is_of_carrier(name) && is_angle(name)) && is_like(idx);
+    let is_one = move |idx: &usize| table.says(*idx, words::is_of_drive) || carries(*idx);
+    (0..table.n_columns).filter(is_one).filter(|idx| table.is_of_numbers(*idx))
 }
 
 /// gx, gy and gz alone are those of a gyroscope or of gravity.

@@ -16,8 +16,8 @@ pub(super) struct Sources {
     pub(super) code: Option<usize>,
     /// What names the run, where a file may hold several.
     pub(super) run: Option<usize>,
-    /// What drives the pendulum where it moves.
-    pub(super) drives: Vec<usize>,
+    /// What drives or carries the pendulum, where it moves.
+    pub(super) others: Vec<usize>,
     /// What could be told if the column of the readings turns out to be a wrong one.
     pub(super) otherwise: String,
 }

@@ -217,16 +217,16 @@ impl Opened<'_> {
         // Rigs of ours count their samples, and rows that are counted have no times to be wrong.
         if !is_ours && samples.codes.is_empty() && !sources.counts_rows() {
             let kept = lost::set_right(&mut times_s, &mut readings, &mut notes);
-            samples.drives.iter_mut().for_each(|list| keep(list, &kept));
+            samples.others.iter_mut().for_each(|list| keep(list, &kept));
         }
-        let drives = sources.drives(table, samples.drives, &readings);
+        let others = sources.others(table, &samples, &readings);
         if options.mirrored {
             readings.iter_mut().for_each(|reading| *reading = -*reading);
         }
         let is_rate = sources.measured() == Measured::Rate;
         let header = Header { measured: is_rate.then_some(Measured::Rate), ..header.clone() };
         let codes = (!samples.codes.is_empty()).then_some(samples.codes);
-        Ok(Recording::new(header, times_s, readings, codes)?.with_notes(notes).with_drives(drives))
+        Ok(Recording::new(header, times_s, readings, codes)?.with_notes(notes).with_others(others))
     }
 }
 

@@ -30,8 +30,8 @@ pub(super) struct Samples {
     /// One list a column: angles, x and y of a point, or the rates about several axes.
     pub(super) readings: Vec<Vec<f64>>,
     pub(super) codes: Vec<u16>,
-    /// One list for each column that drives the pendulum, NaN where it has no number.
-    pub(super) drives: Vec<Vec<f64>>,
+    /// One list for each column that drives or carries the pendulum, NaN where it has no number.
+    pub(super) others: Vec<Vec<f64>>,
     /// Which rows they are, where the rate tells the time and rows are missing.
     pub(super) rows: Vec<u32>,
     /// Which run each row belongs to, where a column says so.
@@ -74,7 +74,7 @@ impl Samples {
         let lists = |n: usize| vec![Vec::new(); n];
         let mut samples = Self {
             readings: lists(columns.len()),
-            drives: lists(sources.drives.len()),
+            others: lists(sources.others.len()),
             headings: vec![0],
             ..Self::default()
         };
@@ -148,10 +148,10 @@ impl Samples {
     /// The rows of each run as samples of their own.
     pub(super) fn by_runs(self, of_rows: &[u32], n_runs: usize) -> impl Iterator<Item = Self> {
         let lists = |of: &[Vec<f64>]| vec![Vec::new(); of.len()];
-        let (readings, drives) = (lists(&self.readings), lists(&self.drives));
+        let (readings, others) = (lists(&self.readings), lists(&self.others));
         let empty = || Self {
             readings: readings.clone(),
-            drives: drives.clone(),
+            others: others.clone(),
             says_steps: self.says_steps,
             ..Self::default()
         };
@@ -163,7 +163,7 @@ impl Samples {
             run.codes.extend(self.codes.get(row));
             run.rows.extend(self.rows.get(row).map(|idx| idx - *first_rows[*place as usize].get_or_insert(*idx)));
             run.readings.iter_mut().zip(&self.readings).for_each(|(list, all)| list.push(all[row]));
-            run.drives.iter_mut().zip(&self.drives).for_each(|(list, all)| list.push(all[row]));
+            run.others.iter_mut().zip(&self.others).for_each(|(list, all)| list.push(all[row]));
         }
         runs.into_iter().map(Self::looked_over)
     }
@@ -233,7 +233,7 @@ impl Samples {
         self.times.extend(time.map(|time| time + rest_s));
         self.readings.iter_mut().zip(readings).for_each(|(list, reading)| list.push(reading));
         self.codes.extend(code);
-        for (list, column) in self.drives.iter_mut().zip(&sources.drives) {
+        for (list, column) in self.others.iter_mut().zip(&sources.others) {
             list.push(row.number(*column, numerals).ok().flatten().unwrap_or(f64::NAN));
         }
         Ok(Taken::Sample)
@@ -350,7 +350,7 @@ impl Samples {
 
     fn keep(&mut self, kept: &[bool]) {
         keep(&mut self.times, kept);
-        self.readings.iter_mut().chain(&mut self.drives).for_each(|list| keep(list, kept));
+        self.readings.iter_mut().chain(&mut self.others).for_each(|list| keep(list, kept));
         keep(&mut self.codes, kept);
         keep(&mut self.rows, kept);
     }
@@ -412,7 +412,7 @@ impl Samples {
 
     fn shrink(&mut self) {
         self.times.shrink_to_fit();
-        self.readings.iter_mut().chain(&mut self.drives).for_each(Vec::shrink_to_fit);
+        self.readings.iter_mut().chain(&mut self.others).for_each(Vec::shrink_to_fit);
         self.codes.shrink_to_fit();
     }
 }

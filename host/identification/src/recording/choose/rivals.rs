@@ -17,7 +17,7 @@ const WRAP: f64 = 0.5;
 /// What covers less than this share of the liveliest column hardly moves: the arm of a rotary pendulum that its motor holds
 /// moves by 0.1 to 0.25 % of what the pendulum does. With half of it the softer one would be asked for; with twice of it what
 /// shows a hundredth of a swing would be at rest.
-const HARDLY: f64 = 0.005;
+pub(in crate::recording) const HARDLY: f64 = 0.005;
 
 impl Sources {
     /// Decides between rivals by all of their rows, and leaves the readings of the one that is the angle.
@@ -66,7 +66,7 @@ impl Sources {
 }
 
 /// How far a column goes in all, up and down; one that drifts goes far, but only once.
-fn movement(readings: &[f64]) -> f64 {
+pub(super) fn movement(readings: &[f64]) -> f64 {
     let widest = WRAP * range(readings);
     readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step <= widest).sum()
 }

@@ -1,5 +1,6 @@
 //! The stretch that is swung freely, and the rest at its end.
 
+use super::super::carrier::Carrier;
 use super::super::drive::{self, Drive};
 use super::super::median;
 use super::super::turning::{ROUGH_FALL_SHARE, TurningPoint};
@@ -90,7 +91,7 @@ impl Cut<'_> {
         }
     }
 
-    /// What the file says of a motor: that it moves in the free swing, or beside it.
+    /// What the file says of a motor, or of what carries the pendulum: that it moves in the free swing, or beside it.
     pub(super) fn driven_in_words(&self, free: &Range<usize>) -> Vec<String> {
         let drives = &self.recording.drives;
         let inside = |drive: &Drive| {
@@ -114,7 +115,18 @@ impl Cut<'_> {
                 drive.column
             ))
         };
-        drives.iter().filter_map(|drive| inside(drive).or_else(|| beside(drive))).collect()
+        let carried = |carrier: &Carrier| {
+            let (low, high) = carrier.within(free, &self.angles_rad()[free.clone()])?;
+            Some(format!(
+                "doubtful: {} goes from {} to {} in the free swing: what carries the pendulum moves too, and the friction of \
+                 both is found; hold it fast",
+                carrier.column,
+                shown(low),
+                shown(high)
+            ))
+        };
+        let of_drives = drives.iter().filter_map(|drive| inside(drive).or_else(|| beside(drive)));
+        of_drives.chain(self.recording.carriers.iter().filter_map(carried)).collect()
     }
 
     /// Index ranges between the disturbances.
