@@ -71,6 +71,16 @@ fn the_stretch_is_taken_in_which_the_motor_stands_still() {
     }
 }
 
+/// So weak that the motion does not show it.
+#[test]
+fn a_motor_that_nothing_else_tells_of_is_cut_off() {
+    let text = table("t,theta,u\n", |(t, angle, _)| {
+        format!("{t:.2},{angle:.5},{:.3}", if t < 8.0 { (3.0 * t).sin() } else { 0.0 })
+    });
+    let segments = cut(&check_found(&text, CENTIDEGREES, ""));
+    assert!((799..830).contains(&segments.free.start), "{segments:?}");
+}
+
 #[test]
 fn a_motor_that_goes_on_at_another_number_than_its_zero_is_doubted() {
     let text = format!("t,theta,u\n-0.01,1,0\n{}", switched_off("3"));
@@ -89,6 +99,7 @@ fn an_arm_that_moves_with_the_pendulum_is_doubted_and_one_that_is_held_is_not() 
     };
     let same = |(_, angle, _): Row| -angle + 0.3;
     let loose = |(_, angle, velocity): Row| -0.05 * angle + 0.001 * velocity;
+    assert!(said("arm_angle,pendulum_angle", &|(_, angle, _)| -0.05 * angle).contains("carries"));
     for names in ["arm_deg,pendulum_deg", "motor angle (deg),pendulum angle (deg)", "base_angle,pendulum_angle"] {
         let notes = said(names, &loose);
         assert!(notes.contains("doubtful: 1 (") && notes.contains("what carries the pendulum moves too"), "{notes}");

@@ -59,6 +59,8 @@ mod tests {
         let moves = |carrier: Carrier| carrier.within(&(0..1000), &angles_rad).is_some();
         assert!(moves(degrees(0.03, 0.01)) && moves(degrees(0.03, 0.1)));
         assert!(!moves(degrees(0.003, 0.01)) && !moves(degrees(0.003, 0.1)) && !moves(degrees(0.0, 0.1)));
+        let flicker = (0..1000).map(|idx| if idx % 7 == 0 { 0.4 } else { 0.0 }).collect();
+        assert!(!moves(Carrier::new(String::new(), flicker, 1f64.to_degrees())));
         assert!(!moves(Carrier::new(String::new(), vec![f64::NAN; 1000], 1.0)));
         assert_eq!(degrees(0.1, 1.0).part(0..30).unwrap().within(&(0..30), &angles_rad[..30]), Some((0.0, 3.0)));
     }

@@ -118,6 +118,14 @@ mod tests {
     }
 
     #[test]
+    fn an_offset_of_a_hundredth_is_no_motor_and_few_numbers_are_no_noise() {
+        let step = |idx: usize| if idx < 100 { 0.0 } else { 0.02 };
+        let drive = drive(|idx| if (100..300).contains(&idx) { 3.0 } else { step(idx) }).unwrap();
+        assert_eq!(undriven(std::slice::from_ref(&drive), 0..1000), [0..100, 300..1000]);
+        assert!(Drive::of(String::new(), (0..60).map(chance).collect()).is_some());
+    }
+
+    #[test]
     fn a_number_that_stands_still_or_trembles_drives_nothing() {
         assert_eq!(drive(|_| 0.0), None);
         assert_eq!(drive(|_| f64::NAN), None);

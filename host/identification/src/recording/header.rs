@@ -332,9 +332,17 @@ mod tests {
             assert!(said(line).is_some_and(|rate_hz| (rate_hz - 100.0).abs() < 1e-9), "{line}");
             assert!(says_rate(line), "{line}");
         }
-        for line in
-            ["# fs=fast", "dt = 0", "fs=100 kHz", "# time: 12", "t,theta", "theta: 3", "rate: 100", "date: 2026"]
-        {
+        for line in [
+            "Sampling time: 20 s",
+            "# fs=fast",
+            "dt = 0",
+            "fs=100 kHz",
+            "# time: 12",
+            "t,theta",
+            "theta: 3",
+            "rate: 100",
+            "date: 2026",
+        ] {
             assert!(said(line).is_none() && !says_rate(line), "{line}");
         }
     }

@@ -215,6 +215,12 @@ mod tests {
     }
 
     #[test]
+    fn the_unit_of_minutes_is_that_of_degrees() {
+        assert_eq!(number_and_unit("57°17'"), Some(("57°17'", "°")));
+        assert_eq!(number_and_unit("57°x'"), None);
+    }
+
+    #[test]
     fn what_is_no_number_is_told_from_what_is_missing() {
         for text in ["", " ", "NaN", "-nan", "NA", "#N/A", "null", "-"] {
             assert_eq!(Numerals::new().read(text), Cell::Missing, "{text}");
