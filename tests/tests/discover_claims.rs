@@ -176,3 +176,17 @@ fn a_pendulum_that_is_driven_is_said_to_be() {
         assert!(said.succeeded().starts_with(&format!("The swings of {file} don't become smaller")), "{said:?}");
     }
 }
+
+#[test]
+fn readings_of_a_simulation_are_judged_by_what_ours_is_accurate_to() {
+    for (hidden, missing) in [(None, &[] as &[&str]), (Some("quadratic-drag"), &["quadratic-drag"])] {
+        let rig = Rig { noise_rad: 0.0, offset_rad: 0.0, ..quick(31, &[1.2]) };
+        let rig = hidden.map_or(rig.clone(), |name| rig.with(name));
+        let (bench, _) = Workbench::with_recordings(&rig);
+        let exact = rig.recording_in_steps(0, 1e-12);
+        save(&exact, &bench.folder().join("exact.csv"), Existing::Keep).unwrap();
+        let found = bench.json("diagnose exact.csv");
+        assert_eq!(texts(&found, "verdict"), missing, "{found:#}");
+        assert_eq!((number(&found, "noise"), &found["first_look"]), (2e-5, &serde_json::Value::Null));
+    }
+}

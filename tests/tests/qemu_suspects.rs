@@ -40,9 +40,9 @@ fn after(n_samples: u64, qemu: &Qemu, link: &mut Link, n_looks: u32) -> Suspects
     let (began, until) = (Instant::now(), qemu.n_samples() + n_samples);
     qemu.gauge().let_pass(n_samples);
     loop {
-        assert!(began.elapsed() < HANG, "no look within {HANG:?}");
-        let said = suspects(link);
-        if qemu.n_samples() >= until && said.n_looks > n_looks && !said.is_looking {
+        let (said, passed) = (suspects(link), qemu.n_samples());
+        assert!(began.elapsed() < HANG, "no look within {HANG:?}, {passed} of {until} samples: {said:?}");
+        if passed >= until && said.n_looks > n_looks && !said.is_looking {
             println!("{:.1?}, {} cycles: {said:?}", began.elapsed(), said.cycles);
             return said;
         }

@@ -13,7 +13,7 @@ use shared::effect::{CURVE_ID, Effect};
 use shared::parameters::Parameters;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use step::{FINE_STEP_S, longest_step_s};
+use step::{FINE_STEP_S, SIMULATED_TO_RAD, longest_step_s};
 
 /// Why a recording has no swing to fit.
 #[derive(Debug, thiserror::Error)]
@@ -194,7 +194,7 @@ impl Swing {
         recording: &Recording,
         options: &SegmentOptions,
     ) -> Result<(Self, Segments), SwingError> {
-        let segments = segment(recording, options)?;
+        let mut segments = segment(recording, options)?;
         let times_s = recording.times_s();
         let pace = pace::of_period(2.0 * segments.half_swing_s);
         let rest_s = segments.rest.as_ref().map_or(f64::INFINITY, |rest| times_s[rest.start] + KEPT_REST_S * pace);
@@ -208,10 +208,20 @@ impl Swing {
         let part = recording.part(range)?;
         let noise = segments.noise.total_rms;
         let swing = Self::of(name, recording.measured(), part.times_s(), part.angles_rad(), noise);
+        let least = SIMULATED_TO_RAD * swing.reading_per_rad;
+        let noise_rad = noise.max(least);
+        if noise < least {
+            segments.notes.push(too_little_noise(recording.measured(), noise, least));
+        }
         let is_counted = recording.header().sensor.is_some();
         let notes = recording.notes().iter().chain(&segments.notes);
         let doubts = notes.filter_map(|note| note.strip_prefix("doubtful: ")).map(str::to_owned).collect();
-        Ok((Self { is_counted, is_driven: !segments.fades, doubts, ..swing }, segments))
+        Ok((Self { noise_rad, is_counted, is_driven: !segments.fades, doubts, ..swing }, segments))
+    }
+
+    /// Is its noise only what a simulation is accurate to?
+    pub fn has_no_noise(&self) -> bool {
+        self.noise_rad <= SIMULATED_TO_RAD * self.reading_per_rad
     }
 
     /// How to step through the times with this model.
@@ -335,6 +345,16 @@ const LIVELY_SHARE: f64 = 0.1;
 /// 3e-5 rad off.
 const DECIMATED_RATE_HZ: f64 = 50.0;
 const DECIMATED_STEP: f64 = 2.0;
+
+/// That the readings have less noise than a model can be judged by.
+fn too_little_noise(measured: Measured, noise: f64, least: f64) -> String {
+    let unit = measured.milli_unit();
+    let (noise, least) = (1e3 * noise, 1e3 * least);
+    format!(
+        "the readings have a noise of {noise:.1e} {unit}, as those of a simulation have; a model is simulated to {least:.2} \
+         {unit}, which counts as noise"
+    )
+}
 
 /// At rest the pendulum has been still for this long at the usual pace, s, and scatters by less than so many times the
 /// noise.

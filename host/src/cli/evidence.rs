@@ -216,6 +216,11 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         ([], false) => format!("Nothing is missing at this noise level: the base model leaves {after}."),
         (offset, true) if diagnosis.has_no_law() => {
             let zero = match offset {
+                [] if diagnosis.has_doubtful_zero() => {
+                    format!(
+                        " With the sensor's zero fitted, which these swings don't prove to be off, it leaves {after}."
+                    )
+                }
                 [] => String::new(),
                 names => format!(" With the sensor's zero put right ({}) it leaves {after}.", names.join(" and ")),
             };
@@ -325,9 +330,13 @@ pub(super) fn treads(diagnosis: &Diagnosis) -> Vec<Tread> {
         let words = if step.added == "base" { "base model".to_owned() } else { format!("+ {}", step.added) };
         Tread { words, rmse_rad: step.rmse, held_out_rad: step.held_out }
     };
-    let zero = Some(&diagnosis.verdict).filter(|names| diagnosis.has_no_law() && !names.is_empty());
-    let put_right = zero.map(|names| Tread {
-        words: format!("+ {}", names.join(" + ")),
+    let zero = match diagnosis.verdict.as_slice() {
+        _ if !diagnosis.has_no_law() => None,
+        [] => diagnosis.has_doubtful_zero().then(|| "zero of the fit".to_owned()),
+        names => Some(names.join(" + ")),
+    };
+    let put_right = zero.map(|zero| Tread {
+        words: format!("+ {zero}"),
         rmse_rad: diagnosis.rmse_after,
         held_out_rad: diagnosis.held_out_after,
     });

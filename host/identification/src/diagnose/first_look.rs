@@ -15,8 +15,11 @@ use shared::parameters::Parameters;
 const EVEN: f64 = 0.1;
 
 /// Looks at swings with a model that was fitted to them; `None` for rates and for samples that are not even, which the
-/// bank doesn't read. Of many releases it takes the last ones, of several rates those like the first.
+/// bank doesn't read, and for readings without noise, by which it judges. Of many releases it takes the last ones, of several rates those like the first.
 pub fn first_look(swings: &[Swing], model: &Parameters<f64>) -> Option<Look> {
+    if swings.iter().any(Swing::has_no_noise) {
+        return None;
+    }
     let releases: Vec<(f64, Vec<f64>)> = swings.iter().map(parts).collect::<Option<Vec<_>>>()?.concat();
     let interval_s = releases.first()?.0;
     let alike = releases.iter().filter(|(own_s, _)| (own_s / interval_s - 1.0).abs() < 1e-3);

@@ -159,10 +159,18 @@ pub struct Diagnosis {
 /// noise.
 const SUSPECTED_SHARE: f64 = 0.8;
 
+/// A zero that leaves more of the error than this is no matter.
+const VISIBLE_ZERO: f64 = 0.9;
+
 impl Diagnosis {
     /// Is no law named, only the sensor's zero at most?
     pub fn has_no_law(&self) -> bool {
         self.staircase.len() == 1
+    }
+
+    /// Is the error lower with a zero that the fit put right, and that these swings do not prove to be off?
+    pub fn has_doubtful_zero(&self) -> bool {
+        self.verdict.is_empty() && self.levels.is_none() && self.rmse_after < VISIBLE_ZERO * self.rmse_before
     }
 
     /// The claim of the suspect.

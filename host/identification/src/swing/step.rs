@@ -1,7 +1,10 @@
 //! How long an integration step may be: a swing tells how quickly its pendulum moves.
 
-/// With so many Runge–Kutta steps a period the angle is wrong by less than 2e-5 rad after 50 periods.
+/// With so many Runge–Kutta steps a period the angle is wrong by less than [`SIMULATED_TO_RAD`] after 50 periods.
 const STEPS_A_PERIOD: f64 = 80.0;
+
+/// A simulation is no more accurate than this, rad, and no model can be judged by less.
+pub(super) const SIMULATED_TO_RAD: f64 = 2e-5;
 
 /// The pendulum turns by no more in a step.
 const LARGEST_STEP_RAD: f64 = 0.15;
