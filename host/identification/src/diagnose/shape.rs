@@ -56,8 +56,14 @@ impl Judge<'_, '_> {
             is_other && (model.cost - claimed.cost < reach || is_explained(self.problem, model))
         };
         let of_search = self.found.levels.get(level).into_iter().flatten();
-        // What lies between a law and its usual form may be the truth, if the usual one would nearly do.
-        let nearly = usual.iter().filter(|model| self.problem.chi_square(model.cost).left() != Left::Missing);
+        // What lies between a law and its usual form may be the truth, if the usual one would nearly do; or if the law drives
+        // a number of the rig onto its bound, which is no place for one.
+        let is_cornered = claimed.unknowns.iter().any(|unknown| {
+            let value = unknown.get(&claimed.parameters);
+            unknown.is_of_the_rig() && (value <= unknown.low || value >= unknown.high)
+        });
+        let nearly_does = |model: &&Fitted| is_cornered || self.problem.chi_square(model.cost).left() != Left::Missing;
+        let nearly = usual.iter().filter(nearly_does);
         of_search.chain(others).chain(&wider).filter(is_alike).chain(nearly).cloned().collect()
     }
 }
