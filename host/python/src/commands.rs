@@ -115,7 +115,7 @@ pub(crate) fn fit(
         let mut asked = Asked::new(file, &recordings, &hold_out, &reading)?;
         let told = |news: fitting::News| tell(news.to_string());
         let outcome = fitting::fit(&asked.swings, &asked.held_out, asked.file.known(), &request, &told)?;
-        let text = text("fit", &outcome.fields(&asked.names, request.method, None))?;
+        let text = text("fit", &outcome.fields(&asked.names, json::doubts(&asked.swings), request.method, None))?;
         asked.file.adopt_fit(&outcome.fit, &source(fitting::words(request.method), &asked.names, &asked.swings))?;
         let (starts, parameters) = (outcome.fit.starts, outcome.fit.parameters);
         Ok((text, asked.file, Curves { swings: asked.swings, starts, parameters }, asked.notes))
@@ -169,7 +169,9 @@ pub(crate) fn diagnose(
         let asked = Asked::new(file, &recordings, &hold_out, &reading)?;
         tell("fitting the base model, then every effect …".to_owned());
         let diagnosis = diagnose_with(&asked.swings, &asked.held_out, asked.file.known(), wishes);
-        Ok((text("diagnose", &Fields { recordings: &asked.names, diagnosis: &diagnosis })?, asked.notes))
+        let doubts = json::doubts(&asked.swings);
+        let text = text("diagnose", &Fields { recordings: &asked.names, doubts, diagnosis: &diagnosis })?;
+        Ok((text, asked.notes))
     })
 }
 

@@ -1,7 +1,7 @@
 //! Levenberg–Marquardt with bounds: lowers the squared error within one window.
 //!
 //! Source: D. W. Marquardt, J. SIAM 11 (1963) 431. Four dampings are tried at once, because four simulations cost
-//! little more than one. Where a straight step leaves a curved valley, it is bent ([`super::bend`]).
+//! little more than one. Where a straight step leaves a curved valley, it is bent (`bend.rs`).
 
 use super::arrow::ArrowFactor;
 use super::bend::bent;
