@@ -4,7 +4,7 @@
 //! the pendulum swings. Beside the bearing of a pendulum that of an arm with its motor rubs many times as much, so that
 //! little motion of the arm is much of what the swings lose.
 
-use super::choose::HARDLY;
+use super::limits::HARDLY;
 use super::noise::smallest_step;
 use std::ops::Range;
 

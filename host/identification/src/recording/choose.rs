@@ -28,7 +28,6 @@ use super::units::{AngleUnit, RateUnit, TimeUnit};
 use super::words::{self, Meaning, is_of_carrier, is_of_sine, is_size, meaning};
 use names::{all_best, ambiguous, bare_axes, example, find, is_of_periods, no_angle, note_rivals, the_one};
 use parted::{beside_clock, parted};
-pub(super) use rivals::HARDLY;
 use rivals::movement;
 use standing::unnamed_time;
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -18,6 +18,11 @@ pub(super) const LARGEST_UNSTATED_RAD: f64 = 7.0;
 /// Steps of unstated unit beyond this are refused: at 2 Hz a laboratory pendulum cannot be followed.
 pub(super) const LONGEST_STEP_S: f64 = 0.5;
 
+/// What covers less than this share of the liveliest column hardly moves: the arm of a rotary pendulum that its motor
+/// holds moves by 0.1 to 0.25 % of what the pendulum does. With half of it the softer one would be asked for; with twice
+/// of it what shows a hundredth of a swing would be at rest.
+pub(super) const HARDLY: f64 = 0.005;
+
 /// The name in the `format` line.
 pub const FORMAT_NAME: &str = "pendulum-recording";
 

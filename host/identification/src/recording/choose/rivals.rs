@@ -3,6 +3,7 @@
 
 use super::super::chosen::{ReadingSource, Sources};
 use super::super::error::Fault;
+use super::super::limits::HARDLY;
 use super::super::options::ReadOptions;
 use super::super::samples::Samples;
 use super::super::table::Table;
@@ -13,11 +14,6 @@ use super::names::{ambiguous, listed};
 /// A step of more than this share of all that a column covers is an angle that wraps around: by a whole turn, and it
 /// covers no more than that. A pendulum moves so far in half a period, which has more samples than two.
 const WRAP: f64 = 0.5;
-
-/// What covers less than this share of the liveliest column hardly moves: the arm of a rotary pendulum that its motor holds
-/// moves by 0.1 to 0.25 % of what the pendulum does. With half of it the softer one would be asked for; with twice of it what
-/// shows a hundredth of a swing would be at rest.
-pub(in crate::recording) const HARDLY: f64 = 0.005;
 
 impl Sources {
     /// Decides between rivals by all of their rows, and leaves the readings of the one that is the angle.
