@@ -216,7 +216,7 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         ([], false) => format!("Nothing is missing at this noise level: the base model leaves {after}."),
         (offset, true) if diagnosis.has_no_law() => {
             let zero = match offset {
-                [] if diagnosis.has_doubtful_zero() => {
+                [] if diagnosis.zero_is_doubtful => {
                     format!(
                         " With the sensor's zero fitted, which these swings don't prove to be off, it leaves {after}."
                     )
@@ -332,7 +332,7 @@ pub(super) fn treads(diagnosis: &Diagnosis) -> Vec<Tread> {
     };
     let zero = match diagnosis.verdict.as_slice() {
         _ if !diagnosis.has_no_law() => None,
-        [] => diagnosis.has_doubtful_zero().then(|| "zero of the fit".to_owned()),
+        [] => diagnosis.zero_is_doubtful.then(|| "zero of the fit".to_owned()),
         names => Some(names.join(" + ")),
     };
     let put_right = zero.map(|zero| Tread {

@@ -114,6 +114,9 @@ pub struct Diagnosis {
     pub rmse_before: f64,
     /// The same with all of the verdict, rad.
     pub rmse_after: f64,
+    /// Nothing is claimed; but is the error far lower with a zero that the fit put right, and that these swings do not
+    /// prove to be off?
+    pub zero_is_doubtful: bool,
     /// On held-out swings before, rad.
     pub held_out_before: Option<f64>,
     /// On held-out swings after, rad.
@@ -159,18 +162,14 @@ pub struct Diagnosis {
 /// noise.
 const SUSPECTED_SHARE: f64 = 0.8;
 
-/// A zero that leaves more of the error than this is no matter.
+/// A zero that leaves more of the error than this is no matter for words. With half of it one that halves the error
+/// would not be told, and from 1 on one that changes nothing would be.
 const VISIBLE_ZERO: f64 = 0.9;
 
 impl Diagnosis {
     /// Is no law named, only the sensor's zero at most?
     pub fn has_no_law(&self) -> bool {
         self.staircase.len() == 1
-    }
-
-    /// Is the error lower with a zero that the fit put right, and that these swings do not prove to be off?
-    pub fn has_doubtful_zero(&self) -> bool {
-        self.verdict.is_empty() && self.levels.is_none() && self.rmse_after < VISIBLE_ZERO * self.rmse_before
     }
 
     /// The claim of the suspect.
@@ -251,6 +250,7 @@ impl Summary<'_, '_, '_> {
         let left = problem.chi_square(self.claimed.cost).left();
         let unexplained = left == Left::Missing;
         let formulas = if unexplained && with_formulas { self.formulas(&held_out) } else { Vec::new() };
+        let levels = levels(problem, &self.claimed);
         Diagnosis {
             version: 1,
             measured,
@@ -263,7 +263,8 @@ impl Summary<'_, '_, '_> {
             suspect: suspect(&self.unproven, rmse_after, noise),
             unproven: self.unproven,
             holds_on: self.holds_on,
-            levels: levels(problem, &self.claimed),
+            zero_is_doubtful: verdict.is_empty() && levels.is_none() && rmse_after < VISIBLE_ZERO * rmse_before,
+            levels,
             carries: self.carries,
             special_cases: self.special_cases,
             rmse_before,

@@ -54,7 +54,7 @@ function showWords() {
   const dropped = found.unproven.map(doubt).join('');
   const tie = found.family ? ` It is ${found.family.words}; its shape is undecided between ${found.family.members.join(' and ')}.` : found.undecided.length ? ` These swings cannot tell it from ${found.undecided.join(', ')}.` : '';
   const putRight = found.verdict.length ? `put right (${names})`
-    : found.rmse_after < 0.9 * found.rmse_before ? "fitted, which these swings don't prove to be off," : null;
+    : found.zero_is_doubtful ? "fitted, which these swings don't prove to be off," : null;
   const zero = putRight ? ` With the sensor's zero ${putRight} it leaves ${mrad(found.rmse_after)}.` : '';
   const hasNoLaw = found.staircase.length === 1;
   const seenOn = (claim) => claim.parts.filter((part) => part.seen).map((part) => part.name).join(', ') || 'no part alone';
