@@ -38,8 +38,9 @@ fn suspects(link: &mut Link) -> Suspects {
 /// So many samples pass at once.
 const PORTION: u64 = 1000;
 
-/// What the rig says once it has looked again, and so many more samples have passed. None passes while it looks: the emulator
-/// takes samples as fast as it can, so that a look would be overtaken by the next release, which on a board takes 45 s.
+/// What the rig says once it has looked again, and so many more samples have passed. None passes while it looks: the
+/// emulator takes samples as fast as it can, so that a look would be overtaken by the next release, which on a board
+/// takes 45 s.
 fn after(n_samples: u64, qemu: &Qemu, link: &mut Link, n_looks: u32) -> Suspects {
     let (began, until) = (Instant::now(), qemu.n_samples() + n_samples);
     loop {

@@ -43,6 +43,7 @@ pub mod sequential;
 pub mod solve;
 pub mod start;
 pub mod state_grid;
+pub mod step;
 pub mod stiction;
 pub mod stop_level;
 pub mod tally;

@@ -15,7 +15,8 @@ use shared::parameters::Parameters;
 const EVEN: f64 = 0.1;
 
 /// Looks at swings with a model that was fitted to them; `None` for rates and for samples that are not even, which the
-/// bank doesn't read, and for readings without noise, by which it judges. Of many releases it takes the last ones, of several rates those like the first.
+/// bank doesn't read, and for readings without noise, by which it judges. Of many releases it takes the last ones, of
+/// several rates those like the first.
 pub fn first_look(swings: &[Swing], model: &Parameters<f64>) -> Option<Look> {
     if swings.iter().any(Swing::has_no_noise) {
         return None;

@@ -2,12 +2,13 @@
 //!
 //! Friction and inertia must be allowed to answer at once, or effects that resemble them are never found.
 
-use crate::fit::descent::{Tolerance, bounded_step, stepped};
+use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::linear::{Linear, equations_with_added};
 use crate::fit::problem::Problem;
 use crate::fit::refine::Band;
 use crate::fit::solve::ANSWER_DAMPING;
+use crate::fit::step::{bounded_step, stepped};
 use crate::pace;
 use crate::swing::Window;
 use rayon::prelude::*;

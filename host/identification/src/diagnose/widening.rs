@@ -23,30 +23,40 @@ pub(super) fn widened(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
 }
 
 /// A law of a model, and its wider form.
-pub(super) struct Widening<'a> {
+struct Widening<'a> {
     model: &'a Fitted,
     usual: &'static Effect<f64>,
     wide: &'static Effect<f64>,
 }
 
-pub(super) fn widenings(model: &Fitted) -> impl Iterator<Item = Widening<'_>> {
+fn widenings(model: &Fitted) -> impl Iterator<Item = Widening<'_>> {
     model.effects.iter().filter_map(move |usual| Some(Widening { model, usual, wide: usual.wider_form()? }))
 }
 
 impl Widening<'_> {
-    /// From the numbers of the usual law and from each start of what the wider one has beyond them the best, and the
-    /// usual law from there if that is better than it was.
-    pub(super) fn fitted(&self, rough: &Problem) -> Option<Vec<Fitted>> {
+    /// From the numbers of the usual law and from each start of what the wider one has beyond them the best.
+    fn wide(&self, rough: &Problem) -> Option<Fitted> {
         let fits = self.wide.starts.iter().filter_map(|start| {
             let wide = exchanged(self.model, self.usual, self.wide, *start)?;
             Some(wide.refined(rough, Band::Held, Tolerance::SCREEN))
         });
         let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-        let mut found = vec![levels(rough, &best).swap_remove(0)];
+        Some(levels(rough, &best).swap_remove(0))
+    }
+
+    /// The same, and the usual law from there if that is better than it was.
+    fn fitted(&self, rough: &Problem) -> Option<Vec<Fitted>> {
+        let mut found = vec![self.wide(rough)?];
         let narrow = in_usual_form(rough, &found[0], self.wide)?;
         found.extend((narrow.cost < self.model.cost).then_some(narrow));
         Some(found)
     }
+}
+
+/// A model with each of its laws in its wider form, fitted on decimated swings.
+pub(super) fn in_wider_forms(rough: &Problem, model: &Fitted) -> Vec<Fitted> {
+    let all: Vec<Widening> = widenings(model).collect();
+    all.par_iter().filter_map(|widening| widening.wide(rough)).collect()
 }
 
 /// A model with a law in its usual form in place of the wider one, fitted on decimated swings; `None` where it is no wider

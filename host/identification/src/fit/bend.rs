@@ -1,18 +1,19 @@
 //! How predictions bend along a step, and by how much a step has to bend with them.
 //!
 //! Numbers of a law that depend on each other, such as the speed, the size and the exponent of the Stribeck effect, lie
-//! in a narrow valley that is curved: straight steps leave it long before they have kept what they promise, and a search
-//! creeps. The second derivative along a step costs two simulations, and the least squares of it are a correction with
-//! which the step follows the valley.
-//! Source: M. K. Transtrum, B. B. Machta, J. P. Sethna, Phys. Rev. E 83 (2011) 036701, section VIII: geodesic acceleration.
+//! in a narrow valley that is curved: straight steps leave it long before they have kept what they promise, and a
+//! search creeps. The second derivative along a step costs two simulations, and the least squares of it are a
+//! correction with which the step follows the valley.
+//! Source: M. K. Transtrum, B. B. Machta, J. P. Sethna, Phys. Rev. E 83 (2011) 036701, section VIII: geodesic
+//! acceleration.
 
-use super::descent::{Step, stepped};
 use super::linear::{Linear, SwingLinear, dot};
 use super::problem::{PER_SWING, Point, Problem, Start};
+use super::step::{Step, stepped};
 use nalgebra::DVector;
 
-/// The second derivative is a difference of the predictions after this share of a step and twice of it, as in the source
-/// (0.1). From the derivatives at the start it would be spoilt by what these differences leave out.
+/// The second derivative is a difference of the predictions after this share of a step and twice of it, the share as in
+/// the source. From the derivatives at the start it would be spoilt by what these differences leave out.
 const PROBE: f64 = 0.1;
 
 /// Steps from where a problem was linearised, each bent as the predictions are along it.
@@ -32,8 +33,8 @@ pub(super) fn bent(problem: &Problem, point: &Point, linear: &Linear, steps: &[S
     steps.iter().enumerate().map(bent).collect()
 }
 
-/// Jᵀ times half the second derivative of a swing's residuals along each step; probes after one share of all steps, then
-/// after two.
+/// Jᵀ times half the second derivative of a swing's residuals along each step; probes after one share of all steps,
+/// then after two.
 fn pulls(problem: &Problem, swing_idx: usize, swing: &SwingLinear, probes: &[Point], from: &Point) -> Vec<Vec<f64>> {
     let guesses: Vec<(&[f64], Start)> =
         probes.iter().map(|probe| (probe.values.as_slice(), probe.starts[swing_idx])).collect();

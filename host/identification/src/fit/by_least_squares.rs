@@ -16,7 +16,7 @@ use shared::parameters::base;
 /// The model of a rig fitted to the swings, whatever its numbers were, and never worse than with these.
 pub fn fitted_as_it_is(problem: &Problem) -> Fitted {
     let found = scouted(problem, |few| least_squares(few, &start::guess(few), &|_| ()));
-    not_worse_than_given(problem, found).settled(problem)
+    not_worse_than_given(problem, found)
 }
 
 /// Growing windows from a guess, then Ms and DV, then everything together.
@@ -45,8 +45,12 @@ pub(super) fn start_in_the_middle(problem: &Problem, model: &mut Fitted) {
 }
 
 /// A model that begins anew may end in another valley than the one that was given, which may have been improved with
-/// care: then that one is fitted on from where it is, and the better one counts.
+/// care: then that one is fitted on from where it is, and the better one counts, to the end of its valley.
 pub(super) fn not_worse_than_given(problem: &Problem, found: Fitted) -> Fitted {
+    better_than_given(problem, found).settled(problem)
+}
+
+fn better_than_given(problem: &Problem, found: Fitted) -> Fitted {
     let found = if follows(problem, &found) { found } else { found.better(from_the_period(problem)) };
     let point = Point { values: problem.template_values(), starts: start::starts(problem.swings) };
     let given = Fitted::at(problem, &point).started(problem);

@@ -3,10 +3,10 @@
 //! Source: D. W. Marquardt, J. SIAM 11 (1963) 431. Four dampings are tried at once, because four simulations cost
 //! little more than one. Where a straight step leaves a curved valley, it is bent (`bend.rs`).
 
-use super::arrow::ArrowFactor;
 use super::bend::bent;
-use super::linear::{Equations, Linear, Steps, linearise};
-use super::problem::{LANES, PER_SWING, Point, Problem};
+use super::linear::{Linear, Steps, linearise};
+use super::problem::{LANES, Point, Problem};
+use super::step::{Step, bounded_step, stepped};
 use crate::swing::Window;
 use nalgebra::DVector;
 
@@ -42,8 +42,9 @@ impl Tolerance {
         least_share_of_excess: 0.0,
         follows_valleys: false,
     };
-    /// For the model that is told: as to judge it, along curved valleys too. Rigs with a free exponent take up to eight
-    /// steps, four in the mean; half of these would leave some on the way, twice is never reached.
+    /// For the model that is told: as to judge it, along curved valleys too. Of 161 such descents of rigs with laws of
+    /// another shape 127 end after one iteration and 28 after two to nineteen; six, of springs that harden, use all.
+    /// Half of it would cut three more short; with twice those six go on.
     pub const LAST: Self = Self { max_iterations: 30, least_gain: 1e-2, follows_valleys: true, ..Self::JUDGE };
 }
 
@@ -155,8 +156,8 @@ struct Here<'a, 'b> {
 }
 
 impl Here<'_, '_> {
-    /// The best of four damped steps, if it is better than staying: straight ones, and bent ones where these bring less than is
-    /// wanted. Where it leads, what that costs, and its factor of the damping.
+    /// The best of four damped steps, if it is better than staying: straight ones, and bent ones where these bring less
+    /// than is wanted. Where it leads, what that costs, and its factor of the damping.
     fn best_trial(&self, linear: &Linear, damping: f64, wanted: Option<f64>) -> Option<(Point, f64, f64)> {
         let steps =
             DAMPING_FACTORS.map(|factor| Step::bounded(self.problem, self.point, &linear.equations, damping * factor));
@@ -186,65 +187,4 @@ impl Here<'_, '_> {
             costs.iter().enumerate().filter(|(_, cost)| cost.is_finite()).min_by(|a, b| a.1.total_cmp(b.1))?;
         (*lowest < self.cost).then(|| (trials[best].clone(), *lowest, DAMPING_FACTORS[best]))
     }
-}
-
-/// A damped step within the bounds.
-pub(super) struct Step {
-    /// What it adds to the unknowns, then to angle, velocity and offset of each swing.
-    pub(super) change: DVector<f64>,
-    damping: f64,
-    /// Numbers that are not on their bounds.
-    free: Vec<bool>,
-}
-
-impl Step {
-    /// An unknown that would leave its bounds is put on its bound, and the others are solved for again.
-    fn bounded(problem: &Problem, point: &Point, linear: &Equations, damping: f64) -> Self {
-        let n_unknowns = problem.unknowns.len();
-        let is_offset = |j: usize| j >= n_unknowns && (j - n_unknowns) % PER_SWING == PER_SWING - 1;
-        let mut free: Vec<bool> =
-            (0..linear.gradient.len()).map(|j| problem.offsets_are_free || !is_offset(j)).collect();
-        let mut gradient = linear.gradient.clone();
-        let mut fixed_step = DVector::zeros(gradient.len());
-        loop {
-            let factor = ArrowFactor::new(&linear.normal, damping, |j| free[j]);
-            let step = factor.solve(&gradient) + &fixed_step;
-            let leaving = (0..n_unknowns).filter(|j| free[*j]).find_map(|j| {
-                let target = point.values[j] + step[j];
-                let bounded = target.clamp(problem.unknowns[j].low, problem.unknowns[j].high);
-                (bounded != target).then_some((j, bounded - point.values[j]))
-            });
-            match leaving {
-                None => return Self { change: step, damping, free },
-                Some((j, to_bound)) => {
-                    free[j] = false;
-                    fixed_step[j] = to_bound;
-                    gradient -= linear.normal.shared_column(j) * to_bound;
-                }
-            }
-        }
-    }
-
-    /// What the free numbers answer to another right-hand side, damped as the step is.
-    pub(super) fn answer(&self, linear: &Equations, gradient: &DVector<f64>) -> DVector<f64> {
-        ArrowFactor::new(&linear.normal, self.damping, |j| self.free[j]).solve(gradient)
-    }
-}
-
-/// A damped step within the bounds.
-pub fn bounded_step(problem: &Problem, point: &Point, linear: &Equations, damping: f64) -> DVector<f64> {
-    Step::bounded(problem, point, linear, damping).change
-}
-
-/// The guess after a step.
-pub fn stepped(point: &Point, step: &DVector<f64>, n_unknowns: usize) -> Point {
-    let mut next = point.clone();
-    next.values.iter_mut().zip(step.iter()).for_each(|(value, change)| *value += change);
-    for (swing_idx, start) in next.starts.iter_mut().enumerate() {
-        let first = n_unknowns + PER_SWING * swing_idx;
-        start.angle_rad += step[first];
-        start.velocity_rad_s += step[first + 1];
-        start.offset_rad += step[first + 2];
-    }
-    next
 }

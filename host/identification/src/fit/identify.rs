@@ -76,7 +76,7 @@ pub fn fit<'r>(
         }
         Method::LeastSquares => {
             let found = scouted(&problem, |few| least_squares(few, &start::guess(few), progress));
-            (not_worse_than_given(&problem, found).settled(&problem), Vec::new())
+            (not_worse_than_given(&problem, found), Vec::new())
         }
         Method::Both => {
             let mut stages = Vec::new();
@@ -85,7 +85,7 @@ pub fn fit<'r>(
                 stages = on_the_way;
                 found
             });
-            (not_worse_than_given(&problem, found).settled(&problem), stages)
+            (not_worse_than_given(&problem, found), stages)
         }
     };
     progress(Progress::Uncertainty);

@@ -39,8 +39,8 @@ impl Fitted {
         }
     }
 
-    /// To where nothing moves any more: a search ends on the way where the numbers of a law lie in a curved valley, and ±
-    /// are those of the lowest point. The base model has no such valley.
+    /// To where nothing moves any more: a search ends on the way where the numbers of a law lie in a curved valley, and
+    /// ± are those of the lowest point. The base model has no such valley.
     pub fn settled(self, on: &Problem) -> Self {
         if self.effects.is_empty() { self } else { self.refined(on, Band::Free, Tolerance::LAST).better(self) }
     }

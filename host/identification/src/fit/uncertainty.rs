@@ -45,7 +45,8 @@ pub fn without_bounds(on: &Problem, model: &Fitted) -> Uncertainty {
     tolerated(on, model, of_smooth_numbers(on, model).0)
 }
 
-/// The same with the rig's own numbers free where they lie on a bound: a law of a wrong shape may have driven them there.
+/// The same with the rig's own numbers free where they lie on a bound: a law of a wrong shape may have driven them
+/// there.
 pub fn with_the_rig_free(on: &Problem, model: &Fitted) -> Uncertainty {
     tolerated(on, model, of_numbers(on, model, Unknown::is_of_the_rig).0)
 }
