@@ -1,6 +1,7 @@
 //! What a diagnosis may claim: ties are told, friction never drives, and the limits of the noise are where the documents
 //! say they are. Read from what the program prints about recordings of the independent plant.
 
+use host::compare::measurement::Measurement;
 use host::recording::{Existing, Recording, save};
 use shared::model::Model;
 use shared::parameters::Parameters;
@@ -188,5 +189,8 @@ fn readings_of_a_simulation_are_judged_by_what_ours_is_accurate_to() {
         let found = bench.json("diagnose exact.csv");
         assert_eq!(texts(&found, "verdict"), missing, "{found:#}");
         assert_eq!((number(&found, "noise"), &found["first_look"]), (2e-5, &serde_json::Value::Null));
+        // As the page and a comparison take it.
+        let measured = Measurement::from_recording("exact", &exact, &Default::default()).unwrap();
+        assert_eq!((measured.swing.noise_rad, measured.noise.level_rad()), (2e-5, 2e-5));
     }
 }

@@ -207,16 +207,17 @@ impl Swing {
         };
         let part = recording.part(range)?;
         let noise = segments.noise.total_rms;
-        let swing = Self::of(name, recording.measured(), part.times_s(), part.angles_rad(), noise);
+        let mut swing = Self::of(name, recording.measured(), part.times_s(), part.angles_rad(), noise);
         let least = SIMULATED_TO_RAD * swing.reading_per_rad;
-        let noise_rad = noise.max(least);
         if noise < least {
             segments.notes.push(too_little_noise(recording.measured(), noise, least));
+            // Whoever asks for the noise of the recording shall judge alike.
+            (swing.noise_rad, segments.noise.total_rms) = (least, least);
         }
         let is_counted = recording.header().sensor.is_some();
         let notes = recording.notes().iter().chain(&segments.notes);
         let doubts = notes.filter_map(|note| note.strip_prefix("doubtful: ")).map(str::to_owned).collect();
-        Ok((Self { noise_rad, is_counted, is_driven: !segments.fades, doubts, ..swing }, segments))
+        Ok((Self { is_counted, is_driven: !segments.fades, doubts, ..swing }, segments))
     }
 
     /// Is its noise only what a simulation is accurate to?
