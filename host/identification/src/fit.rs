@@ -20,6 +20,7 @@ mod error;
 pub mod fitted;
 pub mod found;
 pub mod free_torque;
+mod held;
 pub mod held_out;
 pub mod identify;
 mod knots;

@@ -253,9 +253,18 @@ impl Swing {
 
     /// Does it end at rest? Its last samples then scatter no more than the noise, about a line because a zero may drift.
     pub fn comes_to_rest(&self) -> bool {
-        let from = self.times_s.partition_point(|t| *t < self.duration_s() - REST_S * self.pace);
-        let last = &self.angles_rad[from..];
+        let last = self.last_readings();
         last.len() >= MIN_START_SAMPLES && rms_about_line(last) < REST_NOISES * self.noise_rad
+    }
+
+    /// The mean of its last readings: where it rests, if it does.
+    pub fn rest(&self) -> f64 {
+        let last = self.last_readings();
+        last.iter().sum::<f64>() / last.len().max(1) as f64
+    }
+
+    fn last_readings(&self) -> &[f64] {
+        &self.angles_rad[self.times_s.partition_point(|t| *t < self.duration_s() - REST_S * self.pace)..]
     }
 
     /// Half of how far it still swings in its last period, rad.

@@ -1,7 +1,7 @@
 //! Response surfaces without least squares: through growing windows, then Ms and DV by search where that left errors.
 
 use super::covariance::covariance;
-use super::fitted::Fitted;
+use super::fitted::{Fitted, Stiction};
 use super::problem::{Point, Problem, Unknown};
 use super::progress::Progress;
 use super::ranges::Ranges;
@@ -44,12 +44,21 @@ fn smooth_ranges(problem: &Problem, ranges: &Ranges) -> Ranges {
 /// The end of response surfaces without least squares: Ms and DV by search, then designs over the whole swing, first
 /// of the smooth parameters, then of all.
 pub(super) fn finish_surfaces(problem: &Problem, sequence: &mut Sequence) -> Fitted {
-    let mut best = Fitted::at(problem, &sequence.point).evaluated(problem);
+    let begin = Fitted::at(problem, &sequence.point).evaluated(problem);
+    let searches: [Search; 2] = [stiction::best_pair, stiction::best_pair_as_shown];
+    searches.into_iter().fold(begin, |begin, search| finished(problem, sequence, begin, search))
+}
+
+/// A search for Ms and DV from where a model is.
+type Search = fn(&Problem, &Fitted) -> Option<Stiction>;
+
+fn finished(problem: &Problem, sequence: &mut Sequence, begin: Fitted, search: Search) -> Fitted {
+    let mut best = begin;
     for _ in 0..FINISHING_ROUNDS {
         if problem.rmse_rad(best.cost) < GOOD_END_NOISES * problem.noise_rad() {
             break;
         }
-        let pair = stiction::best_pair(problem, &best);
+        let Some(pair) = search(problem, &best) else { break };
         let next = finishing_round(problem, sequence, &best.with_stiction(pair));
         let gain = best.cost - next.cost;
         if gain > 0.0 {
@@ -102,7 +111,7 @@ const FINISHING_STDS: f64 = 3.0;
 /// Surfaces that come this near to the noise need no search.
 const GOOD_END_NOISES: f64 = 1.1;
 
-/// Rounds of stiction search and designs at the end.
+/// Rounds of each stiction search and designs at the end.
 const FINISHING_ROUNDS: usize = 4;
 
 /// The last designs reach this share to either side of Ms and DV.

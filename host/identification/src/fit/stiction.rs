@@ -8,6 +8,7 @@ use super::answered::{MAX_ROUNDS, answered_costs};
 use super::descended::best_on;
 use super::descent::Tolerance;
 use super::fitted::{Fitted, Stiction};
+use super::held;
 use super::linear::{Steps, linearise};
 use super::problem::Problem;
 use super::stop_level;
@@ -102,15 +103,27 @@ fn with_band(on: &Problem, none: &Fitted, tolerance: Tolerance) -> Option<Fitted
 }
 
 /// The best that the most promising bands lead to, judged from one model; light levels lead to a valley of their own.
+/// First-order answers may all point to levels at which the pendulum stops elsewhere: where more than noise is left, all
+/// bands are tried with the level that the rest shows.
 fn around(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Option<Fitted> {
     let cheapest = |found: Vec<Fitted>| found.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-    let best_of = |levels_nm: &Vec<f64>| {
-        let pairs = promising(on, from, levels_nm).into_par_iter();
-        let best = cheapest(pairs.map(|pair| tried(on, from, pair, tolerance)).collect())?;
-        Some(near(on, &best, tolerance))
-    };
-    cheapest(levels_nm(from).iter().filter_map(best_of).collect())
+    let led_to =
+        |pairs: Vec<Stiction>| cheapest(pairs.into_par_iter().map(|pair| tried(on, from, pair, tolerance)).collect());
+    let promising = |levels_nm: &Vec<f64>| Some(near(on, &led_to(promising(on, from, levels_nm))?, tolerance));
+    let best = cheapest(levels_nm(from).iter().filter_map(promising).collect())?;
+    if best.cost < (1.0 + EXCESS_WORTH_A_BAND) * on.noise_cost() {
+        return Some(best);
+    }
+    let as_shown = held::level_nm(on, &best).and_then(|level_nm| led_to(grid(from, &[level_nm])));
+    let excess = |model: &Fitted| model.cost - on.noise_cost();
+    let better = as_shown.filter(|found| excess(found) < LEFT_AT_THE_TRUE_LEVEL * excess(&best));
+    Some(better.map_or(best, |found| near(on, &found, tolerance)))
 }
+
+/// The level that a rest shows leaves little but noise where it is the true one and nothing else is missing: so it was
+/// with 22 of 23 simulated rigs that were led astray. With 1 in its place forty rigs with hidden effects are told the
+/// same, after 0.4 % more steps.
+const LEFT_AT_THE_TRUE_LEVEL: f64 = 0.4;
 
 /// Descends first with a pair fixed, then with it free.
 pub(super) fn tried(on: &Problem, from: &Fitted, pair: Stiction, tolerance: Tolerance) -> Fitted {
@@ -202,13 +215,22 @@ fn levels_nm(of: &Fitted) -> Vec<Vec<f64>> {
 }
 
 /// The best pair by first-order answers alone, without any descent, beside the model's own: for response surfaces.
-pub(super) fn best_pair(on: &Problem, from: &Fitted) -> Stiction {
+pub(super) fn best_pair(on: &Problem, from: &Fitted) -> Option<Stiction> {
     let free = from.with_stiction(Stiction::NONE).problem(on);
     let stops = stop_level::ranges(&free, &from.point());
     let without = stops.iter().map(|(low, high)| Stiction::level(0.5 * (low + high)));
-    let mut tried: Vec<Stiction> = without.chain(grid(from, &levels_nm(from)[0])).collect();
-    tried.push(from.stiction());
-    let mut best = tried[0];
+    let own = std::iter::once(from.stiction());
+    best_of(on, from, own.chain(without).chain(grid(from, &levels_nm(from)[0])).collect())
+}
+
+/// The same at the level that the rest shows, if one does.
+pub(super) fn best_pair_as_shown(on: &Problem, from: &Fitted) -> Option<Stiction> {
+    best_of(on, from, grid(from, &[held::level_nm(on, from)?]))
+}
+
+/// The best of some pairs, then ever closer around it; the first one where none has a cost.
+fn best_of(on: &Problem, from: &Fitted, mut tried: Vec<Stiction>) -> Option<Stiction> {
+    let mut best = *tried.first()?;
     for _ in 0..MAX_ROUNDS {
         if let Some(chosen) = lowest(&costs_from(on, from, &tried)) {
             best = tried[chosen];
@@ -218,7 +240,7 @@ pub(super) fn best_pair(on: &Problem, from: &Fitted) -> Stiction {
         }
         tried = finer(&best, 1.0);
     }
-    best
+    Some(best)
 }
 
 /// A grid of pairs around one, at a share of its full reach; finer along Ms, because the valley is narrow there.
