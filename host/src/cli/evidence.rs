@@ -120,6 +120,10 @@ fn left_out(diagnosis: &Diagnosis) -> Option<String> {
 /// Why what stands beside a law that explains much more is not claimed.
 const SLIGHT: &str = "by less than a tenth of what is claimed, whose own law may be as far from the truth";
 
+/// Why what would have to be stronger than it can be is not claimed.
+const OUT_OF_RANGE: &str =
+    "only as strong as it can be at most: these swings ask for more of it, or for something else";
+
 /// The claim that would explain most of what is left, but is not proven.
 fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
     let (name, unit) = (claim.effect, diagnosis.measured.milli_unit());
@@ -129,6 +133,7 @@ fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
             format!("there are only {windows} to check it on")
         }
         Standing::Slight => SLIGHT.to_owned(),
+        Standing::OutOfRange => OUT_OF_RANGE.to_owned(),
         _ => format!(
             "a few periods carry it and the rest can't tell it from chance{}: a hand or a slip may look like this too",
             chance(claim)
@@ -152,6 +157,7 @@ fn unproven(claim: &Holding) -> String {
             counted(claim.windows, "window of a few periods", "windows of a few periods")
         ),
         Standing::Slight => format!("Not claimed: {name}. It lowers the error, but {SLIGHT}."),
+        Standing::OutOfRange => format!("Not claimed: {name}. It lowers the error, but {OUT_OF_RANGE}."),
         _ => format!(
             "Not claimed: {name}. It lowers the error, but not on every part of the swings: without a few periods it can't \
              be told from chance{}.",
@@ -224,9 +230,10 @@ fn verdict(diagnosis: &Diagnosis) -> String {
                 [] => String::new(),
                 names => format!(" With the sensor's zero put right ({}) it leaves {after}.", names.join(" and ")),
             };
-            let why = match diagnosis.unproven.is_empty() {
-                true => "brings it down to the noise",
-                false => "holds on every part of the swings",
+            let is_told_by_parts = diagnosis.unproven.iter().any(|claim| claim.standing != Standing::OutOfRange);
+            let why = match is_told_by_parts {
+                false => "brings it down to the noise",
+                true => "holds on every part of the swings",
             };
             let words = format!(
                 "The base model leaves {before}.{zero} More than noise is left, but no effect of the list {why}: none of \

@@ -345,3 +345,34 @@ fn a_law_with_fewer_numbers_is_taken_in_place_of_one_that_leaves_about_as_much_a
     assert_eq!(taken(1.5).as_deref(), Some("quadratic-drag"));
     assert_eq!(taken(3.0), None);
 }
+
+#[test]
+fn a_law_that_is_wanted_stronger_than_it_can_be_is_not_claimed() {
+    // A spring is half as strong again beside a pendulum of two thirds of the weight and inertia.
+    let spring = |stiffness: f64, share: f64| {
+        let mut rig = rig_with("torsional-spring", &[stiffness, 0.0]);
+        rig.set_friction(1e-4, 1e-4, 0.0, 0.0);
+        rig.pendulum.mass_kg *= share;
+        rig.pendulum.inertia_kg_m2 *= share;
+        rig
+    };
+    let standing = |stiffness: f64| {
+        let swings = [simulated("light", &spring(stiffness, 1.0 / 1.5), 14.0, 1)];
+        judged(
+            &swings,
+            |on| (begun(on, &rig()), Vec::new()),
+            |judge| {
+                // The period of small swings is right.
+                let reached = (1.5 * stiffness).min(0.2);
+                let gravity = rig().pendulum.gravity_torque_nm();
+                let slower = (gravity + reached) / (gravity + 1.5 * stiffness);
+                let mut near = spring(reached, 1.0);
+                near.pendulum.inertia_kg_m2 -= (1.0 - slower) * near.pendulum.pivot_inertia_kg_m2();
+                let model = fitted(judge.problem, &near);
+                (judge.holdings(&model).remove(0).standing, judge.holding(model).0.name())
+            },
+        )
+    };
+    assert_eq!(standing(0.12), (Standing::Holds, "torsional-spring".to_owned()));
+    assert_eq!(standing(0.14), (Standing::OutOfRange, "none".to_owned()));
+}
