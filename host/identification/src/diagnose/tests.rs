@@ -10,7 +10,7 @@ use super::score::predictions;
 use super::search::Found;
 use super::summary::Summary;
 use super::verdict::{INDISTINGUISHABLE, Judge};
-use super::{base_problem, levels, zero};
+use super::{base_problem, diagnose, levels, zero};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::{Fitted, Stiction};
 use crate::fit::identify::problem_of;
@@ -375,4 +375,15 @@ fn a_law_that_is_wanted_stronger_than_it_can_be_is_not_claimed() {
     };
     assert_eq!(standing(0.12), (Standing::Holds, "torsional-spring".to_owned()));
     assert_eq!(standing(0.14), (Standing::OutOfRange, "none".to_owned()));
+}
+
+#[test]
+fn a_zero_is_claimed_beside_what_is_claimed_only() {
+    // Beside the drag the zero shows; but these swings are too short to prove a drag, and without one it changes nothing.
+    let mut swing = simulated("short", &rig_with("quadratic-drag", &[2.0 * DRAG]), 5.0, 1);
+    swing.angles_rad.iter_mut().for_each(|angle| *angle += 2e-3);
+    let found = diagnose(&[swing], &[], &rig());
+    assert_eq!(found.suspect, Some("quadratic-drag"), "{:?}", found.unproven);
+    assert!(found.rmse_after > 0.95 * found.rmse_before, "{} of {}", found.rmse_after, found.rmse_before);
+    assert!(found.verdict.is_empty(), "{:?}", found.verdict);
 }
