@@ -73,7 +73,9 @@ fn doubts(diagnosis: &Diagnosis) -> Vec<String> {
         )
     }));
     let suspect = diagnosis.suspect().map(|claim| claim.effect);
-    parts.extend(diagnosis.unproven.iter().filter(|claim| Some(claim.effect) != suspect).map(unproven));
+    let unit = diagnosis.measured.milli_unit();
+    let others = diagnosis.unproven.iter().filter(|claim| Some(claim.effect) != suspect);
+    parts.extend(others.map(|claim| unproven(claim, unit)));
     parts.extend(held_out(diagnosis));
     parts.extend(not_tried(diagnosis));
     parts
@@ -148,8 +150,8 @@ fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
 }
 
 /// A claim that was dropped.
-fn unproven(claim: &Holding) -> String {
-    let name = format!("{} (to {:.2} mrad)", claim.effect, 1e3 * claim.rmse);
+fn unproven(claim: &Holding, unit: &str) -> String {
+    let name = format!("{} (to {:.2} {unit})", claim.effect, 1e3 * claim.rmse);
     let words = match claim.standing {
         Standing::TooShort => format!(
             "Not claimed: {name}. It lowers the error, but there are only {} to check it on; a longer recording, or more \
