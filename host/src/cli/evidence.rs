@@ -42,7 +42,10 @@ pub(super) fn sentences(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// What is missing, or likely missing.
 fn said(diagnosis: &Diagnosis) -> Vec<String> {
-    let mut parts: Vec<String> = driven(diagnosis).into_iter().chain([verdict(diagnosis)]).collect();
+    let mut parts: Vec<String> = driven(diagnosis).into_iter().chain(lost(diagnosis)).collect();
+    if diagnosis.follows || diagnosis.unexplained || !diagnosis.verdict.is_empty() {
+        parts.push(verdict(diagnosis));
+    }
     parts.extend(diagnosis.levels.as_ref().map(|levels| wrapped(&format!("{}.", levels.words), 0)));
     parts.extend(diagnosis.suspect().map(|claim| suspected(diagnosis, claim)));
     parts
@@ -89,6 +92,18 @@ fn driven(diagnosis: &Diagnosis) -> Option<String> {
         diagnosis.driven.join(", ")
     );
     (!diagnosis.driven.is_empty()).then(|| wrapped(&words, 0))
+}
+
+/// That no model follows: where the noise is as large as the motion, a model that stands still leaves noise.
+fn lost(diagnosis: &Diagnosis) -> Option<String> {
+    let (unit, name) = (diagnosis.measured.unit(), diagnosis.measured.name());
+    let words = format!(
+        "The model does not follow these swings at all: it leaves {:.3} {unit}, with a noise of {:.3} {unit}. Is the {name} in \
+         {unit}, zero where the pendulum hangs, and the geometry right? Did nothing touch or drive it (--from, --to)? \
+         Until that is right, no diagnosis means anything.",
+        diagnosis.rmse_after, diagnosis.noise
+    );
+    (!diagnosis.follows).then(|| wrapped(&words, 0))
 }
 
 /// What the held-out swings say.

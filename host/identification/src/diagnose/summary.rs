@@ -85,6 +85,8 @@ pub struct Diagnosis {
     pub first_look: Option<Look>,
     /// Recordings whose swings don't become smaller: something drives them, and no verdict on them means anything.
     pub driven: Vec<String>,
+    /// Does the model that is told follow the swings at all? If not, whatever is said of it means nothing.
+    pub follows: bool,
     /// Effects claimed to be missing from the base model; empty: nothing is missing, or nothing could be named.
     pub verdict: Vec<&'static str>,
     /// Effects that the data can't tell from one of the verdict.
@@ -258,6 +260,7 @@ impl Summary<'_, '_, '_> {
             measured,
             first_look: self.first_look,
             driven: Swing::driven(problem.swings),
+            follows: problem.is_followed(self.claimed.cost),
             family: family(&self.claimed, &self.undecided),
             undecided: self.undecided,
             not_tried: self.not_tried,
