@@ -199,6 +199,7 @@ fn dropped(holding: &Holding) -> String {
     let why = match holding.standing {
         Standing::TooShort => "too few windows",
         Standing::Slight => "too little beside what is claimed",
+        Standing::OutOfRange => "only as strong as it can be at most",
         _ => "not on every part",
     };
     format!("{}: {why}, would leave {:.2}", holding.effect, 1e3 * holding.rmse)

@@ -42,7 +42,10 @@ pub(super) fn sentences(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// What is missing, or likely missing.
 fn said(diagnosis: &Diagnosis) -> Vec<String> {
-    let mut parts: Vec<String> = driven(diagnosis).into_iter().chain([verdict(diagnosis)]).collect();
+    let mut parts: Vec<String> = driven(diagnosis).into_iter().chain(lost(diagnosis)).collect();
+    if diagnosis.follows || diagnosis.unexplained || !diagnosis.verdict.is_empty() {
+        parts.push(verdict(diagnosis));
+    }
     parts.extend(diagnosis.levels.as_ref().map(|levels| wrapped(&format!("{}.", levels.words), 0)));
     parts.extend(diagnosis.suspect().map(|claim| suspected(diagnosis, claim)));
     parts
@@ -73,7 +76,9 @@ fn doubts(diagnosis: &Diagnosis) -> Vec<String> {
         )
     }));
     let suspect = diagnosis.suspect().map(|claim| claim.effect);
-    parts.extend(diagnosis.unproven.iter().filter(|claim| Some(claim.effect) != suspect).map(unproven));
+    let unit = diagnosis.measured.milli_unit();
+    let others = diagnosis.unproven.iter().filter(|claim| Some(claim.effect) != suspect);
+    parts.extend(others.map(|claim| unproven(claim, unit)));
     parts.extend(held_out(diagnosis));
     parts.extend(not_tried(diagnosis));
     parts
@@ -87,6 +92,18 @@ fn driven(diagnosis: &Diagnosis) -> Option<String> {
         diagnosis.driven.join(", ")
     );
     (!diagnosis.driven.is_empty()).then(|| wrapped(&words, 0))
+}
+
+/// That no model follows: where the noise is as large as the motion, a model that stands still leaves noise.
+fn lost(diagnosis: &Diagnosis) -> Option<String> {
+    let (unit, name) = (diagnosis.measured.unit(), diagnosis.measured.name());
+    let words = format!(
+        "The model does not follow these swings at all: it leaves {:.3} {unit}, with a noise of {:.3} {unit}. Is the {name} in \
+         {unit}, zero where the pendulum hangs, and the geometry right? Did nothing touch or drive it (--from, --to)? \
+         Until that is right, no diagnosis means anything.",
+        diagnosis.rmse_after, diagnosis.noise
+    );
+    (!diagnosis.follows).then(|| wrapped(&words, 0))
 }
 
 /// What the held-out swings say.
@@ -120,6 +137,10 @@ fn left_out(diagnosis: &Diagnosis) -> Option<String> {
 /// Why what stands beside a law that explains much more is not claimed.
 const SLIGHT: &str = "by less than a tenth of what is claimed, whose own law may be as far from the truth";
 
+/// Why what would have to be stronger than it can be is not claimed.
+const OUT_OF_RANGE: &str =
+    "only as strong as it can be at most: these swings ask for more of it, or for something else";
+
 /// The claim that would explain most of what is left, but is not proven.
 fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
     let (name, unit) = (claim.effect, diagnosis.measured.milli_unit());
@@ -129,6 +150,7 @@ fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
             format!("there are only {windows} to check it on")
         }
         Standing::Slight => SLIGHT.to_owned(),
+        Standing::OutOfRange => OUT_OF_RANGE.to_owned(),
         _ => format!(
             "a few periods carry it and the rest can't tell it from chance{}: a hand or a slip may look like this too",
             chance(claim)
@@ -143,8 +165,8 @@ fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
 }
 
 /// A claim that was dropped.
-fn unproven(claim: &Holding) -> String {
-    let name = format!("{} (to {:.2} mrad)", claim.effect, 1e3 * claim.rmse);
+fn unproven(claim: &Holding, unit: &str) -> String {
+    let name = format!("{} (to {:.2} {unit})", claim.effect, 1e3 * claim.rmse);
     let words = match claim.standing {
         Standing::TooShort => format!(
             "Not claimed: {name}. It lowers the error, but there are only {} to check it on; a longer recording, or more \
@@ -152,6 +174,7 @@ fn unproven(claim: &Holding) -> String {
             counted(claim.windows, "window of a few periods", "windows of a few periods")
         ),
         Standing::Slight => format!("Not claimed: {name}. It lowers the error, but {SLIGHT}."),
+        Standing::OutOfRange => format!("Not claimed: {name}. It lowers the error, but {OUT_OF_RANGE}."),
         _ => format!(
             "Not claimed: {name}. It lowers the error, but not on every part of the swings: without a few periods it can't \
              be told from chance{}.",
@@ -224,9 +247,10 @@ fn verdict(diagnosis: &Diagnosis) -> String {
                 [] => String::new(),
                 names => format!(" With the sensor's zero put right ({}) it leaves {after}.", names.join(" and ")),
             };
-            let why = match diagnosis.unproven.is_empty() {
-                true => "brings it down to the noise",
-                false => "holds on every part of the swings",
+            let is_told_by_parts = diagnosis.unproven.iter().any(|claim| claim.standing != Standing::OutOfRange);
+            let why = match is_told_by_parts {
+                false => "brings it down to the noise",
+                true => "holds on every part of the swings",
             };
             let words = format!(
                 "The base model leaves {before}.{zero} More than noise is left, but no effect of the list {why}: none of \

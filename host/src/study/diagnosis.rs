@@ -43,6 +43,7 @@ fn in_words(diagnosis: &Diagnosis) -> String {
     let milli = |value: &f64| format!("{:.2}", 1e3 * value);
     if verdict.is_empty() {
         return match left {
+            _ if !diagnosis.follows => "the model does not follow the swings at all".to_owned(),
             Left::Noise => "nothing is missing from the model".to_owned(),
             _ => format!(
                 "the model leaves {} {unit} where the noise is {}, and no effect of the list can be named",

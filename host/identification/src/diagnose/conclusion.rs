@@ -59,7 +59,8 @@ impl<'a, 'b> Bench<'a, 'b> {
         let (claimed, others) = judge.refined(judge.claimed());
         let mut undecided = judge.undecided(&claimed, &others);
         let n_claimed = claimed.effects.len();
-        let Zero { model, offset_is_missing, alike } = zero::decide(problem, claimed, INDISTINGUISHABLE * judge.unit());
+        let Zero { model, mut offset_is_missing, alike } =
+            zero::decide(problem, claimed, INDISTINGUISHABLE * judge.unit());
         // What the asymmetry explains, another effect may have imitated.
         let resembling = zero::resembling().map(|rival| rival.name);
         let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, resembling) } else { model };
@@ -70,8 +71,10 @@ impl<'a, 'b> Bench<'a, 'b> {
         }
         if claimed.names() != before {
             undecided = judge.undecided(&claimed, &others);
+            // A zero that showed beside a law may not show without it.
+            offset_is_missing = offset_is_missing && zero::is_missing(problem, &claimed);
         }
-        undecided.extend(alike);
+        undecided.extend(alike.filter(|_| offset_is_missing));
         if problem.chi_square(claimed.cost).left() != Left::Noise {
             let alike = judge.not_separated(&claimed, &others);
             undecided.extend(alike.into_iter().filter(|name| !undecided.contains(name)).collect::<Vec<_>>());
@@ -79,6 +82,7 @@ impl<'a, 'b> Bench<'a, 'b> {
         let special_cases = judge.special_cases(&claimed, &others, &mut undecided);
         let (claimed, vetoed) = judge.not_contradicted(claimed, self.held_out, self.count);
         holds_on.retain(|holding| claimed.has(holding.effect));
+        offset_is_missing = offset_is_missing && (vetoed.is_empty() || zero::is_missing(problem, &claimed));
         let settled = claimed.clone().settled(problem);
         let claimed = if is_sound(problem, &settled) { settled } else { claimed };
         Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others }

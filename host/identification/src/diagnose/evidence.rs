@@ -7,6 +7,7 @@ use crate::fit::problem::Problem;
 use crate::formula::effect_of;
 use crate::swing::Swing;
 use serde::Serialize;
+use shared::effect::{Action, Effect};
 use shared::model::Model;
 use shared::parameters::Parameters;
 
@@ -39,7 +40,8 @@ pub struct Evidence {
     pub loss_share: f64,
     /// By how much it lengthens the period, as a share.
     pub period_share: f64,
-    /// The most by which it moves the reading of the same motion, rad; of one that wanders, until the swing's end.
+    /// The most by which it moves the reading of the same motion, rad; of one that wanders, until the swing's end; 0 of a
+    /// law of the motion, with which another motion is read.
     pub reading_rad: f64,
     /// The same in words.
     pub words: String,
@@ -61,12 +63,15 @@ pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence
     let amplitude_rad = AMPLITUDE_RAD.min(0.9 * reached_rad);
     let added = parameters.effects.iter().filter_map(|present| effect_of(parameters, present.id));
     let longest_s = problem.longest_s();
-    let of = |effect: &'static shared::effect::Effect<f64>| {
+    let of = |effect: &'static Effect<f64>| {
         let mut without = parameters.clone();
         without.remove(effect.id);
         let [with, late] = [0.0, longest_s].map(|time_s| period(parameters, amplitude_rad, time_s));
         let [without, late_without] = [0.0, longest_s].map(|time_s| period(&without, amplitude_rad, time_s));
-        let found = compared(effect.name, amplitude_rad, &with?, &without?);
+        let found = compared(effect, amplitude_rad, &with?, &without?);
+        if !is_of_the_sensor(effect) {
+            return Some(found);
+        }
         let late_rad = late.zip(late_without).map_or(0.0, |(with, without)| {
             // The first readings: both motions begin alike there.
             (with.readings_rad[0] - without.readings_rad[0]).abs()
@@ -111,11 +116,16 @@ impl Evidence {
     }
 }
 
-fn compared(effect: &'static str, amplitude_rad: f64, with: &Period, without: &Period) -> Evidence {
+/// Does an effect act on the reading, and on no motion?
+fn is_of_the_sensor(effect: &Effect<f64>) -> bool {
+    matches!(effect.action, Action::Sensor(_))
+}
+
+fn compared(effect: &Effect<f64>, amplitude_rad: f64, with: &Period, without: &Period) -> Evidence {
     let loss_share = 1.0 - without.lost_j / with.lost_j;
     let period_share = with.period_s / without.period_s - 1.0;
     let apart = with.readings_rad.iter().zip(&without.readings_rad).map(|(a, b)| (a - b).abs());
-    let reading_rad = apart.fold(0.0, f64::max);
+    let reading_rad = if is_of_the_sensor(effect) { apart.fold(0.0, f64::max) } else { 0.0 };
     let at = format!("at {amplitude_rad:.2} rad amplitude");
     let percent = |share: f64| format!("{:.2} %", 100.0 * share.abs());
     let is_of_loss = loss_share.abs() > LEAST_LOSS.max(LOSS_PER_PERIOD * period_share.abs());
@@ -136,7 +146,7 @@ fn compared(effect: &'static str, amplitude_rad: f64, with: &Period, without: &P
     } else {
         (format!("{at} it changes neither loss nor period visibly"), "Measured minus modelled")
     };
-    Evidence { effect, amplitude_rad, loss_share, period_share, reading_rad, words, picture }
+    Evidence { effect: effect.name, amplitude_rad, loss_share, period_share, reading_rad, words, picture }
 }
 
 #[cfg(test)]
@@ -145,7 +155,6 @@ mod tests {
     use crate::fit::identify::problem_of;
     use crate::fit::tally::Tally;
     use crate::swing::Swing;
-    use shared::effect::Effect;
 
     fn of(name: &str, values: &[f64], viscous: f64) -> Evidence {
         of_swing(name, values, viscous, &[0.0, 0.1, 0.2])
@@ -180,6 +189,24 @@ mod tests {
         assert!(spring.words.contains("shorter") && spring.picture == "Period against amplitude", "{spring:?}");
         let gain = of("sensor-gain", &[0.02], 1e-4);
         assert!((gain.reading_rad - 0.02).abs() < 1e-3 && gain.words.contains("amplitude it moves"), "{gain:?}");
+    }
+
+    #[test]
+    fn a_drag_is_one_of_the_loss_beside_a_sensor_that_lags_too() {
+        // What a lag leaves behind depends on the speed, and this on the drag.
+        let mut parameters = Parameters::paper();
+        parameters.set_friction(5e-5, 0.0, 0.0, 0.0);
+        parameters.set(Effect::<f64>::by_name("sensor-lag").unwrap().id, &[0.05]).unwrap();
+        parameters.set(Effect::<f64>::by_name("quadratic-drag").unwrap().id, &[2e-4]).unwrap();
+        let swings = [Swing::new("wide", &[0.0, 0.1, 0.2], &[1.4, 1.3, 1.1], 1e-3)];
+        let count = Tally::default();
+        let all = evidence(&problem_of(&swings, &parameters, &count), &parameters);
+        let of = |name: &str| all.iter().find(|found| found.effect == name).unwrap();
+        assert!(of("quadratic-drag").words.contains("of the energy lost"), "{all:?}");
+        assert!(
+            of("quadratic-drag").reading_rad == 0.0 && of("sensor-lag").words.contains("moves the reading"),
+            "{all:?}"
+        );
     }
 
     #[test]

@@ -3,7 +3,8 @@
 //! A law that is there acts in every window of the swings; what a hand, a slipping hub or a wrong law of another kind
 //! left behind is carried by a few. So each claim has to pass the windowed, cluster-robust test of [`shared::score`]: its
 //! strength is zero where it is absent, and the other numbers of the model answer freely; it must hold after any two
-//! neighbouring windows are left out too, and be larger than its own scatter over the windows. Its strength on single
+//! neighbouring windows are left out too, and be larger than its own scatter over the windows. A strength on the end of its
+//! range is no measure: the swings ask for more than such a law can be, or for another one. Its strength on single
 //! parts (early, late, left, right, each release) shows where it is seen.
 
 use super::verdict::Judge;
@@ -46,6 +47,8 @@ pub enum Standing {
     TooShort,
     /// It explains so little of all that is claimed that the shape of another law may do as much.
     Slight,
+    /// Its strength lies on the end of its range: the swings ask for more of it than there can be, or for something else.
+    OutOfRange,
 }
 
 /// A claim on the parts of the swings.
@@ -112,7 +115,18 @@ pub fn holdings(on: &Problem, model: &Fitted, n_starts: usize) -> Vec<Holding> {
 }
 
 fn holding(on: &Problem, model: &Fitted, effect: &'static Effect<f64>, clusters: &[Cluster], level: f64) -> Holding {
-    tested(on, model, effect.name, clusters, &Test::of(model, effect, clusters), level)
+    let found = tested(on, model, effect.name, clusters, &Test::of(model, effect, clusters), level);
+    if is_as_strong_as_can_be(model, effect) { Holding { standing: Standing::OutOfRange, ..found } } else { found }
+}
+
+/// Does a strength of an effect lie on the end of its range? Zero, where the range of many begins, is none.
+fn is_as_strong_as_can_be(model: &Fitted, effect: &Effect<f64>) -> bool {
+    let strong = strengths(effect);
+    model.unknowns.iter().enumerate().any(|(j, unknown)| {
+        let value = unknown.get(&model.parameters);
+        let is_strength = index_in(model, effect, j).is_some_and(|index| strong.contains(&index));
+        is_strength && value != 0.0 && (value <= unknown.low || value >= unknown.high)
+    })
 }
 
 /// The test of what stands in some columns of a model.

@@ -4,7 +4,7 @@ use super::budget::Effort;
 use super::curve::FrictionCurve;
 use super::evidence::{Evidence, evidence};
 use super::formulas::{Found as FoundFormula, OFFERED, formulas};
-use super::holds::Holding;
+use super::holds::{Holding, Standing};
 use super::levels::{Levels, levels};
 use super::models::excess;
 use super::of_state::OfState;
@@ -85,6 +85,8 @@ pub struct Diagnosis {
     pub first_look: Option<Look>,
     /// Recordings whose swings don't become smaller: something drives them, and no verdict on them means anything.
     pub driven: Vec<String>,
+    /// Does the model that is told follow the swings at all? If not, whatever is said of it means nothing.
+    pub follows: bool,
     /// Effects claimed to be missing from the base model; empty: nothing is missing, or nothing could be named.
     pub verdict: Vec<&'static str>,
     /// Effects that the data can't tell from one of the verdict.
@@ -178,11 +180,13 @@ impl Diagnosis {
     }
 }
 
-/// The unproven claim that would remove nearly all that is left beyond the noise.
+/// The unproven claim that would remove nearly all that is left beyond the noise, unless it would have to be stronger than it
+/// can be.
 fn suspect(unproven: &[Holding], rmse_after: f64, noise: f64) -> Option<&'static str> {
     let excess = |rmse: f64| rmse.powi(2) - noise.powi(2);
     let lowest = unproven.iter().min_by(|a, b| a.rmse.total_cmp(&b.rmse))?;
-    (excess(lowest.rmse) < (1.0 - SUSPECTED_SHARE) * excess(rmse_after)).then_some(lowest.effect)
+    let is_most = excess(lowest.rmse) < (1.0 - SUSPECTED_SHARE) * excess(rmse_after);
+    (is_most && lowest.standing != Standing::OutOfRange).then_some(lowest.effect)
 }
 
 /// One step of the staircase of errors.
@@ -256,6 +260,7 @@ impl Summary<'_, '_, '_> {
             measured,
             first_look: self.first_look,
             driven: Swing::driven(problem.swings),
+            follows: problem.is_followed(self.claimed.cost),
             family: family(&self.claimed, &self.undecided),
             undecided: self.undecided,
             not_tried: self.not_tried,

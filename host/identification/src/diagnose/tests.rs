@@ -10,7 +10,7 @@ use super::score::predictions;
 use super::search::Found;
 use super::summary::Summary;
 use super::verdict::{INDISTINGUISHABLE, Judge};
-use super::{base_problem, levels, zero};
+use super::{base_problem, diagnose, levels, zero};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::{Fitted, Stiction};
 use crate::fit::identify::problem_of;
@@ -19,6 +19,7 @@ use crate::fit::refine::Band;
 use crate::fit::tally::Tally;
 use crate::random::Noise;
 use crate::swing::{Swing, Window};
+use crate::verdict::Left;
 use shared::effect::Effect;
 use shared::model::Model;
 use shared::parameters::Parameters;
@@ -344,4 +345,60 @@ fn a_law_with_fewer_numbers_is_taken_in_place_of_one_that_leaves_about_as_much_a
     };
     assert_eq!(taken(1.5).as_deref(), Some("quadratic-drag"));
     assert_eq!(taken(3.0), None);
+}
+
+#[test]
+fn a_law_that_is_wanted_stronger_than_it_can_be_is_not_claimed() {
+    // A spring is half as strong again beside a pendulum of two thirds of the weight and inertia.
+    let spring = |stiffness: f64, share: f64| {
+        let mut rig = rig_with("torsional-spring", &[stiffness, 0.0]);
+        rig.set_friction(1e-4, 1e-4, 0.0, 0.0);
+        rig.pendulum.mass_kg *= share;
+        rig.pendulum.inertia_kg_m2 *= share;
+        rig
+    };
+    let standing = |stiffness: f64| {
+        let swings = [simulated("light", &spring(stiffness, 1.0 / 1.5), 14.0, 1)];
+        judged(
+            &swings,
+            |on| (begun(on, &rig()), Vec::new()),
+            |judge| {
+                // The period of small swings is right.
+                let reached = (1.5 * stiffness).min(0.2);
+                let gravity = rig().pendulum.gravity_torque_nm();
+                let slower = (gravity + reached) / (gravity + 1.5 * stiffness);
+                let mut near = spring(reached, 1.0);
+                near.pendulum.inertia_kg_m2 -= (1.0 - slower) * near.pendulum.pivot_inertia_kg_m2();
+                let model = fitted(judge.problem, &near);
+                (judge.holdings(&model).remove(0).standing, judge.holding(model).0.name())
+            },
+        )
+    };
+    assert_eq!(standing(0.12), (Standing::Holds, "torsional-spring".to_owned()));
+    assert_eq!(standing(0.14), (Standing::OutOfRange, "none".to_owned()));
+}
+
+#[test]
+fn a_zero_is_claimed_beside_what_is_claimed_only() {
+    // Beside the drag the zero shows; but these swings are too short to prove a drag, and without one it changes nothing.
+    let mut swing = simulated("short", &rig_with("quadratic-drag", &[2.0 * DRAG]), 5.0, 1);
+    swing.angles_rad.iter_mut().for_each(|angle| *angle += 2e-3);
+    let found = diagnose(&[swing], &[], &rig());
+    assert_eq!(found.suspect, Some("quadratic-drag"), "{:?}", found.unproven);
+    assert!(found.rmse_after > 0.95 * found.rmse_before, "{} of {}", found.rmse_after, found.rmse_before);
+    assert!(found.verdict.is_empty(), "{:?}", found.verdict);
+}
+
+#[test]
+fn where_noise_is_as_large_as_the_motion_it_is_said_that_nothing_follows() {
+    let follows = |noise_rad: f64| {
+        let mut swing = simulated("noisy", &rig(), 6.0, 1);
+        let mut noise = Noise::new(2);
+        swing.angles_rad.iter_mut().for_each(|angle| *angle += noise_rad * noise.normal());
+        swing.noise_rad = noise_rad.hypot(NOISE_RAD);
+        let found = diagnose(&[swing], &[], &rig());
+        (found.left, found.follows)
+    };
+    assert_eq!(follows(0.0), (Left::Noise, true));
+    assert_eq!(follows(2.0), (Left::Noise, false));
 }

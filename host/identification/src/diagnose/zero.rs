@@ -61,9 +61,7 @@ pub struct Zero {
 
 /// Decides for a fitted model; sums of squares (rad²) closer than `indistinguishable` are no reason for anything.
 pub fn decide(problem: &Problem, claimed: Fitted, indistinguishable: f64) -> Zero {
-    // A gyroscope's bias is usual, and no angle.
-    let is_angle = problem.swings.iter().all(|swing| swing.measured == Measured::Angle);
-    let offset_is_missing = is_angle && is_off(problem, &claimed) && matters(problem, &claimed);
+    let offset_is_missing = is_missing(problem, &claimed);
     let keep = |model: Fitted, alike| Zero { model, offset_is_missing, alike };
     let Some(rival) = resembling().filter(|rival| offset_is_missing && !claimed.has(rival.name)) else {
         return keep(claimed, None);
@@ -78,6 +76,13 @@ pub fn decide(problem: &Problem, claimed: Fitted, indistinguishable: f64) -> Zer
     }
     let is_alike = without < claimed.cost + indistinguishable.max(ALIKE_NOISES.powi(2) * claimed.cost);
     keep(claimed, is_alike.then_some(rival.name))
+}
+
+/// Is the zero off beside what a model has, and does that matter?
+pub(super) fn is_missing(problem: &Problem, model: &Fitted) -> bool {
+    // A gyroscope's bias is usual, and no angle.
+    let is_angle = problem.swings.iter().all(|swing| swing.measured == Measured::Angle);
+    is_angle && is_off(problem, model) && matters(problem, model)
 }
 
 /// Does the error grow visibly when all zeros are right?

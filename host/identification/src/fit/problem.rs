@@ -253,6 +253,9 @@ pub struct Problem<'a> {
     pub tally: &'a Tally,
 }
 
+/// Errors beyond this share of the motion mean that the model does not follow it.
+const HOPELESS_SHARE: f64 = 0.6;
+
 impl<'a> Problem<'a> {
     /// Of swings and parameters; the sensor's zero of each swing is free.
     pub fn new(swings: &'a [Swing], template: &Parameters<f64>, unknowns: Vec<Unknown>, tally: &'a Tally) -> Self {
@@ -421,6 +424,13 @@ impl<'a> Problem<'a> {
     /// The root mean square error of a cost, rad.
     pub fn rmse_rad(&self, cost: f64) -> f64 {
         (cost / self.n_samples(Window::Whole).max(1) as f64).sqrt()
+    }
+
+    /// Does a model of this cost follow the swings at all?
+    pub fn is_followed(&self, cost: f64) -> bool {
+        let readings = || self.swings.iter().flat_map(|swing| &swing.angles_rad);
+        let motion = (readings().map(|angle| angle * angle).sum::<f64>() / readings().count().max(1) as f64).sqrt();
+        self.rmse_rad(cost) <= HOPELESS_SHARE * motion
     }
 
     /// The cost that noise alone leaves, rad².

@@ -16,9 +16,6 @@ use crate::verdict::Left;
 use shared::parameters::base;
 use std::time::Instant;
 
-/// Errors beyond this share of the motion mean that the model does not follow it.
-const HOPELESS_SHARE: f64 = 0.6;
-
 /// A geometry this many standard deviations from the measured one is told; of honest tolerances 1 in 80 is.
 const DOUBTFUL_STDS: f64 = 2.5;
 
@@ -40,8 +37,7 @@ impl Report<'_, '_> {
     ) -> Result<Fit, FitError> {
         let (problem, model) = (self.problem, &self.model);
         let rmse_rad = problem.rmse_rad(model.cost);
-        let motion = rms(problem.swings.iter().flat_map(|swing| swing.angles_rad.iter().copied()));
-        if !rmse_rad.is_finite() || rmse_rad > HOPELESS_SHARE * motion {
+        if !problem.is_followed(model.cost) {
             return Err(FitError::Hopeless { error: rmse_rad, measured: kind(problem.swings) });
         }
         let uncertainty = uncertainty(problem, model);
@@ -190,9 +186,4 @@ fn verdict(size: f64, std: Option<f64>) -> Verdict {
 fn two_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
     if value > 1e-3 { format!("{rounded}") } else { format!("{value:.1e}") }
-}
-
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, n) = values.fold((0.0, 0.0), |(sum, n), value| (sum + value * value, n + 1.0));
-    if n > 0.0 { (sum / n).sqrt() } else { 0.0 }
 }

@@ -45,6 +45,7 @@ function showWords() {
   const reasons = {
     'too-short': 'there are too few periods to check it on',
     'slight': 'by less than a tenth of what is claimed, whose own law may be as far from the truth',
+    'out-of-range': 'only as strong as it can be at most: these swings ask for more of it, or for something else',
     'partly': 'not on every part of the swings',
   };
   const why = (claim) => reasons[claim.standing];
@@ -60,8 +61,10 @@ function showWords() {
   const seenOn = (claim) => claim.parts.filter((part) => part.seen).map((part) => part.name).join(', ') || 'no part alone';
   const held = found.holds_on.map((claim) => ` ${claim.effect} is seen on ${seenOn(claim)}.`).join('');
   const driven = found.driven.length ? `The swings of ${found.driven.join(', ')} don't become smaller: a motor or a hand drives them, and what follows says nothing of this pendulum. ` : '';
+  const lost = found.follows ? '' : `The model does not follow these swings at all: it leaves ${mrad(found.rmse_after)}. Did nothing touch or drive it, and are unit, zero and geometry right? `;
   const levels = found.levels ? `${found.levels.words}. ` : '';
-  words.textContent = driven + levels + (hasNoLaw && found.unexplained
+  const isSilent = lost && !found.unexplained && found.verdict.length === 0;
+  words.textContent = driven + lost + levels + (isSilent ? '' : hasNoLaw && found.unexplained
     ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left, but no effect of the list brings it down to the noise.${dropped}${split}`
     : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `Missing: ${names}. With ${found.verdict.length > 1 ? 'them' : 'it'} the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
 }
