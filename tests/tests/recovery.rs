@@ -185,8 +185,8 @@ fn the_rest_shows_which_stiction_stops_a_swing() {
     }
 }
 
-/// Of 500 rigs the intervals of I held the truth in 469, of the first 100 in 89: chance alone makes so few of a hundred
-/// in 1 % of cases.
+/// Of 1,000 rigs the intervals of Mw held the truth in 939, of Mc in 944 and of I in 932: in 461 of the first 500, in 471 of
+/// the next. I is known to 6e-6 of it, and steps of 10 ms move it by 0.07 of that.
 #[test]
 #[ignore = "needs 500 rigs, which take twenty minutes: RECOVERY_RIGS=500"]
 fn stated_95_percent_intervals_contain_the_truth_in_90_to_99_percent() {
