@@ -6,6 +6,8 @@ mod clocks;
 mod columns;
 #[path = "recording_loggers/drives.rs"]
 mod drives;
+#[path = "recording_loggers/frames.rs"]
+mod frames;
 #[path = "recording_loggers/refusals.rs"]
 mod refusals;
 #[path = "recording_loggers/rows.rs"]

@@ -17,6 +17,7 @@ mod columns;
 mod drive;
 mod error;
 mod foreign;
+mod frames;
 mod grid;
 mod header;
 mod heading;

@@ -5,6 +5,7 @@
 //! Over a window that is short beside a period the motion is a cubic; least squares for its coefficients and a step in
 //! the middle find the places, and the number of samples is the one that leaves the least of the step.
 
+use super::frames;
 use super::median_step_s;
 use super::noise;
 use super::samples::keep;
@@ -47,25 +48,29 @@ const STEADY: f64 = 0.25;
 
 /// What a clock lost (positive) or counted twice (negative) between two samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Slip {
+pub(super) struct Slip {
     /// The first sample behind it.
-    idx: usize,
-    n_samples: isize,
+    pub(super) idx: usize,
+    pub(super) n_samples: isize,
 }
 
-/// Sets times right; readings that stand there twice are left out: which samples are kept.
-pub(super) fn set_right(times_s: &mut Vec<f64>, readings: &mut Vec<f64>, notes: &mut Vec<String>) -> Vec<bool> {
+/// Sets times right; readings that stand there twice are left out: which samples are kept. Rows that are counted have no
+/// clock that is off, but a video may lack a frame all the same.
+pub(super) fn set_right(
+    times_s: &mut Vec<f64>,
+    readings: &mut Vec<f64>,
+    are_counted: bool,
+    notes: &mut Vec<String>,
+) -> Vec<bool> {
     let step_s = median_step_s(times_s);
-    let slips = slips(times_s, readings, step_s);
+    let mut slips = if are_counted { Vec::new() } else { slips(times_s, readings, step_s) };
+    if let Some(first) = slips.first().map(|slip| times_s[slip.idx]) {
+        notes.push(note(&slips, first));
+    } else {
+        slips = frames::slips(times_s, readings);
+        notes.extend(frames::note(&slips, times_s));
+    }
     let mut kept = vec![true; times_s.len()];
-    let Some(first) = slips.first().map(|slip| times_s[slip.idx]) else { return kept };
-    let numbers: Vec<String> = slips.iter().map(|slip| format!("{:+}", slip.n_samples)).collect();
-    notes.push(format!(
-        "the clock is off at {} places, at {first:.3} s first, by {} samples: they were lost (+) or stand there twice (-), \
-         which the motion shows; the times are set right",
-        slips.len(),
-        numbers.join(", ")
-    ));
     for slip in slips {
         times_s[slip.idx..].iter_mut().for_each(|time_s| *time_s += slip.n_samples as f64 * step_s);
         let n_doubled = slip.n_samples.min(0).unsigned_abs();
@@ -75,6 +80,16 @@ pub(super) fn set_right(times_s: &mut Vec<f64>, readings: &mut Vec<f64>, notes: 
         keep(list, &kept);
     }
     kept
+}
+
+fn note(slips: &[Slip], first_s: f64) -> String {
+    let numbers: Vec<String> = slips.iter().map(|slip| format!("{:+}", slip.n_samples)).collect();
+    format!(
+        "the clock is off at {} places, at {first_s:.3} s first, by {} samples: they were lost (+) or stand there twice (-), \
+         which the motion shows; the times are set right",
+        slips.len(),
+        numbers.join(", ")
+    )
 }
 
 fn slips(times_s: &[f64], readings: &[f64], step_s: f64) -> Vec<Slip> {
@@ -280,7 +295,7 @@ mod tests {
         ticks.insert(doubled, 15_000);
         let mut readings = seen(ticks.iter().copied());
         let (mut times_s, mut notes) = (nominal(readings.len()), Vec::new());
-        set_right(&mut times_s, &mut readings, &mut notes);
+        set_right(&mut times_s, &mut readings, false, &mut notes);
         ticks.remove(doubled);
         assert_eq!((times_s.len(), readings.len()), (ticks.len(), ticks.len()));
         let is_right = |(time_s, tick): (&f64, &u32)| (time_s - f64::from(*tick) * STEP_S).abs() < 0.5 * STEP_S;
@@ -299,7 +314,7 @@ mod tests {
                 let mut readings =
                     seen((75_000..90_000).filter(|tick| !(75_000 + begin..75_000 + begin + lost).contains(tick)));
                 let (mut times_s, mut notes) = (nominal(readings.len()), Vec::new());
-                set_right(&mut times_s, &mut readings, &mut notes);
+                set_right(&mut times_s, &mut readings, false, &mut notes);
                 let end_s = times_s[times_s.len() - 1];
                 assert!((end_s - 14.999).abs() < 0.5 * STEP_S, "{lost} at {begin}: {end_s} {notes:?}");
             }
@@ -310,7 +325,7 @@ mod tests {
     fn a_motion_that_goes_back_further_than_a_window_is_left_alone() {
         let mut readings = seen((0..12_300).chain(12_260..12_276));
         let (mut times_s, mut notes) = (nominal(readings.len()), Vec::new());
-        set_right(&mut times_s, &mut readings, &mut notes);
+        set_right(&mut times_s, &mut readings, false, &mut notes);
         assert_eq!((times_s.len(), readings.len(), notes.len()), (12_316, 12_316, 0), "{notes:?}");
     }
 
@@ -327,7 +342,7 @@ mod tests {
             };
             let mut readings: Vec<f64> = (0..20_000).map(&mut with_play).collect();
             let (mut times_s, mut notes) = (nominal(readings.len()), Vec::new());
-            set_right(&mut times_s, &mut readings, &mut notes);
+            set_right(&mut times_s, &mut readings, false, &mut notes);
             assert_eq!((times_s.len(), notes.len()), (20_000, 0), "{play} {notes:?}");
         }
     }
@@ -345,7 +360,7 @@ mod tests {
         (8710..8810).for_each(|idx| shaken[idx] += 0.01 * random(idx));
         for readings in [whole, spike, slipped, shaken] {
             let (mut times_s, mut kept, mut notes) = (nominal(readings.len()), readings.clone(), Vec::new());
-            set_right(&mut times_s, &mut kept, &mut notes);
+            set_right(&mut times_s, &mut kept, false, &mut notes);
             assert_eq!((kept.len(), notes.len(), times_s.len()), (readings.len(), 0, readings.len()), "{notes:?}");
         }
     }

@@ -214,9 +214,9 @@ impl Opened<'_> {
             samples.leave_out_spikes(&mut times_s, &mut notes);
         }
         let mut readings = sources.readings(table, &samples, &times_s, header, options, &mut notes)?;
-        // Rigs of ours count their samples, and rows that are counted have no times to be wrong.
-        if !is_ours && samples.codes.is_empty() && !sources.counts_rows() {
-            let kept = lost::set_right(&mut times_s, &mut readings, &mut notes);
+        // Rigs of ours count their samples.
+        if !is_ours && samples.codes.is_empty() {
+            let kept = lost::set_right(&mut times_s, &mut readings, sources.counts_rows(), &mut notes);
             samples.others.iter_mut().for_each(|list| keep(list, &kept));
         }
         let others = sources.others(table, &samples, &readings);

@@ -1,0 +1,127 @@
+//! Frames of a video that are missing or stand there twice.
+
+use crate::swing::{open, swing_from};
+use host::recording::{ReadOptions, Recording};
+use tests::chance::Chance;
+
+/// Which frame a row is of, and how many slips there are.
+struct Video {
+    frames: Vec<usize>,
+    slips: Vec<usize>,
+}
+
+impl Video {
+    /// Of these frames some are missing and some stand there twice, in turn.
+    fn with_slips(n_frames: usize, slips: &[usize]) -> Self {
+        let n_rows_of = |frame: usize| match slips.iter().position(|slip| *slip == frame) {
+            None => 1,
+            Some(place) => 2 * (place % 2),
+        };
+        let frames = (0..n_frames).flat_map(|frame| std::iter::repeat_n(frame, n_rows_of(frame))).collect();
+        Self { frames, slips: slips.to_vec() }
+    }
+
+    /// The text of its rows, with noise and times that count on.
+    fn rows(&self, angles_rad: &[f64], rate_hz: usize, noise_rad: f64, chance: &mut Chance) -> Vec<String> {
+        let row = |(row, frame): (usize, &usize)| {
+            let angle_rad = angles_rad[*frame] + noise_rad * chance.normal();
+            format!("{:.6},{angle_rad:.6}", row as f64 / rate_hz as f64)
+        };
+        self.frames.iter().enumerate().map(row).collect()
+    }
+
+    /// Times are right to a tenth of a frame, but for those that may lie on the other side of a slip where it turns.
+    fn check(&self, recording: &Recording, rate_hz: usize, label: &str) {
+        let mut frames = self.frames.clone();
+        frames.dedup();
+        assert_eq!(recording.len(), frames.len(), "{label}: {:?}", recording.notes());
+        let is_near = |frame: usize| self.slips.iter().any(|slip| slip.abs_diff(frame) < rate_hz / 4);
+        for (time_s, frame) in recording.times_s().iter().zip(&frames).filter(|(_, frame)| !is_near(**frame)) {
+            let off = time_s * rate_hz as f64 - *frame as f64;
+            assert!(off.abs() < 0.1, "{label}: {off} frames at {time_s} s, {:?}", recording.notes());
+        }
+    }
+}
+
+fn angles(rate_hz: usize, seconds: usize) -> Vec<f64> {
+    swing_from(1.0, rate_hz, seconds).into_iter().map(|(_, angle_rad, _)| angle_rad).collect()
+}
+
+fn text(rows: &[String]) -> String {
+    format!("t (s),angle (rad)\n{}\n", rows.join("\n"))
+}
+
+fn says_frames(recording: &Recording) -> bool {
+    recording.notes().iter().any(|note| note.starts_with("frames that"))
+}
+
+#[test]
+fn frames_that_are_missing_or_stand_there_twice_are_set_right() {
+    for rate_hz in [30, 60] {
+        let angles_rad = angles(rate_hz, 40);
+        for seed in 0..10 {
+            let mut chance = Chance::new(seed);
+            let place =
+                |n: usize, chance: &mut Chance| ((5.0 * n as f64 + chance.within(3.0..5.0)) * rate_hz as f64) as usize;
+            let slips: Vec<usize> = (0..6).map(|n| place(n, &mut chance)).collect();
+            let video = Video::with_slips(angles_rad.len(), &slips);
+            let rows = video.rows(&angles_rad, rate_hz, 3e-4, &mut chance);
+            let label = format!("{rate_hz} Hz, {seed}");
+            let recording = open(text(&rows).as_bytes(), &ReadOptions::default()).unwrap();
+            video.check(&recording, rate_hz, &label);
+            let notes = recording.notes().join("; ");
+            assert!(notes.contains("that stand there twice: 3 (at") && notes.contains("missing: 3 (at"), "{notes}");
+            // Rows that are counted are a video's as well.
+            let counted = format!(
+                "angle (rad)\n{}\n",
+                rows.iter().map(|row| row[row.find(',').unwrap() + 1..].to_owned() + "\n").collect::<String>()
+            );
+            let options = ReadOptions { rate_hz: Some(rate_hz as f64), ..ReadOptions::default() };
+            video.check(&open(counted.as_bytes(), &options).unwrap(), rate_hz, &label);
+        }
+    }
+}
+
+/// As a phone's video does that was converted to another rate.
+#[test]
+fn a_frame_that_stands_there_twice_every_46_seconds_is_set_right() {
+    let angles_rad = angles(30, 62);
+    let slips = [0, 13 * 30 + 7, 0, 59 * 30 + 10];
+    let video = Video::with_slips(angles_rad.len(), &slips);
+    let rows = video.rows(&angles_rad, 30, 2e-4, &mut Chance::new(1));
+    let recording = open(text(&rows).as_bytes(), &ReadOptions::default()).unwrap();
+    assert!(recording.notes().join("; ").contains("twice: 2 (at "), "{:?}", recording.notes());
+}
+
+#[test]
+fn of_a_hundred_videos_without_a_slip_none_is_changed() {
+    for rate_hz in [30, 60] {
+        let angles_rad = angles(rate_hz, 20);
+        let whole = Video::with_slips(angles_rad.len(), &[]);
+        for seed in 0..50 {
+            let mut chance = Chance::new(seed);
+            let noise_rad = 10_f64.powf(chance.within(-4.0..-2.0));
+            let rows = whole.rows(&angles_rad, rate_hz, noise_rad, &mut chance);
+            let recording = open(text(&rows).as_bytes(), &ReadOptions::default()).unwrap();
+            assert!(!says_frames(&recording), "{rate_hz} Hz, {seed}: {:?}", recording.notes());
+        }
+    }
+}
+
+/// A bus that gives the value before again, one time in a hundred, and counts of 2 mrad that repeat where it turns.
+#[test]
+fn repeated_readings_that_shift_no_time_keep_their_times() {
+    let angles_rad = angles(60, 20);
+    for seed in 0..10 {
+        let mut chance = Chance::new(seed);
+        let mut before = angles_rad[0];
+        let mut row = |(idx, angle_rad): (usize, &f64)| {
+            let is_stale = chance.within(0.0..1.0) < 0.01;
+            before = if is_stale { before } else { (angle_rad / 2e-3).round() * 2e-3 };
+            format!("{:.6},{before:.6}", idx as f64 / 60.0)
+        };
+        let rows: Vec<String> = angles_rad.iter().enumerate().map(&mut row).collect();
+        let recording = open(text(&rows).as_bytes(), &ReadOptions::default()).unwrap();
+        assert!(!says_frames(&recording), "{seed}: {:?}", recording.notes());
+    }
+}
