@@ -40,6 +40,7 @@ mod row;
 mod runs;
 mod samples;
 pub mod segment;
+mod slip;
 pub(crate) mod smooth;
 mod source;
 mod spikes;

@@ -13,12 +13,15 @@ struct Video {
 impl Video {
     /// Of these frames some are missing and some stand there twice, in turn.
     fn with_slips(n_frames: usize, slips: &[usize]) -> Self {
-        let n_rows_of = |frame: usize| match slips.iter().position(|slip| *slip == frame) {
-            None => 1,
-            Some(place) => 2 * (place % 2),
-        };
+        let in_turn: Vec<(usize, usize)> = slips.iter().copied().zip([0, 2].into_iter().cycle()).collect();
+        Self::with_rows(n_frames, &in_turn)
+    }
+
+    /// Of these frames some have another number of rows than one.
+    fn with_rows(n_frames: usize, slips: &[(usize, usize)]) -> Self {
+        let n_rows_of = |frame: usize| slips.iter().find(|(slip, _)| *slip == frame).map_or(1, |(_, n_rows)| *n_rows);
         let frames = (0..n_frames).flat_map(|frame| std::iter::repeat_n(frame, n_rows_of(frame))).collect();
-        Self { frames, slips: slips.to_vec() }
+        Self { frames, slips: slips.iter().map(|(slip, _)| *slip).collect() }
     }
 
     /// The text of its rows, with noise and times that count on.
@@ -86,11 +89,11 @@ fn frames_that_are_missing_or_stand_there_twice_are_set_right() {
 #[test]
 fn a_frame_that_stands_there_twice_every_46_seconds_is_set_right() {
     let angles_rad = angles(30, 62);
-    let slips = [0, 13 * 30 + 7, 0, 59 * 30 + 10];
-    let video = Video::with_slips(angles_rad.len(), &slips);
+    let video = Video::with_rows(angles_rad.len(), &[(13 * 30 + 7, 2), (59 * 30 + 10, 2)]);
     let rows = video.rows(&angles_rad, 30, 2e-4, &mut Chance::new(1));
     let recording = open(text(&rows).as_bytes(), &ReadOptions::default()).unwrap();
     assert!(recording.notes().join("; ").contains("twice: 2 (at "), "{:?}", recording.notes());
+    video.check(&recording, 30, "every 46 s");
 }
 
 #[test]

@@ -66,12 +66,13 @@ pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence
     let of = |effect: &'static Effect<f64>| {
         let mut without = parameters.clone();
         without.remove(effect.id);
-        let [with, late] = [0.0, longest_s].map(|time_s| period(parameters, amplitude_rad, time_s));
-        let [without, late_without] = [0.0, longest_s].map(|time_s| period(&without, amplitude_rad, time_s));
+        let both = |time_s: f64| [parameters, &without].map(|of| period(of, amplitude_rad, time_s));
+        let [with, without] = both(0.0);
         let found = compared(effect, amplitude_rad, &with?, &without?);
         if !is_of_the_sensor(effect) {
             return Some(found);
         }
+        let [late, late_without] = both(longest_s);
         let late_rad = late.zip(late_without).map_or(0.0, |(with, without)| {
             // The first readings: both motions begin alike there.
             (with.readings_rad[0] - without.readings_rad[0]).abs()

@@ -11,8 +11,8 @@
 
 mod swing;
 
-use super::lost::Slip;
 use super::noise;
+use super::slip::Slip;
 use super::turning;
 use super::{median, median_step_s};
 use rayon::prelude::*;

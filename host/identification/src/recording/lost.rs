@@ -9,6 +9,7 @@ use super::frames;
 use super::median_step_s;
 use super::noise;
 use super::samples::keep;
+use super::slip::Slip;
 use super::turning;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -45,14 +46,6 @@ const LARGE: isize = 4;
 /// sensor with play stands still for some samples, as if they stood there twice. With half of it some of those would pass;
 /// twice of it leaves what is lost up to a twelfth of a half swing from the turn.
 const STEADY: f64 = 0.25;
-
-/// What a clock lost (positive) or counted twice (negative) between two samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Slip {
-    /// The first sample behind it.
-    pub(super) idx: usize,
-    pub(super) n_samples: isize,
-}
 
 /// Sets times right; readings that stand there twice are left out: which samples are kept. Rows that are counted have no
 /// clock that is off, but a video may lack a frame all the same.
