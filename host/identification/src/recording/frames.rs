@@ -9,6 +9,7 @@
 //! some hundred real recordings of encoders and videos but one. In that one the eight doubled frames, one each 46.1 s, are
 //! found. Missing ones are found in five of seven other videos; in four of these rows fall behind the rounded times likewise.
 
+mod glance;
 mod swing;
 
 use super::noise;
@@ -69,6 +70,9 @@ pub(super) fn slips(times_s: &[f64], readings: &[f64]) -> Vec<Slip> {
     let step_s = median_step_s(times_s);
     let period = 2.0 * half_swing_s / step_s;
     if !(FEWEST..MOST).contains(&period) || (times_s.len() as f64) < SHORTEST * period {
+        return Vec::new();
+    }
+    if !glance::may_slip(times_s, readings, noise_rms, step_s, period) {
         return Vec::new();
     }
     let look = Look { times_s, readings, step_s, period, beside: (BESIDE * period).ceil() as usize };

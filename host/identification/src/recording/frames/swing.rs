@@ -19,9 +19,6 @@ const BETTERED: usize = 2;
 /// It changes by no more than this share at a time.
 const LARGEST_CHANGE: f64 = 0.2;
 
-/// Samples, for a slope.
-const APART: f64 = 1e-3;
-
 /// What a window says of a step in its middle: steps of the time (samples), the size (share) and the offset, each with
 /// what a scatter of 1 makes of itself in it.
 #[derive(Debug, Clone, Copy)]
@@ -46,10 +43,12 @@ pub(super) struct Swing {
 
 impl Swing {
     pub(super) fn fit(places: Vec<f64>, readings: Vec<f64>, frequency: f64, beside: f64) -> Option<Self> {
+        let n_spare = readings.len().checked_sub(SWING + 1)?;
         let mut swing = Self { places, readings, frequency, beside, found: SVector::zeros(), scatter: 0.0 };
         for left in (0..=BETTERED).rev() {
-            let rows = swing.places.iter().map(|place| swing.row(*place));
-            swing.found = least_squares(rows, &swing.readings)?.0;
+            let rows: Vec<[f64; SWING]> = swing.places.iter().map(|place| swing.row(*place)).collect();
+            let (found, _, off) = least_squares(&rows, &swing.readings)?;
+            (swing.found, swing.scatter) = (found, (off / n_spare as f64).sqrt());
             let (cosine, sine) = (swing.found[2], swing.found[3]);
             let faster = (sine * swing.found[4] - cosine * swing.found[5]) / (cosine * cosine + sine * sine) / beside;
             if left > 0 && faster.is_finite() {
@@ -57,53 +56,72 @@ impl Swing {
                 swing.frequency += faster.clamp(-most, most);
             }
         }
-        let off: f64 =
-            swing.places.iter().zip(&swing.readings).map(|(place, seen)| (seen - swing.at(*place)).powi(2)).sum();
-        swing.scatter = (off / (swing.readings.len().checked_sub(SWING + 1)? as f64)).sqrt();
         Some(swing)
     }
 
     fn row(&self, place: f64) -> [f64; SWING] {
         let q = place / self.beside;
-        let (s, c) = (self.frequency * place).sin_cos();
-        let (s2, c2) = (2.0 * s * c, c * c - s * s);
-        [1.0, q, c, s, q * c, q * s, q * q * c, q * q * s, c2, s2, c * c2 - s * s2, s * c2 + c * s2]
+        let [(c, s), (c2, s2), (c3, s3)] = harmonics(self.frequency * place);
+        [1.0, q, c, s, q * c, q * s, q * q * c, q * q * s, c2, s2, c3, s3]
+    }
+
+    /// What a row changes by in a sample.
+    fn change(&self, place: f64) -> [f64; SWING] {
+        let (q, dq, w) = (place / self.beside, 1.0 / self.beside, self.frequency);
+        let [(c, s), (c2, s2), (c3, s3)] = harmonics(w * place);
+        let (dc, ds) = (-w * s, w * c);
+        let [dqc, dqs] = [dq * c + q * dc, dq * s + q * ds];
+        let [dqqc, dqqs] = [q * (dq * c + dqc), q * (dq * s + dqs)];
+        [0.0, dq, dc, ds, dqc, dqs, dqqc, dqqs, -2.0 * w * s2, 2.0 * w * c2, -3.0 * w * s3, 3.0 * w * c3]
     }
 
     pub(super) fn at(&self, place: f64) -> f64 {
-        self.row(place).iter().zip(self.found.iter()).map(|(value, found)| value * found).sum()
+        self.sum(&self.row(place))
     }
 
     /// What it moves in a sample.
     pub(super) fn slope(&self, place: f64) -> f64 {
-        (self.at(place + APART) - self.at(place - APART)) / (2.0 * APART)
+        self.sum(&self.change(place))
+    }
+
+    fn sum(&self, row: &[f64; SWING]) -> f64 {
+        row.iter().zip(self.found.iter()).map(|(value, found)| value * found).sum()
     }
 
     pub(super) fn steps(&self) -> Option<Steps> {
+        let n_spare = self.readings.len().checked_sub(ALL + 1)?;
         let row = |place: &f64| {
             let swing = self.row(*place);
-            let later = f64::from(*place > 0.0);
-            let steps = [self.slope(*place), self.at(*place) - self.found[0], 1.0];
             let mut all = [0.0; ALL];
             all[..SWING].copy_from_slice(&swing);
-            all[SWING..].iter_mut().zip(steps).for_each(|(cell, step)| *cell = later * step);
+            if *place > 0.0 {
+                all[SWING..].copy_from_slice(&[self.slope(*place), self.sum(&swing) - self.found[0], 1.0]);
+            }
             all
         };
-        let (found, per_scatter, off) = least_squares(self.places.iter().map(row), &self.readings)?;
-        let scatter = (off / (self.readings.len().checked_sub(ALL + 1)? as f64)).sqrt();
+        let rows: Vec<[f64; ALL]> = self.places.iter().map(row).collect();
+        let (found, per_scatter, off) = least_squares(&rows, &self.readings)?;
+        let scatter = (off / n_spare as f64).sqrt();
         let of_steps = |all: &SVector<f64, ALL>| std::array::from_fn(|step| all[SWING + step]);
         Some(Steps { steps: of_steps(&found), per_scatter: of_steps(&per_scatter), scatter })
     }
 }
 
+/// Cosine and sine of an angle, of twice and of three times of it.
+fn harmonics(angle_rad: f64) -> [(f64, f64); 3] {
+    let (s, c) = angle_rad.sin_cos();
+    let (c2, s2) = (c * c - s * s, 2.0 * s * c);
+    [(c, s), (c2, s2), (c * c2 - s * s2, s * c2 + c * s2)]
+}
+
 /// The unknowns, what a scatter of 1 makes of itself in them, and the sum of squares that is left.
 fn least_squares<const N: usize>(
-    rows: impl Iterator<Item = [f64; N]> + Clone,
+    rows: &[[f64; N]],
     readings: &[f64],
 ) -> Option<(SVector<f64, N>, SVector<f64, N>, f64)> {
     let mut square = SMatrix::<f64, N, N>::zeros();
     let mut side = SVector::<f64, N>::zeros();
-    for (row, reading) in rows.clone().zip(readings) {
+    for (row, reading) in rows.iter().zip(readings) {
         for column in 0..N {
             side[column] += row[column] * reading;
             for other in 0..=column {
@@ -121,8 +139,8 @@ fn least_squares<const N: usize>(
     let inverse = scaled.cholesky()?.inverse();
     let found = (inverse * side.component_div(&scale)).component_div(&scale);
     let per_scatter = SVector::from_fn(|column, _| inverse[(column, column)].sqrt() / scale[column]);
-    let off = |(row, reading): ([f64; N], &f64)| {
+    let off = |(row, reading): (&[f64; N], &f64)| {
         (reading - row.iter().zip(found.iter()).map(|(value, found)| value * found).sum::<f64>()).powi(2)
     };
-    Some((found, per_scatter, rows.zip(readings).map(off).sum()))
+    Some((found, per_scatter, rows.iter().zip(readings).map(off).sum()))
 }
