@@ -4,6 +4,7 @@
 //! and l, and that l is at most `g·(T/2π)²`. A drive of the model (a spring, a magnet, a typed torque) changes the period;
 //! with one nothing is judged.
 
+use crate::pace::small_period_s;
 use crate::recording::Measured;
 use crate::recording::plausible::{Swings, lengthening};
 use crate::recording::turning::half_swing_s;
@@ -152,11 +153,6 @@ fn judge(name: &str, period_s: f64, pendulum: &Pendulum<f64>) -> Result<(), Geom
 /// What makes this period of small swings, kg·m².
 fn inertia_about_pivot(pendulum: &Pendulum<f64>, period_s: f64) -> f64 {
     pendulum.gravity_torque_nm() * (period_s / TAU).powi(2)
-}
-
-/// Period of small swings, s.
-fn small_period_s(pendulum: &Pendulum<f64>) -> f64 {
-    TAU * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt()
 }
 
 /// Gives a pendulum of unknown geometry the inertia that makes the period of the swings, where its own is so far from

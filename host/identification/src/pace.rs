@@ -23,7 +23,12 @@ pub fn of_period(period_s: f64) -> f64 {
 
 /// The same by the small swings of a pendulum.
 pub fn of_pendulum(pendulum: &Pendulum<f64>) -> f64 {
-    of_period(TAU * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt())
+    of_period(small_period_s(pendulum))
+}
+
+/// The period of its small swings, s.
+pub fn small_period_s(pendulum: &Pendulum<f64>) -> f64 {
+    TAU * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt()
 }
 
 /// By how much a number in this unit grows with the pace: the power of the seconds in it. Torques are none of it,

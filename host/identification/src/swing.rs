@@ -1,6 +1,6 @@
 //! A recording made ready for the fit: the free swing alone, its time counted from its first sample.
 
-mod step;
+pub mod step;
 
 use crate::pace;
 use crate::recording::noise::rms_about_line;
@@ -12,6 +12,7 @@ use crate::trajectory::Schedule;
 use shared::effect::{CURVE_ID, Effect};
 use shared::parameters::Parameters;
 use std::f64::consts::TAU;
+use std::ops::Range;
 use std::sync::Arc;
 use step::{FINE_STEP_S, SIMULATED_TO_RAD, longest_step_s};
 
@@ -77,6 +78,8 @@ pub struct Swing {
     pub name: String,
     /// Seconds since the first sample, rising strictly.
     pub times_s: Arc<[f64]>,
+    /// Seconds from the release to the first sample: friction that changes on the way does not begin anew with a part.
+    pub begins_s: f64,
     /// What was measured.
     pub measured: Measured,
     /// The readings, unfiltered: angles in rad, or rates in rad/s where those were measured.
@@ -130,7 +133,14 @@ impl Swing {
     /// Other readings of the same sensor on the same pendulum.
     pub fn like(&self, times_s: &[f64], readings: &[f64]) -> Self {
         let other = Self::build(&self.name, self.measured, self.reading_per_rad, times_s, readings, self.noise_rad);
-        Self { is_counted: self.is_counted, is_driven: self.is_driven, doubts: self.doubts.clone(), ..other }
+        let (begins_s, doubts) = (self.begins_s, self.doubts.clone());
+        Self { begins_s, is_counted: self.is_counted, is_driven: self.is_driven, doubts, ..other }
+    }
+
+    /// A part of it, of which the model knows when it begins.
+    pub fn part(&self, range: Range<usize>) -> Self {
+        let begins_s = self.begins_s + self.times_s[range.start];
+        Self { begins_s, ..self.like(&self.times_s[range.clone()], &self.angles_rad[range]) }
     }
 
     fn build(
@@ -157,6 +167,7 @@ impl Swing {
             reading_per_rad,
             schedules: schedules(&times_s, longest_step_s, pace, 1.0, measured),
             times_s,
+            begins_s: 0.0,
             pace,
             noise_rad,
             is_counted: false,

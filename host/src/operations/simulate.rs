@@ -6,6 +6,7 @@ use crate::random::Noise;
 use crate::recording::{Calibration, Header, sensor_name};
 use crate::rigfile::Quantity;
 use crate::sim::Scenario;
+use crate::swing::step::longest_step_of;
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::model::Model;
 use shared::parameters::Parameters;
@@ -60,11 +61,14 @@ impl Simulation {
         let mut state = model.release(self.start_rad, 0.0);
         let mut sensor = model.sensor_at_rest(&state);
         let mut noise = Noise::new(self.seed);
+        // A sample may be too long for a step.
+        let sample_s = 1.0 / self.rate_hz;
+        let n_steps = (sample_s / longest_step_of(&self.parameters.pendulum) * (1.0 - 1e-9)).ceil().max(1.0);
         let n_held = (HELD_S * self.rate_hz).round() as usize;
         let n_samples = n_held + (self.seconds * self.rate_hz).round() as usize + 1;
         for sample_idx in 0..n_samples {
             if sample_idx > n_held {
-                model.step(&mut state, 1.0 / self.rate_hz);
+                (0..n_steps as usize).for_each(|_| model.step(&mut state, sample_s / n_steps));
             }
             let angle_rad = model.read(&state, &mut sensor) + self.noise_rad * noise.normal();
             let converted = |sensor| convert(&sensor, angle_rad);
@@ -175,5 +179,24 @@ fn convert(sensor: &Sensor, angle_rad: f64) -> (f64, Option<u16>) {
             ((f64::from(code) - zero) * step, Some(code))
         }
         Some(span) => ((exact - zero) * step, Some(exact.rem_euclid(f64::from(span)) as u16)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_motion_does_not_depend_on_how_often_it_is_sampled() {
+        let end_rad = |rate_hz: f64| {
+            let (parameters, converter) = (Parameters::paper(), None);
+            let swing =
+                Simulation { parameters, start_rad: 1.5, seconds: 10.0, noise_rad: 0.0, seed: 1, rate_hz, converter };
+            swing.run(|_, _, _| Ok::<(), ()>(())).unwrap().final_angle_rad
+        };
+        for rate_hz in [10.0, 30.0, 100.0] {
+            let off_rad = end_rad(rate_hz) - end_rad(1000.0);
+            assert!(off_rad.abs() < 1e-4, "{rate_hz} Hz: {off_rad}");
+        }
     }
 }

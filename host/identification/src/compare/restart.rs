@@ -70,7 +70,7 @@ pub fn cuts(swing: &Swing, offset_rad: f64) -> Option<Cuts> {
 /// constant in truth cannot be told from a zero that is off.
 pub fn zero_of_swings(swing: &Swing, parameters: &Parameters<f64>, first_rad: f64, cuts: &Cuts) -> f64 {
     let one = |ends: &[usize]| {
-        let piece = piece(swing, ends[0]..ends[1] + 1);
+        let piece = swing.part(ends[0]..ends[1] + 1);
         Some(fitted_start(&piece, parameters, guess(&piece, cuts.half_swing_s, first_rad)?, true).offset_rad)
     };
     // Swings close to rest hang on stiction.
@@ -127,8 +127,8 @@ fn restart(
     let range = times_s.partition_point(|t| *t < begin_s)..times_s.partition_point(|t| *t <= end_s);
     // The stretch and the one behind it: simulated at once, fitted to the first only.
     let longest = stretch.next_end.unwrap_or(range.end).max(range.end);
-    let both = piece(swing, range.start..longest);
-    let fitted = piece(swing, range.clone());
+    let both = swing.part(range.start..longest);
+    let fitted = swing.part(range.clone());
     let start = fitted_start(&fitted, parameters, guess(&fitted, cuts.half_swing_s, offset_rad)?, false);
 
     let count = Tally::default();
@@ -140,11 +140,6 @@ fn restart(
     angles_rad.truncate(fitted.len());
     let velocities_rad_s = slopes(&fitted.times_s, &angles_rad);
     Some(Restart { range, angles_rad, velocities_rad_s, residuals_rad, ahead_rad })
-}
-
-/// A part of a swing; all of it is lively.
-fn piece(swing: &Swing, range: Range<usize>) -> Swing {
-    swing.like(&swing.times_s[range.clone()], &swing.angles_rad[range])
 }
 
 fn guess(fitted: &Swing, half_swing_s: f64, offset_rad: f64) -> Option<Start> {
@@ -163,6 +158,8 @@ fn guess(fitted: &Swing, half_swing_s: f64, offset_rad: f64) -> Option<Start> {
 mod tests {
     use super::*;
     use crate::compare::tests::{OFFSET_RAD, VISCOUS, rig, swing};
+    use shared::effect::Effect;
+    use shared::model::Model;
     use std::f64::consts::PI;
 
     #[test]
@@ -195,5 +192,23 @@ mod tests {
             assert!(largest(&restart.ahead_rad) < 4e-6, "{}", largest(&restart.ahead_rad));
         }
         assert!(found[..found.len() - 1].iter().all(|restart| restart.ahead_rad.len() > 150));
+    }
+
+    #[test]
+    fn friction_that_fades_does_not_begin_anew_with_each_swing() {
+        let mut truth = rig(VISCOUS);
+        truth.set(Effect::<f64>::by_name("drifting-friction").unwrap().id, &[0.0, 4.0 * VISCOUS, 1.5]).unwrap();
+        let model = Model::new(&truth);
+        let mut state = model.release(0.3, 0.0);
+        let times_s: Vec<f64> = (0..1600).map(|i| f64::from(i) / 200.0).collect();
+        let mut angles_rad = Vec::new();
+        for _ in &times_s {
+            angles_rad.push(state.angle_rad);
+            (0..5).for_each(|_| model.step(&mut state, 1e-3));
+        }
+        let swing = Swing::new("fading", &times_s, &angles_rad, 1e-6);
+        let found = restarts(&swing, &truth, 0.0, &cuts(&swing, 0.0).unwrap(), 0.05);
+        let largest = |errors: &[f64]| errors.iter().fold(0.0_f64, |largest, error| largest.max(error.abs()));
+        assert!(found.len() > 5 && found.iter().all(|restart| largest(&restart.ahead_rad) < 1e-4));
     }
 }

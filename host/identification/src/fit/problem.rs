@@ -311,7 +311,8 @@ impl<'a> Problem<'a> {
                 let mut parameters = self.parameters(values);
                 self.put_level(&mut parameters, swing_idx, |j| values[j]);
                 let model = Model::new(&parameters);
-                let state = model.release(start.angle_rad, start.velocity_rad_s);
+                let mut state = model.release(start.angle_rad, start.velocity_rad_s);
+                state.time_s = self.swings[swing_idx].begins_s;
                 let mut column = Vec::with_capacity(n_samples);
                 simulate(&model, state, self.schedule(swing_idx), n_samples, |_, reading| column.push(reading));
                 vec![column]
@@ -334,7 +335,8 @@ impl<'a> Problem<'a> {
         let angle = Lanes(std::array::from_fn(|lane| guess(lane).1.angle_rad));
         let velocity = Lanes(std::array::from_fn(|lane| guess(lane).1.velocity_rad_s));
         let mut columns: Vec<Vec<f64>> = batch.iter().map(|_| Vec::with_capacity(n_samples)).collect();
-        let state = model.release(angle, velocity);
+        let mut state = model.release(angle, velocity);
+        state.time_s = Lanes([self.swings[swing_idx].begins_s; LANES]);
         simulate(&model, state, self.schedule(swing_idx), n_samples, |_, reading: Lanes<LANES>| {
             for (column, value) in columns.iter_mut().zip(reading.0) {
                 column.push(value);

@@ -1,5 +1,8 @@
 //! How long an integration step may be: a swing tells how quickly its pendulum moves.
 
+use crate::pace;
+use shared::motion::Pendulum;
+
 /// With so many Runge–Kutta steps a period the angle is wrong by less than [`SIMULATED_TO_RAD`] after 50 periods.
 const STEPS_A_PERIOD: f64 = 80.0;
 
@@ -22,6 +25,12 @@ pub(super) const FINE_STEP_S: f64 = 5e-3;
 pub(super) fn longest_step_s(times_s: &[f64], angles_rad: &[f64], period_s: f64, pace: f64) -> f64 {
     let by_speed_s = LARGEST_STEP_RAD / largest_speed_rad_s(times_s, angles_rad);
     (period_s / STEPS_A_PERIOD).min(by_speed_s).clamp(SHORTEST_STEP_S, LONGEST_STEP_S * pace.max(1.0))
+}
+
+/// The same for a pendulum that is known, of whose motion nothing is.
+pub fn longest_step_of(pendulum: &Pendulum<f64>) -> f64 {
+    let longest_s = LONGEST_STEP_S * pace::of_pendulum(pendulum).max(1.0);
+    (pace::small_period_s(pendulum) / STEPS_A_PERIOD).clamp(SHORTEST_STEP_S, longest_s)
 }
 
 /// Over stretches of the longest step, so that noise does not count.
