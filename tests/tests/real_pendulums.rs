@@ -200,6 +200,7 @@ fn dropped(holding: &Holding) -> String {
         Standing::TooShort => "too few windows",
         Standing::Slight => "too little beside what is claimed",
         Standing::OutOfRange => "only as strong as it can be at most",
+        Standing::Vague => "all its numbers within their own errors",
         _ => "not on every part",
     };
     format!("{}: {why}, would leave {:.2}", holding.effect, 1e3 * holding.rmse)

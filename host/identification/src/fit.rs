@@ -51,6 +51,7 @@ pub mod tally;
 pub mod tolerance;
 pub mod tolerated;
 pub mod uncertainty;
+mod unseen;
 pub mod windows;
 
 #[cfg(test)]

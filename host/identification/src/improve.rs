@@ -62,6 +62,15 @@ pub enum ChangeError {
         /// The effect.
         name: &'static str,
     },
+    /// Every fit has it anyway.
+    #[error(
+        "{name} needs no adding: every fit takes the sensor's zero off each recording by itself; host calibrate puts it right \
+         on a rig, --zero says what a sensor reads where the pendulum hangs"
+    )]
+    Free {
+        /// The effect.
+        name: &'static str,
+    },
     /// No curve could be chosen.
     #[error("no friction curve was found that is better: the swings are too short, or the model follows them already")]
     TooShort,
@@ -181,6 +190,9 @@ fn added(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Res
     let name = effect.name;
     if model.parameters.values(effect.id).is_some() {
         return Err(ChangeError::Present { name });
+    }
+    if effect.rules.is_free_offset {
+        return Err(ChangeError::Free { name });
     }
     let predictions = predictions(problem, &model.evaluated(problem), &[effect]);
     let fits = predictions.iter().take(STARTS).map(|prediction| prediction.fitted(problem));

@@ -141,6 +141,9 @@ const SLIGHT: &str = "by less than a tenth of what is claimed, whose own law may
 const OUT_OF_RANGE: &str =
     "only as strong as it can be at most: these swings ask for more of it, or for something else";
 
+/// Why what has no number that is known is not claimed.
+const VAGUE: &str = "all its numbers are within their own errors, so that nobody knows by what";
+
 /// The claim that would explain most of what is left, but is not proven.
 fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
     let (name, unit) = (claim.effect, diagnosis.measured.milli_unit());
@@ -151,6 +154,7 @@ fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
         }
         Standing::Slight => SLIGHT.to_owned(),
         Standing::OutOfRange => OUT_OF_RANGE.to_owned(),
+        Standing::Vague => VAGUE.to_owned(),
         _ => format!(
             "a few periods carry it and the rest can't tell it from chance{}: a hand or a slip may look like this too",
             chance(claim)
@@ -175,6 +179,7 @@ fn unproven(claim: &Holding, unit: &str) -> String {
         ),
         Standing::Slight => format!("Not claimed: {name}. It lowers the error, but {SLIGHT}."),
         Standing::OutOfRange => format!("Not claimed: {name}. It lowers the error, but {OUT_OF_RANGE}."),
+        Standing::Vague => format!("Not claimed: {name}. It lowers the error, but {VAGUE}."),
         _ => format!(
             "Not claimed: {name}. It lowers the error, but not on every part of the swings: without a few periods it can't \
              be told from chance{}.",
@@ -280,9 +285,15 @@ fn claimed(diagnosis: &Diagnosis, name: &str) -> Option<String> {
     }
     let claim = diagnosis.holds_on.iter().find(|claim| claim.effect == name);
     lines.extend(claim.map(|claim| format!("  holds on:   {}", wrapped(&seen_on(claim), 14))));
+    if effect.rules.is_free_offset {
+        lines.push(format!("  put right:  {}", wrapped(PUT_RIGHT, 14)));
+    }
     lines.push(format!("  shows best: {}", wrapped(effect.experiment, 14)));
     Some(lines.join("\n"))
 }
+
+/// Where the sensor's zero is put right.
+const PUT_RIGHT: &str = "Every fit takes it off each recording by itself; on a rig, host calibrate puts it right.";
 
 fn number(value: &Value) -> String {
     let unit = if value.unit == "1" { "" } else { value.unit };

@@ -1,19 +1,23 @@
 //! From a base model to what may be claimed beside it, the steps of a diagnosis in their order.
 
 use super::budget::Budget;
-use super::holds::Holding;
+use super::extension::grown;
+use super::holds::{Holding, Standing};
 use super::levels;
 use super::models::is_explained;
 use super::physical::is_sound;
+use super::score::{Prediction, predictions};
 use super::search::{Found, search};
 use super::summary::SpecialCase;
 use super::verdict::{INDISTINGUISHABLE, Judge};
 use super::zero::{self, Zero};
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
+use crate::fit::refine::{levels as levels_of, on_all};
 use crate::fit::tally::Tally;
 use crate::swing::Swing;
 use crate::verdict::Left;
+use rayon::prelude::*;
 use shared::effect::Effect;
 
 /// What a diagnosis works on.
@@ -56,7 +60,7 @@ impl<'a, 'b> Bench<'a, 'b> {
         let Self { problem, rough, candidates, budget, .. } = *self;
         let found = search(problem, rough, base, candidates, budget);
         let judge = self.judge(&found);
-        let (claimed, others) = judge.refined(judge.claimed());
+        let (claimed, mut others) = judge.refined(judge.claimed());
         let mut undecided = judge.undecided(&claimed, &others);
         let n_claimed = claimed.effects.len();
         let Zero { model, mut offset_is_missing, alike } =
@@ -65,7 +69,7 @@ impl<'a, 'b> Bench<'a, 'b> {
         let resembling = zero::resembling().map(|rival| rival.name);
         let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, resembling) } else { model };
         let before = claimed.names();
-        let (mut claimed, unproven, mut holds_on) = judge.holding(judge.beyond_their_errors(claimed));
+        let (mut claimed, mut unproven, mut holds_on) = judge.holding(judge.beyond_their_errors(claimed));
         if problem.chi_square(claimed.cost).left() != Left::Noise {
             (claimed, holds_on) = judge.simpler(&claimed, &others).unwrap_or((claimed, holds_on));
         }
@@ -75,6 +79,10 @@ impl<'a, 'b> Bench<'a, 'b> {
             offset_is_missing = offset_is_missing && zero::is_missing(problem, &claimed);
         }
         undecided.extend(alike.filter(|_| offset_is_missing));
+        let in_time = self.changing_in_time(&judge, &claimed);
+        let as_good = judge.undecided(&claimed, &in_time);
+        undecided.extend(as_good.into_iter().filter(|name| !undecided.contains(name)).collect::<Vec<_>>());
+        others.extend(in_time);
         if problem.chi_square(claimed.cost).left() != Left::Noise {
             let alike = judge.not_separated(&claimed, &others);
             undecided.extend(alike.into_iter().filter(|name| !undecided.contains(name)).collect::<Vec<_>>());
@@ -84,8 +92,37 @@ impl<'a, 'b> Bench<'a, 'b> {
         holds_on.retain(|holding| claimed.has(holding.effect));
         offset_is_missing = offset_is_missing && (vetoed.is_empty() || zero::is_missing(problem, &claimed));
         let settled = claimed.clone().settled(problem);
-        let claimed = if is_sound(problem, &settled) { settled } else { claimed };
+        let settled = if is_sound(problem, &settled) { settled } else { claimed };
+        let names = settled.names();
+        let mut claimed = judge.beyond_their_errors(settled);
+        if claimed.names() != names {
+            let vague = holds_on.into_iter().filter(|holding| !claimed.has(holding.effect));
+            unproven.extend(vague.map(|holding| Holding { standing: Standing::Vague, ..holding }));
+            let dropped;
+            (claimed, dropped, holds_on) = judge.holding(claimed);
+            unproven.extend(dropped);
+            undecided = judge.not_separated(&claimed, &others);
+            offset_is_missing = offset_is_missing && zero::is_missing(problem, &claimed);
+        }
         Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others }
+    }
+
+    /// What one release can't tell from a law of speed or angle, in place of what is claimed: it does as well, or it is none.
+    fn changing_in_time(&self, judge: &Judge, claimed: &Fitted) -> Vec<Fitted> {
+        if self.problem.swings.len() > 1 {
+            return Vec::new();
+        }
+        let laws: Vec<_> = Effect::usual().filter(|effect| effect.rules.needs_several_releases).collect();
+        let in_place_of = |effect: &&'static Effect<f64>| {
+            let rest = judge.without(claimed, effect.id).swap_remove(0);
+            // A fit from the whole swing easily ends in a side valley.
+            let fitted = |prediction: &Prediction| grown(self.rough, &prediction.fitted(self.rough));
+            let all: Vec<Fitted> = predictions(self.rough, &rest, &laws).par_iter().map(fitted).collect();
+            let best = all.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+            Some(on_all(self.problem, &levels_of(self.rough, &best)))
+        };
+        let others = claimed.effects.iter().filter_map(in_place_of);
+        others.filter(|other| is_sound(self.problem, other)).collect()
     }
 
     /// The same with friction levels that differ between the releases, where they explain most of what is left without

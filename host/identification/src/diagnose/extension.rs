@@ -143,7 +143,7 @@ fn needless_generalisations(predictions: &[Prediction]) -> Vec<u16> {
 
 /// Begun anew with the first swings, if that is better: over many periods a step that changes the period leads into a
 /// side valley, or into one so narrow that a fit ends on the way.
-fn grown(on: &Problem, fitted: &Fitted) -> Fitted {
+pub(super) fn grown(on: &Problem, fitted: &Fitted) -> Fitted {
     fitted.clone().better(fitted.regrown(on).refined(on, Band::Held, Tolerance::ROUGH))
 }
 

@@ -49,6 +49,8 @@ pub enum Standing {
     Slight,
     /// Its strength lies on the end of its range: the swings ask for more of it than there can be, or for something else.
     OutOfRange,
+    /// Fitted to the end, all its numbers are within their own errors.
+    Vague,
 }
 
 /// A claim on the parts of the swings.

@@ -7,7 +7,7 @@ use super::models::{
     worth_all_samples,
 };
 use super::physical::is_sound;
-use super::widening::widened;
+use super::widening::{narrowed, widened};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::{Fitted, Stiction};
 use crate::fit::problem::Problem;
@@ -137,6 +137,8 @@ fn next_level(
     budget: &Budget,
 ) -> Vec<Fitted> {
     let mut found = found_roughly(rough, beam, candidates, budget);
+    found.extend(narrowed(rough, &found));
+    sort(&mut found);
     if budget.allows_more() {
         found.extend(widened(rough, &found));
         sort(&mut found);

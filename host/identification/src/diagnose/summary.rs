@@ -181,12 +181,13 @@ impl Diagnosis {
 }
 
 /// The unproven claim that would remove nearly all that is left beyond the noise, unless it would have to be stronger than it
-/// can be.
+/// can be, or nobody knows how strong it is.
 fn suspect(unproven: &[Holding], rmse_after: f64, noise: f64) -> Option<&'static str> {
     let excess = |rmse: f64| rmse.powi(2) - noise.powi(2);
     let lowest = unproven.iter().min_by(|a, b| a.rmse.total_cmp(&b.rmse))?;
     let is_most = excess(lowest.rmse) < (1.0 - SUSPECTED_SHARE) * excess(rmse_after);
-    (is_most && lowest.standing != Standing::OutOfRange).then_some(lowest.effect)
+    let may_be = !matches!(lowest.standing, Standing::OutOfRange | Standing::Vague);
+    (is_most && may_be).then_some(lowest.effect)
 }
 
 /// One step of the staircase of errors.
@@ -255,6 +256,8 @@ impl Summary<'_, '_, '_> {
         let unexplained = left == Left::Missing;
         let formulas = if unexplained && with_formulas { self.formulas(&held_out) } else { Vec::new() };
         let levels = levels(problem, &self.claimed);
+        let mut values = self.judge.values_of(&self.claimed, &self.others);
+        values.extend(zero::value(problem, &self.claimed).filter(|_| self.offset_is_missing));
         Diagnosis {
             version: 1,
             measured,
@@ -262,8 +265,8 @@ impl Summary<'_, '_, '_> {
             driven: Swing::driven(problem.swings),
             follows: problem.is_followed(self.claimed.cost),
             family: family(&self.claimed, &self.undecided),
+            not_tried: self.not_tried.into_iter().filter(|it| !self.undecided.contains(&it.effect)).collect(),
             undecided: self.undecided,
-            not_tried: self.not_tried,
             vetoed: self.vetoed,
             suspect: suspect(&self.unproven, rmse_after, noise),
             unproven: self.unproven,
@@ -283,7 +286,7 @@ impl Summary<'_, '_, '_> {
             of_state: self.of_state,
             formulas,
             evidence: evidence(problem, &self.claimed.parameters),
-            values: self.judge.values_of(&self.claimed, &self.others),
+            values,
             candidates: models.into_iter().map(|model| self.judge.candidate(model)).collect(),
             parameters: problem.tolerances.settled(&self.claimed.parameters),
             leading,

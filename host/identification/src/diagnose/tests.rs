@@ -10,6 +10,7 @@ use super::score::predictions;
 use super::search::Found;
 use super::summary::Summary;
 use super::verdict::{INDISTINGUISHABLE, Judge};
+use super::widening::narrowed;
 use super::{base_problem, diagnose, levels, zero};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::{Fitted, Stiction};
@@ -17,6 +18,8 @@ use crate::fit::identify::problem_of;
 use crate::fit::problem::{Point, Problem, Start};
 use crate::fit::refine::Band;
 use crate::fit::tally::Tally;
+use crate::fit::tolerance::Tolerances;
+use crate::improve::{Bench, Change, ChangeError};
 use crate::random::Noise;
 use crate::swing::{Swing, Window};
 use crate::verdict::Left;
@@ -401,4 +404,40 @@ fn where_noise_is_as_large_as_the_motion_it_is_said_that_nothing_follows() {
     };
     assert_eq!(follows(0.0), (Left::Noise, true));
     assert_eq!(follows(2.0), (Left::Noise, false));
+}
+
+#[test]
+fn the_zero_that_is_missing_has_a_value() {
+    let mut swings = [simulated("one", &rig(), 14.0, 1), simulated("two", &rig(), 14.0, 2)];
+    for swing in &mut swings {
+        swing.angles_rad.iter_mut().for_each(|angle| *angle += 5e-3);
+    }
+    let found = diagnose(&swings, &[], &rig());
+    assert_eq!(found.verdict, ["angle-offset"]);
+    let zero = found.values.iter().find(|value| value.effect == "angle-offset").unwrap();
+    assert!((zero.value - 5e-3).abs() < 4.0 * zero.std.unwrap() && zero.std.unwrap() < 1e-4, "{zero:?}");
+    let bench = Bench { swings: &swings, held_out: &[], tolerances: Tolerances::default(), count: &Tally::default() };
+    let added = bench.changed(&bench.fitted(&rig()).0, Change::Add(effect("angle-offset")));
+    assert_eq!(added.unwrap_err(), ChangeError::Free { name: "angle-offset" });
+}
+
+#[test]
+fn one_release_cant_tell_a_friction_that_fades_from_a_drag() {
+    let truth = rig_with("drifting-friction", &[0.0, 6e-4, 6.0]);
+    let one = [simulated("one", &truth, 20.0, 1)];
+    let found = diagnose(&one, &[], &rig());
+    let told = |name: &str| found.verdict.contains(&name) || found.undecided.contains(&name);
+    assert!(!found.verdict.is_empty() && told("drifting-friction"), "{:?}, {:?}", found.verdict, found.undecided);
+    assert!(found.not_tried.iter().all(|it| it.effect != "drifting-friction"));
+}
+
+#[test]
+fn a_wider_law_is_tried_in_its_usual_form_too() {
+    let swings = with_drag();
+    let count = Tally::default();
+    let problem = base_problem(&swings, (&rig()).into(), &count);
+    let wide = fitted(&problem, &rig_with("power-law-drag", &[DRAG, 2.0]));
+    let names = |level: &[Fitted]| narrowed(&problem, level).iter().map(Fitted::name).collect::<Vec<_>>();
+    assert_eq!(names(std::slice::from_ref(&wide)), ["quadratic-drag"]);
+    assert_eq!(names(&[wide, drag(&problem, 1.0)]), [""; 0]);
 }

@@ -22,6 +22,22 @@ pub(super) fn widened(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
     fitted.filter(|model| is_sound(rough, model)).collect()
 }
 
+/// The models of a sorted level that come near the best, each law with a usual form that was not fitted in that form: it may
+/// have promised too little beside a wrong stop level.
+pub(super) fn narrowed(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
+    let is_lacking = |model: &Fitted, wide: &Effect<f64>| {
+        let others = || model.effects.iter().filter(|other| other.id != wide.id);
+        let is_it = |known: &Fitted, usual: &str| known.has(usual) && others().all(|other| known.has(other.name));
+        wide.generalises.is_some_and(|usual| !level.iter().any(|known| is_it(known, usual)))
+    };
+    let of_model = |model: &Fitted| -> Vec<Fitted> {
+        let lacking = model.effects.iter().copied().filter(|wide| is_lacking(model, wide));
+        lacking.filter_map(|wide| in_usual_form(rough, model, wide)).collect()
+    };
+    let narrow = near_the_best(level).par_iter().flat_map_iter(of_model);
+    narrow.filter(|model| is_sound(rough, model)).collect()
+}
+
 /// A law of a model, and its wider form.
 struct Widening<'a> {
     model: &'a Fitted,

@@ -8,12 +8,14 @@
 use super::models::{ALIKE_NOISES, MOST_LEFT};
 use super::physical::is_sound;
 use super::score::predictions;
+use super::value::Value;
 use crate::fit::covariance::with_model_error;
 use crate::fit::descent::{Tolerance, descend};
 use crate::fit::fitted::Fitted;
 use crate::fit::linear::Steps;
 use crate::fit::problem::{PER_SWING, Problem};
 use crate::fit::refine::Band;
+use crate::fit::uncertainty::Status;
 use crate::recording::Measured;
 use crate::recording::noise::smallest_step;
 use crate::swing::{Swing, Window};
@@ -103,6 +105,21 @@ pub fn cost_with_offsets_within(problem: &Problem, model: &Fitted, limit_rad: f6
     let mut point = model.point();
     point.starts.iter_mut().for_each(|start| start.offset_rad = start.offset_rad.clamp(-limit_rad, limit_rad));
     descend(&fixed, &point, Window::Whole, Tolerance::FINE, Steps::new(&fixed)).cost
+}
+
+/// The zero of a model's swings as a number of the effect that it is.
+pub(super) fn value(problem: &Problem, model: &Fitted) -> Option<Value> {
+    let effect = offset()?;
+    let parameter = effect.parameters.first()?;
+    Some(Value {
+        effect: effect.name,
+        symbol: parameter.symbol,
+        value: mean_offset(model),
+        std: Some(std_of_mean(problem, model)),
+        unit: parameter.unit,
+        status: Status::Identified,
+        upper: None,
+    })
 }
 
 fn mean_offset(model: &Fitted) -> f64 {

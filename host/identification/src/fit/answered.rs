@@ -15,6 +15,18 @@ pub(super) const MAX_ROUNDS: usize = 3;
 
 /// Costs of pairs after the smooth parameters have answered to first order.
 pub(super) fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, tried: &[Stiction]) -> Vec<f64> {
+    answers(problem, linear, point, tried).into_iter().map(|answer| answer.cost).collect()
+}
+
+/// How the smooth parameters answer to a pair, to first order.
+pub(super) struct Answer {
+    /// rad².
+    pub(super) cost: f64,
+    /// Their step, and that of the starts.
+    pub(super) step: DVector<f64>,
+}
+
+pub(super) fn answers(problem: &Problem, linear: &Linear, point: &Point, tried: &[Stiction]) -> Vec<Answer> {
     let levels = problem.unknowns.iter().zip(&point.values).filter(|(unknown, _)| unknown.name == levels::NAME);
     let (levels, at): (Vec<Unknown>, Vec<f64>) = levels.map(|(level, value)| (level.clone(), *value)).unzip();
     let pair_problem = Problem {
@@ -51,7 +63,8 @@ pub(super) fn answered_costs(problem: &Problem, linear: &Linear, point: &Point, 
                 gradient[if j < n_unknowns { j } else { j + PER_SWING * swing_idx }] += slope;
             }
         }
-        cost - gradient.dot(&factor.solve(&gradient))
+        let step = factor.solve(&gradient);
+        Answer { cost: cost - gradient.dot(&step), step }
     };
     (0..tried.len()).map(answered).collect()
 }

@@ -33,6 +33,14 @@ impl Covariance {
         (variance.is_finite() && variance > 0.0).then(|| variance.sqrt())
     }
 
+    /// With moves of all columns in it that are as likely to any share of themselves.
+    pub(super) fn with_any_share_of(mut self, moves: &DVector<f64>) -> Self {
+        for (i, j) in (0..moves.len()).flat_map(|i| (0..moves.len()).map(move |j| (i, j))) {
+            self.matrix[(i, j)] += moves[i] * moves[j] / 3.0;
+        }
+        self
+    }
+
     /// Correlation of two columns.
     pub fn correlation(&self, i: usize, j: usize) -> Option<f64> {
         Some(self.matrix[(i, j)] / (self.std(i)? * self.std(j)?))
@@ -109,7 +117,19 @@ pub fn with_model_error(on: &Problem, linear: &Linear, starts: &[Start]) -> Opti
         let variance = std.map_or(0.0, |std| std.powi(2) + spread.step[j].powi(2));
         least[(place(j), place(j))] = variance;
     }
+    let alone = spread.stds.iter().enumerate().filter(|(_, std)| std.is_none()).map(|(j, _)| place(j));
+    for (i, variance) in alone.map(|i| (i, by_the_others(&covariance, &least, i))).collect::<Vec<_>>() {
+        least[(i, i)] = variance;
+    }
     Some(Covariance { matrix: larger_diagonal(covariance.matrix, &least), ..covariance })
+}
+
+/// The variance of a number that clusters say nothing of, since one of them tells it alone: what the least of the others
+/// makes of it, with which it is correlated.
+fn by_the_others(covariance: &Covariance, least: &DMatrix<f64>, i: usize) -> f64 {
+    let slope = |j: usize| covariance.matrix[(i, j)] / covariance.matrix[(j, j)];
+    let moved = (0..least.nrows()).filter(|j| *j != i).map(|j| slope(j).powi(2) * least[(j, j)]);
+    moved.filter(|variance| variance.is_finite()).fold(0.0, f64::max)
 }
 
 /// Samples for which a counted angle stays the same, and with it how much it is rounded: at rest, and where it turns.
@@ -164,4 +184,18 @@ fn score_covariance(linear: &Linear, block: usize) -> DMatrix<f64> {
         sum
     };
     Arrow::new(linear.n_unknowns(), PER_SWING, &linear.each(of_swing)).dense()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_one_cluster_alone_tells_is_no_surer_than_what_it_is_correlated_with() {
+        let covariance = Covariance { matrix: DMatrix::from_row_slice(2, 2, &[4.0, -1.9, -1.9, 1.0]), coloured: true };
+        let least = DMatrix::from_diagonal(&DVector::from_vec(vec![400.0, 0.0]));
+        // The first is ten times as uncertain, and 1 of it moves the second by 1.9/4.
+        assert!((by_the_others(&covariance, &least, 1) - (1.9_f64 / 4.0).powi(2) * 400.0).abs() < 1e-9);
+        assert_eq!(by_the_others(&covariance, &DMatrix::zeros(2, 2), 1), 0.0);
+    }
 }

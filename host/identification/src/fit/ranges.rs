@@ -15,7 +15,7 @@ const FRICTION_FACTOR: f64 = 2.0;
 const STICTION_SHARE: f64 = 0.05;
 
 /// The velocity band is sought up to this at the usual pace, rad/s.
-const WIDEST_BAND: f64 = 0.06;
+pub(super) const WIDEST_BAND: f64 = 0.06;
 
 /// And up to this share of what would hold a swing at its largest angle, or of its largest speed.
 const HELD_SHARE: f64 = 0.5;

@@ -13,6 +13,7 @@ pub use super::number::{Number, Status, Uncertainty};
 use super::problem::{PER_SWING, Problem, Quantity, Unknown};
 use super::stop_level;
 use super::tolerated::tolerated;
+use super::unseen::with_unseen_band;
 use crate::swing::{Swing, Window};
 
 /// Numbers that are correlated beyond this, and uncertain by more than half their value, are only known together.
@@ -22,7 +23,7 @@ const ALIKE_CORRELATION: f64 = 0.995;
 pub const UNKNOWN_SHARE: f64 = 0.5;
 
 /// Rise of the error, in variances, at the 95 % bound of one number (chi-square with one degree of freedom, one-sided).
-const PROFILE_95: f64 = 2.71;
+pub(super) const PROFILE_95: f64 = 2.71;
 
 /// Steps of a profile: each so many times the one before, from this share of what matters.
 const PROFILE_GROWTH: f64 = 1.25;
@@ -76,6 +77,8 @@ fn of_numbers<'a>(on: &Problem<'a>, model: &Fitted, is_free: impl Fn(&Unknown) -
     let part = Fitted { unknowns: known.iter().map(|j| unknowns[*j].clone()).collect(), steps: None, ..model.clone() };
     let linear = part.linearised(on);
     let covariance = with_model_error(on, &linear, &model.starts);
+    let covariance =
+        if has_stiction { covariance } else { covariance.map(|it| with_unseen_band(it, on, &part, &linear)) };
     let column = |j: usize| known.iter().position(|k| *k == j);
     let correlation = |i: usize, j: usize| covariance.as_ref()?.correlation(column(i)?, column(j)?);
     let number = |(j, unknown): (usize, &Unknown)| {
