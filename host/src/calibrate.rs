@@ -188,4 +188,30 @@ mod tests {
         let (factor, std) = gain_of_swings(&[swing], &Parameters::paper()).unwrap();
         assert!((factor - 1.03).abs() < 4.0 * std && std < 2e-3, "{factor} ± {std}");
     }
+
+    #[test]
+    fn the_gain_of_two_angles_is_as_sure_as_they_are_near_its_line() {
+        // Off by 10 mrad to either side: one is spare, so that a known angle is good for 14 mrad, and two of them for 10.
+        let found = line(0.0, &[known(1.0, 1010.0), known(1.0, 990.0)], 1e-3).unwrap();
+        assert!((found.radian_per_code - 1e-3).abs() < 1e-12);
+        assert!((found.std.unwrap() - 1e-5).abs() < 1e-9, "{found:?}");
+        assert_eq!(line(0.0, &[known(1.0, 1010.0)], 1e-3).unwrap().std, None);
+    }
+
+    #[test]
+    fn small_swings_tell_no_gain_and_it_is_said_in_percent_how_little() {
+        let times_s: Vec<f64> = (0..600).map(|i| f64::from(i) / 100.0).collect();
+        let mut noise = crate::random::Noise::new(5);
+        let model = Model::new(&Parameters::paper());
+        let mut state = model.release(0.2, 0.0);
+        let mut angles_rad = Vec::new();
+        for _ in &times_s {
+            angles_rad.push(state.angle_rad + 1e-3 * noise.normal());
+            (0..10).for_each(|_| model.step(&mut state, 1e-3));
+        }
+        let swings = [Swing::new("small", &times_s, &angles_rad, 1e-3)];
+        let error = gain_of_swings(&swings, &Parameters::paper()).unwrap_err();
+        // More than the 1 % of the data sheet.
+        assert!(matches!(error, CalibrationError::NotTold { percent } if percent > 100.0 * MOST_STD), "{error:?}");
+    }
 }

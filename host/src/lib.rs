@@ -6,6 +6,8 @@ pub mod calibrate;
 pub mod cli;
 pub mod doctor;
 pub mod error;
+#[cfg(test)]
+mod examples;
 pub mod export;
 pub mod link;
 mod now;

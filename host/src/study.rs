@@ -320,4 +320,15 @@ mod tests {
         }
         assert!(sizes.iter().all(|size| (900..1100).contains(size)), "{sizes:?}");
     }
+
+    #[test]
+    fn a_rig_is_kept_with_the_means_of_its_friction_and_their_standard_errors() {
+        let rows =
+            [("1.csv", 1.0), ("2.csv", 2.0), ("3.csv", 3.0)].map(|(name, value)| rig::tests::row(name, value, 0.1));
+        let found = summary(&RigView::new("rig", rows.to_vec()));
+        assert_eq!((found.n_recordings, found.n_fitted), (3, 3));
+        let (value, std_error) = found.coulomb.unwrap();
+        assert!((value - 2.0).abs() < 1e-12 && (std_error - 1.0 / 3f64.sqrt()).abs() < 1e-12, "{value} ± {std_error}");
+        assert!((found.viscous.unwrap().0 - 0.2).abs() < 1e-12);
+    }
 }

@@ -79,6 +79,8 @@ fn impossible_calibrations_are_refused() {
     host(folder.path(), "calibrate --port sim --angles 4").failed(2, &["between 5 and 180"]);
     host(folder.path(), "calibrate --port sim --angles 30").failed(1, &["twice off", "in the order"]);
     host(folder.path(), "calibrate --port sim:broken-wire").failed(1, &["an end of its range", "three wires"]);
+    host(folder.path(), "calibrate --port sim --wait 0.1").failed(1, &["within 0.1 s", "not still at rest"]);
+    host(folder.path(), "calibrate --port sim --angles 45,60 --wait 0.9").failed(1, &["not still at a new angle"]);
     host(folder.path(), "calibrate").failed(2, &["--port"]);
     assert!(!folder.path().join("rig.toml").exists());
 }

@@ -173,6 +173,24 @@ fn a_file_of_several_runs_comes_in_as_several_recordings() {
 }
 
 #[test]
+fn a_modelled_swing_comes_as_a_table_of_what_was_measured_less_what_is_modelled() {
+    let (folder, server) = server("");
+    server.post("/api/pendulum", "{\"mass_kg\":0.147,\"length_m\":0.156,\"inertia_kg_m2\":0.0028}");
+    let id = server.upload("swing.csv", &swing(folder.path(), "")).json();
+    server.tab().wait_for(|state| state["comparison"].is_object());
+    let table = String::from_utf8(server.get(&format!("/download/modelled/{id}")).body).unwrap();
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("t_s,measured_rad,modelled_rad,residual_rad"));
+    let mut largest = 0.0_f64;
+    for line in lines {
+        let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        assert!((numbers[1] - numbers[2] - numbers[3]).abs() < 2e-7, "{line}");
+        largest = largest.max(numbers[3].abs());
+    }
+    assert!(largest > 1e-4, "{largest}");
+}
+
+#[test]
 fn ten_tabs_see_one_state() {
     let (folder, server) = server("--port sim:drag --sim-speed 5");
     let id = server.upload("swing.csv", &swing(folder.path(), "")).json();

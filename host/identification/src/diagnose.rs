@@ -168,4 +168,4 @@ fn base_problem<'a>(swings: &'a [Swing], rig: KnownRig, count: &'a Tally) -> Pro
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

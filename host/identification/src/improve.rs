@@ -224,3 +224,24 @@ fn removed(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> R
     let smaller = model.without(effect.id).refined(problem, Band::Held, Tolerance::SCREEN);
     Ok(smaller.refined(problem, Band::Level, Tolerance::JUDGE).settled(problem))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{rig, simulated};
+
+    #[test]
+    fn held_out_swings_confirm_an_effect_that_is_there_and_contradict_that_it_is_taken_out() {
+        let drag = Effect::<f64>::by_name("quadratic-drag").unwrap();
+        let mut truth = rig();
+        truth.set(drag.id, &[2e-4]).unwrap();
+        let swing = |seed: u64| [simulated("drag", &truth, 8.0, seed)];
+        let said = |rig: &Parameters<f64>, change: Change| {
+            let steps = super::change(&swing(1), &swing(2), rig, &[change]).unwrap();
+            assert_eq!(steps[0].carries, None);
+            (steps[1].words.clone(), steps[1].carries)
+        };
+        assert_eq!(said(&rig(), Change::Add(drag)), ("+ quadratic-drag".to_owned(), Some(Carries::Confirmed)));
+        assert_eq!(said(&truth, Change::Remove(drag)), ("- quadratic-drag".to_owned(), Some(Carries::Contradicted)));
+    }
+}

@@ -197,3 +197,42 @@ fn imitation(truth: &Known, model: &Known, experiment: Experiment, noise_rad: f6
     let step = with_ridge(normal).cholesky().map_or(DVector::zeros(gradient.len()), |normal| normal.solve(&gradient));
     (linear.cost / variance - gradient.dot(&step)).max(0.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{fitted, rig, with_drag};
+    use crate::fit::descent::Tolerance;
+    use crate::fit::identify::problem_of;
+    use crate::fit::refine::Band;
+    use shared::effect::Effect;
+
+    #[test]
+    fn the_pair_that_is_hardest_to_separate_decides_and_the_order_of_the_models_does_not() {
+        let (swings, count) = (with_drag(), Tally::default());
+        let problem = problem_of(&swings, &rig(), &count);
+        let base = fitted(&problem, &rig());
+        let with = |name: &str| {
+            let effect = Effect::by_name(name).unwrap();
+            base.with(effect, &effect.starts[0]).unwrap().refined(&problem, Band::Held, Tolerance::SCREEN)
+        };
+        let models = [base.clone(), with("quadratic-drag"), with("torsional-spring")];
+        let found = plan(&swings, &models, false);
+        let reversed: Vec<Fitted> = models.iter().rev().cloned().collect();
+        let other = plan(&swings, &reversed, false);
+        // Six angles to either side.
+        assert_eq!(found.len(), 12);
+        for prospect in &found {
+            assert_eq!(prospect.separations.len(), 3);
+            let least = prospect.separations.iter().map(|one| one.delta_chi_square).fold(f64::INFINITY, f64::min);
+            assert_eq!(prospect.worst, least);
+            for one in &prospect.separations {
+                // So many noises at each of 3000 samples.
+                assert!((3000.0 * one.noises.powi(2) - one.delta_chi_square).abs() <= 1e-9 * one.delta_chi_square);
+            }
+            let same = other.iter().find(|same| same.experiment == prospect.experiment).unwrap();
+            assert!((same.worst - prospect.worst).abs() <= 1e-3 * prospect.worst, "{prospect:?} {same:?}");
+        }
+        assert!(found.windows(2).all(|pair| pair[0].worst >= pair[1].worst));
+    }
+}

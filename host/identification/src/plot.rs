@@ -157,3 +157,16 @@ pub fn diverging(share: f64) -> (u8, u8, u8) {
     let blend = |end: f64| (255.0 + (end - 255.0) * share.abs().min(1.0)) as u8;
     (blend(end.0), blend(end.1), blend(end.2))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn red_is_positive_blue_is_negative_and_white_is_nothing() {
+        let [low, none, high] = [-1.0, 0.0, 1.0].map(diverging);
+        assert!(low.2 > low.0 && high.0 > high.2, "{low:?} {high:?}");
+        assert_eq!(none, (255, 255, 255));
+        assert_eq!(diverging(7.0), high);
+    }
+}

@@ -104,3 +104,18 @@ fn still(earlier: &Signal, later: &Signal) -> Option<Still> {
 fn apart(sensor: &Sensor, a: f64, b: f64) -> bool {
     (a - b).abs() * f64::from(sensor.nominal_step_rad()) > LEAST_APART_RAD
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn still_is_the_middle_of_two_stretches_that_stand_alike() {
+        let signal = |mean_code: f64| Signal { mean_code, spread_codes: 0.5, noise_codes: 0.5, ..Signal::default() };
+        let found = still(&signal(2000.0), &signal(2000.5)).unwrap();
+        assert_eq!((found.code, found.spread_codes), (2000.25, 0.5));
+        assert_eq!(still(&signal(2000.0), &signal(2001.5)), None);
+        let moves = Signal { spread_codes: 20.0, ..signal(2000.0) };
+        assert_eq!(still(&signal(2000.0), &moves), None);
+    }
+}

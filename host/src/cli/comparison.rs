@@ -72,3 +72,37 @@ fn parameters(parameters: &[Known]) -> String {
         .collect::<Vec<_>>();
     if advice.is_empty() { table } else { format!("{table}\n{}", sentences(&advice)) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::knowledge::Estimate;
+    use crate::compare::prediction::Predictions;
+    use crate::examples::comparison;
+
+    fn cells(table: &str, row: &str) -> Vec<String> {
+        let line = table.lines().find(|line| line.trim_start().starts_with(row)).unwrap();
+        line.split_whitespace().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn errors_stand_under_the_distance_that_they_are_ahead() {
+        let mut comparison = comparison();
+        comparison.recordings[0].predictions =
+            Predictions { free_run_rad: 4e-3, swing_ahead_rad: Some(3e-3), step_ahead_rad: Some(2e-3) };
+        let table = recordings(&comparison);
+        assert!(
+            table.contains("noise") && cells(&table, "swing.csv") == ["swing.csv", "1.00", "4.00", "3.00", "2.00"],
+            "{table}"
+        );
+    }
+
+    #[test]
+    fn a_number_of_the_model_stands_beside_the_one_that_is_wanted() {
+        let mut known = comparison().knowledge.unwrap().parameters;
+        known.truncate(1);
+        (known[0].given, known[0].chosen) = (3e-4, Estimate { value: 2e-4, std: Some(1e-6) });
+        let table = parameters(&known);
+        assert_eq!(cells(&table, known[0].symbol)[1..5], ["3.000e-4", "(2.000", "±", "0.010)e-4"], "{table}");
+    }
+}

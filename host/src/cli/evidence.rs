@@ -399,3 +399,83 @@ const NAME_WIDTH: usize = 44;
 
 /// So many candidates are shown; `--json` has all.
 const SHOWN: usize = 8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::{claim, diagnosis};
+
+    fn told(diagnosis: Diagnosis) -> Diagnosis {
+        Diagnosis { rmse_before: 5e-3, rmse_after: 1.5e-3, noise: 1e-3, ..diagnosis }
+    }
+
+    fn with_drag() -> Diagnosis {
+        let step = |added, rmse| Step { added, rmse, held_out: None };
+        let staircase = vec![step("base", 5e-3), step("quadratic-drag", 1.5e-3)];
+        told(Diagnosis { verdict: vec!["quadratic-drag"], staircase, ..diagnosis() })
+    }
+
+    #[test]
+    fn the_error_falls_from_before_to_after() {
+        let words = verdict(&with_drag());
+        let expected =
+            "With it the error falls from 5.00 mrad, 5.00 times the noise,\nto 1.50 mrad, 1.50 times the noise.";
+        assert_eq!(words, format!("Missing: quadratic-drag. {expected}"));
+        let nothing = verdict(&told(diagnosis()));
+        assert_eq!(
+            nothing,
+            "Nothing is missing at this noise level: the base model leaves 1.50 mrad, 1.50 times the noise."
+        );
+    }
+
+    #[test]
+    fn the_highest_stair_is_thirty_characters_wide_and_the_others_are_as_high_as_their_error() {
+        let words = staircase(&with_drag());
+        let widths: Vec<usize> = words.lines().skip(1).map(|line| line.matches('█').count()).collect();
+        assert_eq!(widths, [30, 9, 6], "{words}");
+    }
+
+    #[test]
+    fn chance_that_is_small_alone_may_be_too_much_for_all_that_was_tried() {
+        let told = |p| chance(&claim(Standing::Partly, p));
+        assert_eq!(told(Some(1e-4)), " among all that was tried (p = 1e-4 for this one alone)");
+        assert_eq!(told(Some(0.2)), " (p = 0.20)");
+        assert_eq!(told(None), "");
+    }
+
+    #[test]
+    fn a_suspect_is_told_with_the_reason_why_it_is_not_claimed() {
+        let why =
+            |standing| suspected(&diagnosis(), &claim(standing, None)).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(why(Standing::Slight).contains("fall to 2.00 mrad, but by less than a tenth of what is claimed"));
+        assert!(why(Standing::OutOfRange).contains("but only as strong as it can be at most"));
+        assert!(why(Standing::TooShort).contains("but there are only 14 windows of a few periods to check it on"));
+    }
+
+    fn suggestion(rmse: f64) -> Suggestion {
+        let (words, formula) = ("-3.1e-5·ω".to_owned(), "torque = -k*omega".to_owned());
+        let (criterion, parameters, beside) = (0.0, Vec::new(), Vec::new());
+        let (left, held_out, removed, within_rad) = (Left::Missing, None, 0.75, 1.2);
+        Suggestion { words, formula, rmse, left, held_out, removed, criterion, parameters, beside, within_rad }
+    }
+
+    #[test]
+    fn a_formula_is_trusted_as_far_as_it_reaches_and_as_its_rivals_let_it() {
+        let best = suggestion(2e-3);
+        let alone = told(Diagnosis { formulas: vec![best.clone(), suggestion(3e-3)], ..diagnosis() });
+        let words = trust(&alone, &best);
+        assert!(
+            words.starts_with("It takes 75 % of what is left beyond the noise; 2.00 times the noise stays"),
+            "{words}"
+        );
+        assert!(
+            words.ends_with("No held-out swing has confirmed it. It was seen within 1.20 rad and says nothing beyond.")
+        );
+        assert!(!words.contains("its form is not certain"), "{words}");
+        let rivals = told(Diagnosis { formulas: vec![best.clone(), suggestion(2.1e-3)], ..diagnosis() });
+        assert!(trust(&rivals, &best).contains("its form is not certain"));
+        let held_out = Suggestion { held_out: Some(2.5e-3), ..best };
+        let tested = Diagnosis { held_out_after: Some(4e-3), ..alone };
+        assert!(trust(&tested, &held_out).contains("On held-out swings the error goes from 4.00 to 2.50 mrad."));
+    }
+}

@@ -9,6 +9,7 @@ use crate::improve::{Change, Step};
 use crate::operations::improve::{Improved, METHOD, effect_named, improve};
 use crate::plot::staircase::{Tread, staircase};
 use crate::plot::svg::svg;
+use crate::recording::Measured;
 use crate::rigfile::Source;
 use crate::swing::kind;
 use clap::Args;
@@ -66,7 +67,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     } else {
         output::result(&in_words(&improved, kind(&swings).milli_unit()));
     }
-    draw(options, &improved)?;
+    draw(options, &improved, kind(&swings))?;
     if let Some(path) = &options.output {
         let source = Source::of_swings(METHOD, &swings);
         improved.write_into(&mut model, &source)?;
@@ -88,13 +89,13 @@ fn changes(options: &Options, rig: &Parameters<f64>) -> Result<Vec<Change>, Fail
     added.chain(removed).collect()
 }
 
-fn draw(options: &Options, improved: &Improved) -> Result<(), Failure> {
+fn draw(options: &Options, improved: &Improved, measured: Measured) -> Result<(), Failure> {
     let Some(path) = &options.plot else { return Ok(()) };
     let (treads, noise) = match improved {
         Improved::Diagnosed(diagnosis) => (evidence::treads(diagnosis), diagnosis.noise),
         Improved::Changed { steps } => (treads(steps), steps.first().map_or(0.0, |step| step.noise)),
     };
-    output::write(path, &svg(&staircase(&treads, noise)), options.force)
+    output::write(path, &svg(&staircase(&treads, noise, measured)), options.force)
 }
 
 fn treads(steps: &[Step]) -> Vec<Tread> {
@@ -122,4 +123,27 @@ fn error_after_each(steps: &[Step], unit: &str) -> String {
         format!("  {:<32}{:>9.3} {unit}  {noises:>6.2} noises{held_out}{said}", step.words, 1e3 * step.rmse)
     };
     std::iter::once("Error after each step".to_owned()).chain(steps.iter().map(line)).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_step_is_told_with_its_error_and_what_held_out_swings_say() {
+        let step = |carries| Step {
+            words: "+ quadratic-drag".to_owned(),
+            rmse: 2e-3,
+            held_out: Some(3e-3),
+            carries,
+            noise: 1e-3,
+            values: Vec::new(),
+            parameters: Parameters::paper(),
+        };
+        let told =
+            error_after_each(&[Carries::Confirmed, Carries::Contradicted].map(|carries| step(Some(carries))), "mrad");
+        let lines: Vec<&str> = told.lines().skip(1).collect();
+        assert!(lines[0].ends_with("    2.000 mrad    2.00 noises  held out 3.000 mrad, confirmed"), "{told}");
+        assert!(lines[1].ends_with(", contradicted"), "{told}");
+    }
 }

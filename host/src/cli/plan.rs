@@ -133,4 +133,17 @@ mod tests {
         let named = in_words(&planned(&["viscous", "coulomb"], Left::Noise));
         assert!(named.starts_with("Missing is, by these recordings: viscous."), "{named}");
     }
+
+    #[test]
+    fn the_best_experiment_is_told_with_what_is_changed_unless_none_separates() {
+        let mut found = planned(&["viscous", "coulomb"], Left::Noise);
+        found.experiments[0].experiment = Experiment { release_rad: -0.6, mass_factor: 1.0, length_factor: 1.25 };
+        let said = in_words(&found);
+        assert!(said.contains("Best: a release from -0.6 rad with 1.25 times the length."), "{said}");
+        found.experiments[0].experiment = Experiment { release_rad: 0.6, mass_factor: 0.67, length_factor: 1.0 };
+        found.experiments[0].worst = 0.9 * INDISTINGUISHABLE;
+        let said = in_words(&found);
+        let none = "No experiment of the list would separate them; the best is: a release from +0.6 rad with 0.67 times the mass.";
+        assert!(said.contains(none), "{said}");
+    }
 }

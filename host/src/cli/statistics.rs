@@ -118,3 +118,55 @@ fn store(state: StoreState) -> &'static str {
         StoreState::Damaged => "damaged: defaults in use",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::wire::Health;
+
+    fn said(statistics: Statistics, chip: Option<Chip>) -> Vec<String> {
+        let shown = Shown { port: "sim".to_owned(), firmware: "rig 1.2.3".to_owned(), statistics, chip };
+        in_words(&shown).lines().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn each_counter_stands_behind_its_name_in_its_unit() {
+        let health = Health { cpu_permille: 123, ..Health::default() };
+        let (samples, overruns, paused, dropped_frames, bad_frames, disconnected) = (1000, 1, 2, 3, 4, 5);
+        let innovation_rms_rad = 1.5e-3;
+        let told = said(
+            Statistics {
+                samples,
+                overruns,
+                paused,
+                dropped_frames,
+                bad_frames,
+                disconnected,
+                innovation_rms_rad,
+                health,
+            },
+            None,
+        );
+        for (what, value) in [
+            ("samples", "1000"),
+            ("lost to overruns", "1"),
+            ("not taken while saving", "2"),
+            ("frames dropped", "3"),
+            ("bad frames received", "4"),
+            ("samples disconnected", "5"),
+            ("innovation, rms", "1.50 mrad"),
+            ("processor in use", "12.3 %"),
+            ("stack used at most", "not measured"),
+        ] {
+            assert!(told.contains(&format!("{what:<24}{value}")), "{what}: {told:?}");
+        }
+    }
+
+    #[test]
+    fn cycles_are_told_in_microseconds_too() {
+        let sample = Cycles { count: 9, mean: 1680.0, worst: 3360 };
+        let chip = Chip { clock_hz: 168_000_000, sample, ..Chip::default() };
+        let told = said(Statistics::default(), Some(chip));
+        assert!(told.contains(&format!("{:<24}1680 (10.0 µs), at most 3360 (20.0 µs)", "cycles a sample")), "{told:?}");
+    }
+}

@@ -138,3 +138,29 @@ impl Screen {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::look::Judge;
+
+    #[test]
+    fn a_bar_grows_by_two_letters_for_each_power_of_ten() {
+        let candidate =
+            |p: f64| Candidate { name: "quadratic-drag", values: Vec::new(), f: 12.345, p, windows: 9, tied: false };
+        let candidates = [1e-10, 1e-3, 1e-40, 1.0].map(candidate).to_vec();
+        let look = Look {
+            named: Vec::new(),
+            candidates,
+            reason: None,
+            swings: 1,
+            noise_rad: 1e-3,
+            excess: [0.0; 2],
+            left: None,
+            judge: Judge::Program,
+        };
+        let bars = bars(&look);
+        assert_eq!(bars.iter().map(|bar| bar.matches('█').count()).collect::<Vec<_>>(), [20, 6, BAR, 0]);
+        assert!(bars[0].ends_with("F 12.3      p 1e-10"), "{bars:?}");
+    }
+}

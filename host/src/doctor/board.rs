@@ -95,3 +95,32 @@ fn store(state: StoreState) -> Finding {
         StoreState::Damaged => Finding::look("flash", "damaged: the paper's pendulum is in use", push),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::wire::{Cycles, Health};
+
+    #[test]
+    fn a_board_that_has_less_than_half_of_its_time_left_is_too_slow() {
+        let speed = |observer: f32| {
+            let cycles = |mean: f32| Cycles { count: 1, mean, worst: 2 * mean as u32 };
+            let chip =
+                Chip { clock_hz: 1_000_000, sample: cycles(100.0), observer: cycles(observer), ..Chip::default() };
+            super::chip(&chip, 1000.0).into_iter().find(|finding| finding.what == "speed").unwrap()
+        };
+        assert_eq!(speed(300.0).found, "400 cycles a sample, 40.0 % of its time; at most 800, 80.0 %");
+        assert!(speed(300.0).ok && !speed(500.0).ok);
+    }
+
+    #[test]
+    fn a_restart_that_nobody_asked_for_is_worth_a_look() {
+        let is_ok = |cause: ResetCause| {
+            let health = Health { cause, ..Health::default() };
+            restarts(&Statistics { health, ..Statistics::default() }).ok
+        };
+        let causes =
+            [ResetCause::Power, ResetCause::Asked, ResetCause::Watchdog, ResetCause::Panic, ResetCause::HardFault];
+        assert_eq!(causes.map(is_ok), [true, true, false, false, false]);
+    }
+}

@@ -243,4 +243,19 @@ mod tests {
         assert_eq!(complaints(|_, _| 2048.0), ["potentiometer"]);
         assert_eq!(complaints(|idx, noise| 2048.0 + 900.0 * (0.007 * idx as f64).sin() + 0.7 * noise), ["noise"]);
     }
+
+    #[test]
+    fn noise_is_told_in_codes_and_as_the_angle_that_they_are() {
+        let (signal, findings) = heard(|_, noise| 2048.0 + 0.7 * noise);
+        let noise = findings.iter().find(|finding| finding.what == "noise").unwrap();
+        // 340° over 4095 codes.
+        let mrad = 1e3 * 340_f64.to_radians() / 4095.0 * signal.spread_codes;
+        assert_eq!(noise.found, format!("{:.2} codes rms ({mrad:.2} mrad) at rest", signal.spread_codes));
+    }
+
+    #[test]
+    fn a_rate_is_right_to_two_percent() {
+        let is_ok = |rate_hz: f64| Signal { rate_hz, ..Signal::default() }.sampling(&settings()).ok;
+        assert_eq!([985.0, 1015.0, 975.0, 1025.0].map(is_ok), [true, true, false, false]);
+    }
 }

@@ -29,3 +29,17 @@ pub fn values(file: &RigFile) -> Vec<Value> {
     };
     Quantity::all(file.parameters()).into_iter().map(describe).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_is_known_has_its_standard_deviation() {
+        let text = "format = 1\n[pendulum]\nmass = 0.1\nlength = { value = 0.2, std = 1e-3 }\ninertia = 1e-3\ngravity = 9.81\n";
+        let values = values(&RigFile::parse("rig.toml", text).unwrap());
+        let of = |symbol: &str| values.iter().find(|value| value.symbol == symbol).unwrap();
+        assert_eq!((of("l").value, of("l").std, of("l").unit), (0.2, Some(1e-3), "m"));
+        assert_eq!((of("m").value, of("m").std, of("m").name), (0.1, None, "pendulum"));
+    }
+}

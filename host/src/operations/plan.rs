@@ -45,3 +45,21 @@ impl Planned {
 fn named(names: &[&str]) -> String {
     if names.is_empty() { NOTHING.to_owned() } else { names.join(" + ") }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::swing;
+    use crate::rigfile::Source;
+    use shared::parameters::Parameters;
+
+    #[test]
+    fn what_the_best_explanation_leaves_is_told_not_what_the_model_left_before() {
+        let mut swing = swing();
+        swing.angles_rad.iter_mut().for_each(|angle| *angle += 0.05);
+        let rig = RigFile::of_rig(&Parameters::paper().map(|number| number as f32), &Source::read_from("rig")).unwrap();
+        let planned = Planned::new(&[], &[swing], &rig);
+        assert!((planned.left.1 - 1.0).abs() < 0.1, "{:?}", planned.left);
+        assert_eq!((planned.models, planned.experiments.len()), (vec![NOTHING.to_owned()], 0));
+    }
+}

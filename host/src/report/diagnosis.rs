@@ -21,7 +21,7 @@ pub fn report(diagnosis: &Diagnosis, sentences: &[String], treads: &[Tread]) -> 
     };
     let body = html! {
         section.verdict.(class) { @for sentence in sentences { p { (sentence) } } }
-        (figure(&staircase(treads, diagnosis.noise)))
+        (figure(&staircase(treads, diagnosis.noise, diagnosis.measured)))
         @for name in &diagnosis.verdict { (claimed(diagnosis, name)) }
         @if let Some(levels) = &diagnosis.levels { (levels_of_releases(levels)) }
         (curve(diagnosis))
@@ -134,4 +134,30 @@ fn head(what: &str, diagnosis: &Diagnosis) -> Markup {
 
 fn milli(value: f64) -> String {
     format!("{:.2}", 1e3 * value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::Standing;
+    use crate::diagnose::holds::Part;
+    use crate::examples::{claim, diagnosis};
+
+    #[test]
+    fn the_colour_is_that_of_what_is_left() {
+        for (left, class) in [(Left::Noise, "good"), (Left::Nearly, "unsure"), (Left::Missing, "bad")] {
+            let page = report(&Diagnosis { left, ..diagnosis() }, &[], &[]);
+            assert!(page.contains(&format!("<section class=\"verdict {class}\">")), "{class}");
+        }
+    }
+
+    #[test]
+    fn each_part_says_whether_the_claim_is_seen_there() {
+        let part = |name: &str, seen| Part { name: name.to_owned(), value: 2.0, std: Some(0.5), seen };
+        let parts = vec![part("early", Some(true)), part("late", Some(false)), part("left", None)];
+        let table = holds_on(&Holding { parts, ..claim(Standing::Holds, None) }).into_string();
+        for (name, seen) in [("early", "seen"), ("late", "not seen"), ("left", "can't be told")] {
+            assert!(table.contains(&format!("<td>{name}</td><td>2.00 ± 0.50</td><td>{seen}</td>")), "{table}");
+        }
+    }
 }

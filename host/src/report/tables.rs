@@ -81,16 +81,43 @@ pub(super) fn swings(comparison: &Comparison) -> Markup {
             }
         }
     };
+    let unit = comparison.measured.milli_unit();
     html! {
         @for judged in &comparison.recordings {
             details {
                 summary { "Every swing of " (judged.name) }
                 table {
                     tr { th { "from, s" } th { "amplitude, rad" } th { "period, s" } th { "energy lost, mJ" }
-                         th { "residual, mrad rms" } }
+                         th { "residual, " (unit) " rms" } }
                     @for each in &judged.swings { (row(each)) }
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::comparison;
+    use crate::recording::Measured;
+
+    #[test]
+    fn every_swing_has_its_loss_in_millijoules_and_its_residual_in_thousandths() {
+        let mut comparison = comparison();
+        let row = Row {
+            from_s: 1.5,
+            to_s: 2.5,
+            amplitude_rad: 0.75,
+            period_s: None,
+            lost_j: Some(1.25e-3),
+            residual_rad: 2e-3,
+        };
+        comparison.recordings[0].swings = vec![row];
+        let table = swings(&comparison).into_string();
+        let cells = "<td>1.50</td><td>0.7500</td><td>–</td><td>1.2500</td><td>2.00</td>";
+        assert!(table.contains(cells) && table.contains("<th>residual, mrad rms</th>"), "{table}");
+        comparison.measured = Measured::Rate;
+        assert!(swings(&comparison).into_string().contains("<th>residual, mrad/s rms</th>"));
     }
 }

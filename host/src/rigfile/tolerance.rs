@@ -133,3 +133,23 @@ impl RigFile {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tolerance_of_the_inertia_is_measured_by_that_about_the_pivot() {
+        let file = |std: f64| {
+            let text = format!(
+                "format = 1\n[pendulum]\nmass = 0.1\nlength = 0.2\ninertia = {{ value = 1e-6, std = {std} }}\n\
+                 gravity = 9.81\n"
+            );
+            RigFile::parse("rig.toml", &text)
+        };
+        // m·l² is 4e-3 kg·m².
+        assert!(file(3e-3).unwrap().has_tolerance(Quantity::Inertia));
+        let error = file(5e-3).unwrap_err().to_string();
+        assert!(error.contains("no larger than m·l²; without a std any inertia may be found"), "{error}");
+    }
+}

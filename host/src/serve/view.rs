@@ -219,3 +219,18 @@ pub(super) fn replaced(old: &Parameters<f64>, new: &Parameters<f64>) -> Vec<Repl
     };
     all.into_iter().map(replaced).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_rig_has_is_old_and_what_comes_is_new() {
+        let (mut old, mut new) = (Parameters::paper(), Parameters::paper());
+        old.set_friction(1e-4, 2e-3, 0.0, 0.0);
+        new.set_friction(3e-4, 2e-3, 0.0, 0.0);
+        let all = replaced(&old, &new);
+        let viscous = all.iter().find(|one| one.symbol == "Mw").unwrap();
+        assert_eq!((viscous.old, viscous.new, viscous.unit), (Some(1e-4), Some(3e-4), "N·m·s/rad"));
+    }
+}

@@ -88,3 +88,25 @@ fn of(rigs: &[RigView], symbol: &'static str, name: &'static str) -> Option<Betw
     let is_judged = means.len() > FEWEST_OTHERS;
     Some(Between { symbol, name, unit, mean, rigs: (0..all.len()).map(place).collect(), is_judged })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::rig::tests::row;
+    use super::*;
+
+    #[test]
+    fn a_rig_differs_from_the_others_by_its_share_and_that_is_known_as_well_as_all_means() {
+        let rig = |(name, value, std)| RigView::new(name, vec![row("swing.csv", value, std)]);
+        let rigs = [("a", 1.2, 0.03), ("b", 1.0, 0.04), ("c", 1.0, 0.04)].map(rig);
+        let found = &between(&rigs)[0];
+        let place = &found.rigs[0];
+        assert!((place.difference.unwrap() - 0.2).abs() < 1e-12, "{place:?}");
+        // ±0.03 of its own, and ±0.04/√2 of the mean of two others, which is 1.
+        let expected = (0.03_f64.powi(2) + 0.04_f64.powi(2) / 2.0).sqrt();
+        assert!((place.difference_std.unwrap() - expected).abs() < 1e-12, "{place:?}");
+        let words = found.in_words(place);
+        assert_eq!(words, "its dry friction Mc is 20.0 ± 4.1 % higher than that of the other rigs");
+        assert!(found.in_words(&found.rigs[1]).contains("% lower than"), "{:?}", found.rigs[1]);
+        assert!(!found.is_judged);
+    }
+}

@@ -59,3 +59,36 @@ fn in_words(diagnosis: &Diagnosis) -> String {
         verdict.join(", ")
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::rig::tests::row;
+    use super::*;
+    use crate::examples::diagnosis;
+
+    fn rig(left: [&str; 3]) -> RigView {
+        let row = |(name, left): (&str, &str)| {
+            let mut row = row(name, 1.0, 0.1);
+            row.outcome.as_mut().unwrap().left = left.to_owned();
+            row
+        };
+        RigView::new("rig", ["1.csv", "2.csv", "3.csv"].into_iter().zip(left).map(row).collect())
+    }
+
+    #[test]
+    fn a_rig_is_diagnosed_where_most_of_its_newest_swings_leave_more_than_noise() {
+        assert!(reason(&rig(["missing", "noise", "noise"])).is_none());
+        assert_eq!(reason(&rig(["missing", "nearly", "noise"])).map(|swings| swings.len()), Some(3));
+    }
+
+    #[test]
+    fn what_is_missing_is_told_with_the_error_before_and_after() {
+        let (verdict, undecided) = (vec!["quadratic-drag"], vec!["power-law-drag"]);
+        let found = Diagnosis { verdict, undecided, rmse_before: 5e-3, rmse_after: 1.5e-3, noise: 1e-3, ..diagnosis() };
+        assert_eq!(
+            in_words(&found),
+            "missing from the model: quadratic-drag (or power-law-drag); with it the error falls from 5.00 to 1.50 mrad, \
+             the noise is 1.00"
+        );
+    }
+}

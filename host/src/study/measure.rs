@@ -98,3 +98,21 @@ fn outcome(swing: &Swing, fit: &Fit, notes: Vec<String>) -> Outcome {
         numbers: fit.identified.iter().map(Number::from).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::{fit, swing};
+
+    #[test]
+    fn an_outcome_holds_the_error_and_the_noise_of_its_fit() {
+        let (noise_rad, rmse_rad, left) = (1e-3, 3e-3, Left::Missing);
+        let found = outcome(&swing(), &Fit { noise_rad, rmse_rad, left, ..fit() }, vec!["cut".to_owned()]);
+        assert_eq!((found.noise_rad, found.error_rad, found.left.as_str()), (1e-3, 3e-3, "missing"));
+        assert_eq!((found.n_samples, found.duration_s, found.notes[0].as_str()), (800, 7.99, "cut"));
+        // The paper's pendulum takes 0.9 s for a small swing.
+        let p = shared::parameters::Parameters::<f64>::paper().pendulum;
+        let small_s = std::f64::consts::TAU * (p.pivot_inertia_kg_m2() / p.gravity_torque_nm()).sqrt();
+        assert!((found.period_s.unwrap() / small_s - 1.0).abs() < 0.01, "{found:?}");
+    }
+}

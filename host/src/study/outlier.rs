@@ -77,4 +77,16 @@ mod tests {
         assert_eq!(outliers(&values, Side::Both, 1e-4), [3, 11, 15]);
         assert_eq!(outliers(&values[..5], Side::Both, 1e-4), [] as [usize; 0]);
     }
+
+    #[test]
+    fn to_both_sides_a_value_is_half_as_unlikely() {
+        // Mean 0 and variance 0.8 of six others; t of 5 degrees of freedom is beyond 3.365 in 1 % and beyond 4.032 in 0.5 %
+        // (tables), on one side.
+        let of = |t: f64, side: Side| {
+            let far = t * (0.8_f64 * (1.0 + 1.0 / 6.0)).sqrt();
+            outliers(&[-1.0, 0.0, 1.0, -1.0, 0.0, 1.0, far], side, 0.01).len()
+        };
+        assert_eq!([3.3, 3.5, 4.1].map(|t| of(t, Side::Above)), [0, 1, 1]);
+        assert_eq!([3.3, 3.9, 4.1].map(|t| of(t, Side::Both)), [0, 0, 1]);
+    }
 }

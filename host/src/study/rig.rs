@@ -276,3 +276,86 @@ impl Friction {
         Finding { kind, words, recording: Some(since) }
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::super::row::{Key, Number, Origin};
+    use super::*;
+
+    /// A recording in which the dry friction is `value` ± `std`.
+    pub(crate) fn row(recording: &str, value: f64, std: f64) -> Row {
+        let text = str::to_owned;
+        let number = |symbol: &str, value: f64| Number {
+            symbol: text(symbol),
+            effect: text("coulomb"),
+            unit: text("N·m"),
+            value,
+            std: Some(std),
+            upper: Some(9.0),
+            status: text("identified"),
+        };
+        let outcome = Outcome {
+            n_samples: 100,
+            duration_s: 20.0,
+            amplitude_rad: 1.0,
+            period_s: Some(1.0),
+            noise_rad: 1e-3,
+            error_rad: 2e-3,
+            left: text("noise"),
+            notes: Vec::new(),
+            numbers: vec![number("Mc", value), number("Mw", 0.1 * value)],
+        };
+        Row {
+            key: Key { rig: text("rig"), recording: text(recording) },
+            origin: Origin { file_hash: text(recording), model_hash: text("m"), options: String::new() },
+            program: text("0"),
+            studied: text("2026-01-01"),
+            recorded: None,
+            outcome: Ok(outcome),
+        }
+    }
+
+    /// What the rows say of their rig, the one that is changed at its place.
+    fn changed(n: usize, at: usize, change: impl Fn(&mut Row)) -> RigView {
+        let value = |k: usize| 1.0 + 0.01 * [0.0, 1.0, -1.0, 0.5, -0.5][k % 5];
+        let mut rows: Vec<Row> = (0..n).map(|k| row(&format!("swing-{k:02}.csv"), value(k), 0.01)).collect();
+        change(&mut rows[at]);
+        RigView::new("rig", rows)
+    }
+
+    #[test]
+    fn a_mean_is_as_uncertain_as_its_swings_scatter_and_as_the_weight_is_known() {
+        let found = Mean::of(&[1.0, 2.0, 3.0], &[Some(0.1); 3], 0.0);
+        assert_eq!((found.n, found.value, found.spread), (3, 2.0, Some(1.0)));
+        assert!((found.std_error.unwrap() - 1.0 / 3f64.sqrt()).abs() < 1e-12);
+        let weighed = Mean::of(&[1.0, 2.0, 3.0], &[Some(0.1); 3], 0.5);
+        assert!((weighed.std_error.unwrap() - (1.0_f64 / 3.0 + 1.0).sqrt()).abs() < 1e-12);
+        assert_eq!(Mean::of(&[1.0], &[Some(0.1)], 0.5).std_error, Some(0.1));
+    }
+
+    #[test]
+    fn the_same_bytes_and_another_period_are_left_out_for_what_they_are() {
+        let twice = changed(8, 3, |row| row.origin.file_hash = "swing-01.csv".to_owned());
+        let finding = &twice.findings[0];
+        assert_eq!((finding.kind, finding.recording.as_deref()), (FindingKind::Twice, Some("swing-03.csv")));
+        assert!(finding.words.contains("the same bytes as swing-01.csv"), "{finding:?}");
+        let other = changed(8, 3, |row| row.outcome.as_mut().unwrap().period_s = Some(1.2));
+        let finding = &other.findings[0];
+        assert_eq!((finding.kind, finding.recording.as_deref()), (FindingKind::OtherRig, Some("swing-03.csv")));
+        assert!(finding.words.contains("is 1.200 s, that of the rig's others 1.000 s"), "{finding:?}");
+    }
+
+    #[test]
+    fn an_alarm_names_its_recording_whatever_is_left_out_before_it() {
+        let value = |k: usize| 1.0 + 0.01 * [0.0, 1.0, -1.0, 0.5, -0.5][k % 5];
+        let mut rows: Vec<Row> = (0..30).map(|k| row(&format!("swing-{k:02}.csv"), value(k), 0.01)).collect();
+        rows[2].outcome = Err("broken".to_owned());
+        for row in &mut rows[20..] {
+            row.outcome.as_mut().unwrap().numbers[0].value += 0.2;
+        }
+        let view = RigView::new("rig", rows);
+        let wears = view.findings.iter().find(|finding| finding.kind == FindingKind::Wears).unwrap();
+        assert_eq!(wears.recording.as_deref(), Some("swing-20.csv"), "{wears:?}");
+        assert!(wears.words.contains("dry friction Mc has risen by 20"), "{wears:?}");
+    }
+}

@@ -81,3 +81,32 @@ fn cells(row: &Row, columns: &[(String, String)]) -> Vec<String> {
     }
     cells
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::rig::tests::row;
+    use super::*;
+
+    #[test]
+    fn every_number_stands_in_its_column() {
+        let text = table(&[RigView::new("rig", vec![row("swing.csv", 0.5, 0.25)])]);
+        let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        let of = |column: &str| lines[1][lines[0].iter().position(|name| *name == column).unwrap()];
+        let expected = [
+            ("rig", "rig"),
+            ("recording", "swing.csv"),
+            ("samples", "100"),
+            ("duration_s", "2e1"),
+            ("amplitude_rad", "1e0"),
+            ("period_s", "1e0"),
+            ("noise", "1e-3"),
+            ("error", "2e-3"),
+            ("left_over", "noise"),
+            ("Mc", "5e-1"),
+            ("Mc_std", "2.5e-1"),
+        ];
+        for (column, value) in expected {
+            assert_eq!(of(column), value, "{column}: {text}");
+        }
+    }
+}

@@ -258,4 +258,21 @@ mod tests {
             assert!((sample.spread * sample.x / 3e-4 - 1.0).abs() < 1e-12, "{sample:?}");
         }
     }
+
+    #[test]
+    fn of_small_and_large_swings_those_count_that_differ_less() {
+        let mixed = |small: f64, large: f64| {
+            let loss = move |a: f64, rising: bool| {
+                let difference = if a < 0.61 { small } else { large };
+                dry_and_viscous(a, rising) + if rising { difference } else { 0.0 }
+            };
+            let pair = Pair { measured: halves(loss, 1e-5), modelled: halves(dry_and_viscous, 0.0), noise_rad: 1e-3 };
+            energy(&[pair]).side_difference.map(|mean| mean.value)
+        };
+        for (small, large) in [(4e-4, 1e-4), (1e-4, 4e-4)] {
+            let found = mixed(small, large).unwrap();
+            assert!((found / 1e-4 - 1.0).abs() < 0.2, "{small} {large}: {found}");
+        }
+        assert_eq!(mixed(4e-4, -4e-4), None);
+    }
 }

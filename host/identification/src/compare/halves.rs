@@ -178,4 +178,22 @@ mod tests {
         assert!((found.amplitude_rad - 0.85).abs() < 1e-12, "{found:?}");
         assert_eq!(period(&turns, 0.25, 1.75), None);
     }
+
+    #[test]
+    fn the_loss_of_two_half_swings_is_that_of_their_common_path() {
+        let half = |amplitude_rad: f64, loss_nm: f64, loss_spread_nm: f64| HalfSwing {
+            from_s: 0.0,
+            to_s: 1.0,
+            amplitude_rad,
+            is_rising: true,
+            lost_j: 2.0 * amplitude_rad * loss_nm,
+            loss_nm,
+            loss_spread_nm,
+        };
+        let loss = Loss::of(&[half(1.0, 3e-3, 2e-4), half(0.5, 6e-3, 4e-4)]);
+        // 6 mJ and 6 mJ over 2 rad and 1 rad.
+        assert!((loss.amplitude_rad - 0.75).abs() < 1e-12 && (loss.loss_nm - 4e-3).abs() < 1e-12, "{loss:?}");
+        // The turn that both share makes one lose what the other one does not; half of the larger error stays.
+        assert_eq!(loss.spread_nm, 2e-4);
+    }
 }

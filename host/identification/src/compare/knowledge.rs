@@ -329,4 +329,11 @@ mod tests {
         assert_eq!(Estimate { value: 10.0, std: Some(2.0) }.interval(), Some((6.08, 13.92)));
         assert_eq!(Estimate { value: 10.0, std: None }.interval(), None);
     }
+
+    #[test]
+    fn two_recordings_that_differ_are_no_drift_yet() {
+        let mut two = known([1.0, 2.0, 3.0], 1e-9);
+        two.alone.truncate(2);
+        assert!(two.disagrees() && !two.drifts());
+    }
 }

@@ -61,3 +61,37 @@ fn of_recording(measurement: &Measurement, judged: &Judged) -> Vec<String> {
     }
     limits
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::tests::{NOISE_RAD, judged, swing};
+
+    fn measurement(has_lead_in: bool, has_rest: bool) -> Measurement {
+        let mut measurement = Measurement::of_swing(swing("one.csv", NOISE_RAD, 1));
+        (measurement.has_lead_in, measurement.has_rest) = (has_lead_in, has_rest);
+        measurement
+    }
+
+    fn is_said(limits: &[String], what: &str) -> bool {
+        limits.iter().any(|limit| limit.contains(what))
+    }
+
+    #[test]
+    fn a_still_stretch_before_or_after_the_swing_tells_the_noise() {
+        let judged = judged();
+        let doubts =
+            |before: bool, after: bool| is_said(&of_recording(&measurement(before, after), &judged), "is white");
+        assert_eq!([doubts(false, false), doubts(true, false), doubts(false, true)], [true, false, false]);
+    }
+
+    #[test]
+    fn one_recording_that_comes_to_rest_is_enough_for_stiction() {
+        let moving = judged();
+        let resting = Judged { stop_angles_rad: Some((0.01, 0.01)), ..moving.clone() };
+        let measurements = [measurement(true, true), measurement(true, true)];
+        let doubts = |recordings: &[Judged]| is_said(&limits(&measurements, recordings), "comes to rest");
+        assert!(doubts(&[moving.clone(), moving.clone()]));
+        assert!(!doubts(&[moving, resting]));
+    }
+}

@@ -138,4 +138,20 @@ mod tests {
         assert!((joint(&[&row(3.0, 1e-3), &row(1.0, 5e-3)]) - 7f64.sqrt() * 1e-3).abs() < 1e-12);
         assert_eq!(joint(&[]), 0.0);
     }
+
+    #[test]
+    fn the_last_swings_are_told_of_a_recording_that_comes_to_rest_only() {
+        let row = |k: usize| Row {
+            from_s: k as f64,
+            to_s: k as f64 + 1.0,
+            amplitude_rad: 1.0,
+            period_s: None,
+            lost_j: None,
+            residual_rad: if k < 17 { 1e-3 } else { 4e-3 },
+        };
+        let rows: Vec<Row> = (0..20).map(row).collect();
+        let said = |rests: bool| places(&[(&rows, rests)]).into_iter().map(|place| place.words).collect::<Vec<_>>();
+        assert_eq!(said(true), ["in the last 3 swings before rest"]);
+        assert_eq!(said(false), [] as [String; 0]);
+    }
 }

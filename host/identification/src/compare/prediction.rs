@@ -61,3 +61,29 @@ fn innovations(swing: &Swing, followed: &Followed, parameters: &Parameters<f64>)
     }
     errors
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::follow::follow;
+    use crate::compare::tests::{VISCOUS, rig, swing};
+
+    /// One step ahead of a swing without noise about a zero that is off, followed from a velocity that is off too, rad.
+    fn step_ahead_rad(velocity_rad_s: f64) -> f64 {
+        let (swing, rig) = (swing("one", 0.0, 1), rig(VISCOUS));
+        let mut followed = follow(&swing, &rig);
+        followed.start.velocity_rad_s += velocity_rad_s;
+        predictions(&swing, &followed, &[], &rig).step_ahead_rad.unwrap()
+    }
+
+    #[test]
+    fn the_true_model_sees_one_step_ahead_about_the_zero_that_was_found() {
+        assert!(step_ahead_rad(0.0) < 1e-6, "{}", step_ahead_rad(0.0));
+    }
+
+    #[test]
+    fn a_second_after_the_start_the_observer_has_forgotten_it() {
+        // A sample of 5 ms at 0.1 rad/s is 0.5 mrad; ten seconds of its time are e^-10 of that.
+        assert!(step_ahead_rad(0.1) < 1e-5, "{}", step_ahead_rad(0.1));
+    }
+}

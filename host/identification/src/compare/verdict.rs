@@ -318,6 +318,29 @@ fn parameters(seen: &Seen) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::compare::binned::Mean;
+    use crate::compare::grid::Grid;
+    use crate::compare::tests::judged;
+    use crate::compare::torque::Bin;
+
+    fn seen<'a>(energy: &'a Energy, totals: &'a Totals) -> Seen<'a> {
+        Seen {
+            measured: Measured::Angle,
+            recordings: &[],
+            held_out: &[],
+            totals,
+            held_out_totals: None,
+            places: &[],
+            energy,
+            torque: None,
+            knowledge: None,
+            mismatches: &[],
+            refit: None,
+        }
+    }
+
+    fn mean(x: f64, value: f64) -> Mean {
+        Mean { x, value, spread: 1e-6, n: 5 }
+    }
 
     #[test]
     fn an_angle_is_told_with_three_digits() {
@@ -326,23 +349,9 @@ mod tests {
 
     #[test]
     fn the_worst_loss_is_told_with_its_share_of_the_usual_one() {
-        let mean = |x: f64, value: f64| Mean { x, value, spread: 1e-6, n: 5 };
         let words = |loss_missing: Vec<Mean>| {
             let energy = Energy { loss_missing, usual_loss_nm: 1e-3, ..Energy::default() };
-            let seen = Seen {
-                measured: Measured::Angle,
-                recordings: &[],
-                held_out: &[],
-                totals: &Totals::default(),
-                held_out_totals: None,
-                places: &[],
-                energy: &energy,
-                torque: None,
-                knowledge: None,
-                mismatches: &[],
-                refit: None,
-            };
-            losses(&seen)
+            losses(&seen(&energy, &Totals::default()))
         };
         assert_eq!(
             words(vec![mean(0.3, 1e-4), mean(0.6, -2.5e-4)]).as_deref(),
@@ -352,5 +361,56 @@ mod tests {
             )
         );
         assert_eq!(words(vec![mean(0.3, 1e-6)]), None);
+    }
+
+    #[test]
+    fn the_side_that_loses_more_and_the_period_that_is_off_are_told() {
+        let said = |difference: f64, off: f64| {
+            let (side_difference, period_off) = (Some(mean(0.5, difference)), vec![mean(0.3, off)]);
+            let energy = Energy { side_difference, period_off, usual_loss_nm: 1e-3, ..Energy::default() };
+            findings(&seen(&energy, &Totals::default()))
+        };
+        assert_eq!(
+            said(2e-4, 2e-3),
+            [
+                "Near 0.30 rad amplitude the period is 0.20 % longer than modelled.",
+                "Half swings counter-clockwise lose 20 % more energy than those back, beyond what the model says."
+            ]
+        );
+        let other = said(-2e-4, -2e-3);
+        assert!(
+            other[0].contains("0.20 % shorter") && other[1].starts_with("Half swings clockwise lose 20 %"),
+            "{other:?}"
+        );
+    }
+
+    #[test]
+    fn the_torque_that_is_lacked_most_is_told_with_its_standard_error() {
+        let bin = |place: usize, torque_nm: f64| {
+            let (angle_rad, velocity_rad_s, spread_nm, n_visits, n_samples) = (0.5, 2.0, 1e-4, 9, 90);
+            Bin { place, angle_rad, velocity_rad_s, torque_nm, spread_nm, n_visits, n_samples }
+        };
+        let (grid, bins) = (Grid { angle_rad: 1.0, velocity_rad_s: 6.0 }, vec![bin(0, 1e-3), bin(1, -2e-3)]);
+        let map = TorqueMap { grid, bins, coulomb_nm: 1e-3, evidence: 99.0, explained: 0.9, is_significant: true };
+        let (energy, totals) = (Energy::default(), Totals::default());
+        assert_eq!(
+            torque(&Seen { torque: Some(&map), ..seen(&energy, &totals) }).as_deref(),
+            Some("The torque map lacks most at 0.50 rad and 2.0 rad/s: -2.00 ± 0.10 mN·m (2.0 times Mc).")
+        );
+    }
+
+    #[test]
+    fn a_model_carries_over_to_held_out_recordings_that_it_misses_alike() {
+        let mut judged = judged();
+        let (energy, totals) = (Energy::default(), Totals { ratio: 2.0, ..Totals::default() });
+        let mut said = |ratio: f64, more_than_noise: bool| {
+            judged.verdict.more_than_noise = more_than_noise;
+            let of_others = Totals { residual_rad: ratio * 1e-3, ratio, ..Totals::default() };
+            let held = [judged.clone()];
+            held_out(&Seen { held_out: &held, held_out_totals: Some(&of_others), ..seen(&energy, &totals) }).unwrap()
+        };
+        assert!(said(2.2, true).contains("residual is 2.20 mrad, 2.2 times the noise, as on the others"));
+        assert!(said(5.0, true).contains("5.0 times the noise, so the model does not carry over to them"));
+        assert!(said(1.0, false).ends_with("1.0 times the noise: the model carries over to them."));
     }
 }

@@ -89,3 +89,52 @@ fn contradicted(found: &Contradiction) -> String {
     };
     format!("{one} and {other} want other curves {speeds}")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::diagnose;
+    use crate::diagnose::resemblance::Resemblance;
+    use crate::diagnose::tests::{fitted, rig, simulated};
+    use crate::fit::identify::problem_of;
+    use crate::fit::tally::Tally;
+
+    #[test]
+    fn a_curve_is_told_by_what_it_leaves_and_how_it_predicts() {
+        let (swings, count) = ([simulated("one", &rig(), 6.0, 3)], Tally::default());
+        let mut diagnosis = diagnose(&swings, &[], &rig());
+        (diagnosis.rmse_before, diagnosis.rmse_after, diagnosis.noise) = (9e-3, 4e-3, 1e-3);
+        let resembles = vec![Resemblance { effect: "quadratic-drag", share: 0.012, torques: Vec::new() }];
+        let mut curve = FrictionCurve {
+            speeds: Vec::new(),
+            torques: Vec::new(),
+            stds: Vec::new(),
+            built_up: 0.0,
+            beside: vec!["presliding"],
+            rmse: 2e-3,
+            left: Left::Missing,
+            left_out: 2.5e-3,
+            left_out_straight: 6e-3,
+            blocks: 12,
+            windows: 14,
+            contradicted: Vec::new(),
+            resembles,
+            parameters: rig(),
+            model: fitted(&problem_of(&swings, &rig(), &count), &rig()),
+        };
+        let words = curve.in_words(&diagnosis);
+        for expected in [
+            "a free friction curve beside presliding leaves 2.00 mrad of 4.00, 2.00 times the noise.",
+            "12 blocks of the swings, each left out in turn, are predicted to 2.50 mrad, by viscous and coulomb friction in \
+             its place to 6.00.",
+            "It resembles quadratic-drag, from which it differs by 1 %.",
+            "No part of the swings contradicts it within its ±, but what it leaves is no noise",
+        ] {
+            assert!(words.contains(expected), "{expected}: {words}");
+        }
+        let between = ["early", "late"].map(str::to_owned);
+        curve.contradicted = vec![Contradiction { between, from_rad_s: 1.0, to_rad_s: 2.5 }];
+        let words = curve.in_words(&diagnosis);
+        assert!(words.contains("But early and late want other curves between 1.0 and 2.5 rad/s: friction"), "{words}");
+    }
+}

@@ -5,7 +5,8 @@
 
 use crate::fit::problem::Problem;
 use crate::formula::effect_of;
-use crate::swing::Swing;
+use crate::recording::Measured;
+use crate::swing::{Swing, kind};
 use serde::Serialize;
 use shared::effect::{Action, Effect};
 use shared::model::Model;
@@ -17,7 +18,8 @@ const AMPLITUDE_RAD: f64 = 1.0;
 /// Steps in one period.
 const STEPS: f64 = 2000.0;
 
-/// Shares of lost energy and of the period, and angles as shares of the amplitude, below these are not worth a word.
+/// Shares of lost energy and of the period, and angles as shares of the amplitude, below these are not worth a word; of
+/// rates as many rad/s as rad of an angle.
 const LEAST_LOSS: f64 = 0.01;
 const LEAST_PERIOD: f64 = 1e-4;
 const LEAST_READING: f64 = 1e-3;
@@ -41,7 +43,7 @@ pub struct Evidence {
     /// By how much it lengthens the period, as a share.
     pub period_share: f64,
     /// The most by which it moves the reading of the same motion, rad; of one that wanders, until the swing's end; 0 of a
-    /// law of the motion, with which another motion is read.
+    /// law of the motion, with which another motion is read. Of rates in rad/s.
     pub reading_rad: f64,
     /// The same in words.
     pub words: String,
@@ -62,13 +64,13 @@ pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence
     let reached_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
     let amplitude_rad = AMPLITUDE_RAD.min(0.9 * reached_rad);
     let added = parameters.effects.iter().filter_map(|present| effect_of(parameters, present.id));
-    let longest_s = problem.longest_s();
+    let (longest_s, measured) = (problem.longest_s(), kind(problem.swings));
     let of = |effect: &'static Effect<f64>| {
         let mut without = parameters.clone();
         without.remove(effect.id);
-        let both = |time_s: f64| [parameters, &without].map(|of| period(of, amplitude_rad, time_s));
+        let both = |time_s: f64| [parameters, &without].map(|of| period(of, measured, amplitude_rad, time_s));
         let [with, without] = both(0.0);
-        let found = compared(effect, amplitude_rad, &with?, &without?);
+        let found = compared(effect, measured, amplitude_rad, &with?, &without?);
         if !is_of_the_sensor(effect) {
             return Some(found);
         }
@@ -77,25 +79,31 @@ pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence
             // The first readings: both motions begin alike there.
             (with.readings_rad[0] - without.readings_rad[0]).abs()
         });
-        Some(found.wandering(late_rad, longest_s))
+        Some(found.wandering(late_rad, longest_s, measured))
     };
     added.filter(|effect| !effect.is_base() && !problem.is_free_scale(effect)).filter_map(of).collect()
 }
 
 /// From a turning point, so long after the release, to the next on the same side; `None` if it comes to rest before.
-fn period(parameters: &Parameters<f64>, amplitude_rad: f64, time_s: f64) -> Option<Period> {
+fn period(parameters: &Parameters<f64>, measured: Measured, amplitude_rad: f64, time_s: f64) -> Option<Period> {
     let model = Model::new(parameters);
     let pendulum = parameters.pendulum;
     let small_s = 2.0 * std::f64::consts::PI * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt();
     let step_s = small_s / STEPS;
     let mut state = model.release(amplitude_rad, 0.0);
     state.time_s = time_s;
-    let mut sensor = model.sensor_at_rest(&state);
+    let mut sensor = match measured {
+        Measured::Angle => model.sensor_at_rest(&state),
+        Measured::Rate => model.rate_sensor_at_rest(&state),
+    };
     let (energy_j, mut readings_rad, mut turns) = (model.energy_j(&state), Vec::new(), 0);
     for _ in 0..(3.0 * STEPS) as usize {
         let before = state;
         model.step(&mut state, step_s);
-        readings_rad.push(model.read(&state, &mut sensor) - state.angle_rad);
+        readings_rad.push(match measured {
+            Measured::Angle => model.read(&state, &mut sensor) - state.angle_rad,
+            Measured::Rate => model.read_rate(&state, &mut sensor) - state.velocity_rad_s,
+        });
         let (old, new) = (before.velocity_rad_s, state.velocity_rad_s);
         turns += usize::from(old * new < 0.0);
         if turns == 2 {
@@ -108,11 +116,12 @@ fn period(parameters: &Parameters<f64>, amplitude_rad: f64, time_s: f64) -> Opti
 
 impl Evidence {
     /// The same where its reading is moved so far at the end of the longest swing.
-    fn wandering(self, late_rad: f64, longest_s: f64) -> Self {
+    fn wandering(self, late_rad: f64, longest_s: f64, measured: Measured) -> Self {
         if late_rad < WANDERS * self.reading_rad || late_rad < LEAST_READING * self.amplitude_rad {
             return self;
         }
-        let words = format!("in {longest_s:.0} s it moves the reading by {:.1} mrad", 1e3 * late_rad);
+        let words =
+            format!("in {longest_s:.0} s it moves the reading by {:.1} {}", 1e3 * late_rad, measured.milli_unit());
         Self { reading_rad: late_rad, words, picture: "Measured minus modelled", ..self }
     }
 }
@@ -122,7 +131,7 @@ fn is_of_the_sensor(effect: &Effect<f64>) -> bool {
     matches!(effect.action, Action::Sensor(_))
 }
 
-fn compared(effect: &Effect<f64>, amplitude_rad: f64, with: &Period, without: &Period) -> Evidence {
+fn compared(effect: &Effect<f64>, measured: Measured, amplitude_rad: f64, with: &Period, without: &Period) -> Evidence {
     let loss_share = 1.0 - without.lost_j / with.lost_j;
     let period_share = with.period_s / without.period_s - 1.0;
     let apart = with.readings_rad.iter().zip(&without.readings_rad).map(|(a, b)| (a - b).abs());
@@ -131,7 +140,7 @@ fn compared(effect: &Effect<f64>, amplitude_rad: f64, with: &Period, without: &P
     let percent = |share: f64| format!("{:.2} %", 100.0 * share.abs());
     let is_of_loss = loss_share.abs() > LEAST_LOSS.max(LOSS_PER_PERIOD * period_share.abs());
     let (words, picture) = if reading_rad > LEAST_READING * amplitude_rad {
-        let words = format!("{at} it moves the reading by up to {:.1} mrad", 1e3 * reading_rad);
+        let words = format!("{at} it moves the reading by up to {:.1} {}", 1e3 * reading_rad, measured.milli_unit());
         (words, "Residual against angle")
     } else if is_of_loss && loss_share > 0.0 {
         (
@@ -214,5 +223,29 @@ mod tests {
     fn a_zero_that_wanders_is_told_by_what_it_comes_to() {
         let drift = of_swing("zero-drift", &[2e-3], 1e-4, &[0.0, 10.0, 20.0]);
         assert!((drift.reading_rad - 0.04).abs() < 1e-4 && drift.words.starts_with("in 20 s"), "{drift:?}");
+    }
+
+    #[test]
+    fn a_law_that_pushes_spares_energy_and_a_longer_period_is_called_so() {
+        let effect = Effect::<f64>::by_name("quadratic-drag").unwrap();
+        let period = |lost_j: f64, period_s: f64| Period { lost_j, period_s, readings_rad: vec![0.0] };
+        let spares = compared(effect, Measured::Angle, 1.0, &period(4e-3, 1.0), &period(5e-3, 1.0));
+        assert_eq!(spares.words, "at 1.00 rad amplitude the pendulum loses 25 % less energy with it");
+        let slows = compared(effect, Measured::Angle, 1.0, &period(5e-3, 1.01), &period(5e-3, 1.0));
+        assert_eq!(slows.words, "at 1.00 rad amplitude it makes the period 1.00 % longer");
+        let nothing = compared(effect, Measured::Angle, 1.0, &period(5e-3, 1.0), &period(5e-3, 1.0));
+        assert!(nothing.words.ends_with("changes neither loss nor period visibly"), "{}", nothing.words);
+    }
+
+    #[test]
+    fn a_bias_of_a_gyroscope_is_told_as_a_rate() {
+        let mut parameters = Parameters::paper();
+        parameters.set(Effect::<f64>::by_name("zero-drift").unwrap().id, &[2e-3]).unwrap();
+        let times_s: Vec<f64> = (0..=400).map(|i| f64::from(i) * 0.05).collect();
+        let rates: Vec<f64> = times_s.iter().map(|time_s| 5.0 * (7.0 * time_s).sin()).collect();
+        let swings = [Swing::of("gyroscope", Measured::Rate, &times_s, &rates, 1e-3)];
+        let count = Tally::default();
+        let found = evidence(&problem_of(&swings, &parameters, &count), &parameters).remove(0);
+        assert_eq!(found.words, "in 20 s it moves the reading by 40.0 mrad/s");
     }
 }

@@ -422,4 +422,48 @@ mod tests {
         let mean = |range: std::ops::Range<usize>| range.clone().map(strength).sum::<f64>() / range.len() as f64;
         assert!((part("early") - mean(0..6)).abs() < 1e-9 && (part("late") - mean(6..12)).abs() < 1e-9, "{long:?}");
     }
+
+    #[test]
+    fn what_two_neighbouring_windows_carry_does_not_hold_without_them() {
+        let count = Tally::default();
+        let swings = [Swing::new("one", &[0.0, 0.1, 0.2, 0.3], &[0.3, 0.1, -0.1, -0.2], 1e-4)];
+        let problem = problem_of(&swings, &rig(), &count);
+        let model = Fitted::at(&problem, &Point { values: problem.template_values(), starts: start::starts(&swings) });
+        let test = Test { columns: vec![0, 1, 2], strengths: vec![0.0] };
+        let around = |k: usize| if k.is_multiple_of(2) { 0.1 } else { -0.1 };
+        let strength = |k: usize| around(k) + if [5, 6].contains(&k) { 3.0 } else { 0.0 };
+        let clusters = clusters_of(|k| [around(k), -around(k + 1), strength(k)], 14);
+        let found = tested(&problem, &model, "drag", &clusters, &test, ALPHA);
+        // The other twelve are as often above zero as below.
+        assert!(found.p_without_two.unwrap() > 0.9 && found.standing == Standing::Partly, "{found:?}");
+    }
+
+    #[test]
+    fn a_strength_is_seen_beyond_twice_its_own_error_and_not_seen_against_the_whole() {
+        assert_eq!([0.15, 0.25].map(|value| seen(1.0, value, Some(0.1))), [None, Some(true)]);
+        assert_eq!([-0.15, -0.25].map(|value| seen(-1.0, value, Some(0.1))), [None, Some(true)]);
+        assert_eq!([seen(1.0, -0.2, Some(0.1)), seen(1.0, -0.2, Some(0.5))], [Some(false), None]);
+        assert_eq!(seen(1.0, 5.0, None), None);
+    }
+
+    #[test]
+    fn the_parts_of_angles_are_left_and_right_and_those_of_rates_backward_and_forward() {
+        let count = Tally::default();
+        let names_and_values = |measured: Measured| {
+            let swings = [Swing::of("one", measured, &[0.0, 0.1, 0.2, 0.3], &[0.3, 0.1, -0.1, -0.2], 1e-4)];
+            let problem = problem_of(&swings, &rig(), &count);
+            let test = Test { columns: vec![0, 1, 2], strengths: vec![0.0] };
+            let side = |value: f64| Sums {
+                matrix: DMatrix::identity(3, 3),
+                gradient: DVector::from_row_slice(&[0.0, 0.0, value]),
+            };
+            let cluster = || Cluster { swing_idx: 0, windows: Vec::new(), sides: [side(1.0), side(3.0)] };
+            let clusters: Vec<Cluster> = (0..12).map(|_| cluster()).collect();
+            let parts = parts(&problem, &test, 0, 2.0, &clusters).into_iter().skip(2);
+            parts.map(|part| (part.name, part.value.round())).collect::<Vec<_>>()
+        };
+        let told = |names: [&str; 2]| vec![(names[0].to_owned(), 1.0), (names[1].to_owned(), 3.0)];
+        assert_eq!(names_and_values(Measured::Angle), told(["left", "right"]));
+        assert_eq!(names_and_values(Measured::Rate), told(["backward", "forward"]));
+    }
 }

@@ -183,4 +183,17 @@ mod tests {
         assert!((of(1) - expected(-half, sixth)).abs() < 1e-12);
         assert!((of(2) - expected(0.0, -2.0 * sixth)).abs() < 1e-12);
     }
+
+    #[test]
+    fn the_part_that_differs_is_told_from_its_lowest_to_its_highest_level() {
+        let part = |part: Part, value: f64, differs: bool| {
+            let level = |recording: &str, value: f64| Level { recording: recording.to_owned(), value, std: Some(0.01) };
+            let releases = vec![level("one.csv", value), level("two.csv", -value)];
+            PartLevels { part, change: 2.0 * value, differs, releases }
+        };
+        let said = words(&[part(Part::ALL[0], 0.12, true), part(Part::ALL[1], 0.3, false)]);
+        assert!(said.starts_with("The friction level changed by 24 % between releases"), "{said}");
+        assert!(said.contains("+12.0 ± 1.0 % in one.csv, -12.0 ± 1.0 % in two.csv, each against"), "{said}");
+        assert!(!said.contains("30"), "{said}");
+    }
 }

@@ -364,3 +364,28 @@ const MAX_RIVALS: usize = 2;
 
 /// At most this many models are listed.
 const MAX_LISTED: usize = 12;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_explains_four_fifths_of_the_rest_is_suspected_unless_it_is_as_strong_as_it_can_be() {
+        let claim = |standing, rmse: f64| Holding {
+            effect: "quadratic-drag",
+            standing,
+            windows: 9,
+            rmse,
+            p: None,
+            p_without_two: None,
+            value: None,
+            std: None,
+            parts: Vec::new(),
+        };
+        let told = |standing, rmse: f64| suspect(&[claim(standing, rmse), claim(standing, 4e-3)], 5e-3, 3e-3);
+        // 16 of (5² − 3²) are left; of a fifth, 3.2, the root with the noise is 3.493.
+        assert_eq!([3.4e-3, 3.6e-3].map(|rmse| told(Standing::Partly, rmse)), [Some("quadratic-drag"), None]);
+        assert_eq!(told(Standing::OutOfRange, 3.4e-3), None);
+        assert_eq!(suspect(&[], 5e-3, 3e-3), None);
+    }
+}

@@ -8,7 +8,7 @@ use super::models::excess;
 use super::replacement::Replacements;
 use super::score::predictions;
 use super::search::Found;
-use super::summary::Summary;
+use super::summary::{Diagnosis, Summary};
 use super::verdict::{INDISTINGUISHABLE, Judge};
 use super::widening::narrowed;
 use super::{base_problem, diagnose, levels, zero};
@@ -35,7 +35,7 @@ const RELEASE_RAD: f64 = 1.4;
 /// Quadratic drag, N·m·s²/rad².
 const DRAG: f64 = 2e-4;
 
-pub(super) fn effect(name: &str) -> &'static Effect<f64> {
+pub(crate) fn effect(name: &str) -> &'static Effect<f64> {
     Effect::by_name(name).unwrap()
 }
 
@@ -46,14 +46,14 @@ fn rig_with(name: &str, values: &[f64]) -> Parameters<f64> {
     rig
 }
 
-pub(super) fn rig() -> Parameters<f64> {
+pub(crate) fn rig() -> Parameters<f64> {
     let mut rig = Parameters::paper();
     Stiction::NONE.put_into(&mut rig);
     rig
 }
 
 /// A simulated swing of a rig at 100 Hz, with white noise.
-pub(super) fn simulated(name: &str, truth: &Parameters<f64>, seconds: f64, seed: u64) -> Swing {
+pub(crate) fn simulated(name: &str, truth: &Parameters<f64>, seconds: f64, seed: u64) -> Swing {
     let (model, mut noise) = (Model::new(truth), Noise::new(seed));
     let mut state = model.release(RELEASE_RAD, 0.0);
     let times_s: Vec<f64> = (0..(100.0 * seconds) as usize).map(|i| i as f64 / 100.0).collect();
@@ -65,12 +65,12 @@ pub(super) fn simulated(name: &str, truth: &Parameters<f64>, seconds: f64, seed:
     Swing::new(name, &times_s, &angles_rad, NOISE_RAD)
 }
 
-pub(super) fn with_drag() -> [Swing; 1] {
+pub(crate) fn with_drag() -> [Swing; 1] {
     [simulated("drag", &rig_with("quadratic-drag", &[DRAG]), 14.0, 1)]
 }
 
 /// A model fitted to the swings of a problem, from the numbers of a rig.
-pub(super) fn fitted(on: &Problem, from: &Parameters<f64>) -> Fitted {
+pub(crate) fn fitted(on: &Problem, from: &Parameters<f64>) -> Fitted {
     begun(on, from).refined(on, Band::Held, Tolerance::JUDGE)
 }
 
@@ -193,33 +193,74 @@ fn a_drag_that_was_fitted_is_told_from_its_wider_form_by_the_exponent() {
     });
 }
 
+/// What is told of a claim, which may have the zero beside it.
+fn told(judge: &Judge, claimed: &Fitted, offset_is_missing: bool, held_out: &[Swing]) -> Diagnosis {
+    let Judge { problem, rough, found, candidates, budget } = *judge;
+    let summary = Summary {
+        judge: Judge { problem, rough, found, candidates, budget },
+        first_look: None,
+        claimed: claimed.clone(),
+        curve: None,
+        of_state: None,
+        undecided: Vec::new(),
+        not_tried: Vec::new(),
+        vetoed: Vec::new(),
+        unproven: Vec::new(),
+        holds_on: Vec::new(),
+        carries: None,
+        special_cases: Vec::new(),
+        offset_is_missing,
+        others: Vec::new(),
+        held_out,
+        began: Instant::now(),
+        count: problem.tally,
+    };
+    summary.build(false)
+}
+
+#[test]
+fn held_out_swings_are_predicted_before_and_after_and_the_zero_stands_behind_a_law() {
+    let (swings, held_out) = (with_drag(), [simulated("other", &rig_with("quadratic-drag", &[DRAG]), 8.0, 2)]);
+    let levels = |on: &Problem| (fitted(on, &rig()), vec![vec![fitted(on, &rig_with("quadratic-drag", &[DRAG]))]]);
+    judged(&swings, levels, |judge| {
+        let law = told(judge, &judge.found.levels[0][0], true, &held_out);
+        let offset = zero::offset().unwrap().name;
+        assert_eq!(
+            (&law.verdict[..], &law.ranked[..2]),
+            (&["quadratic-drag", offset][..], &["quadratic-drag", offset][..])
+        );
+        let [before, after] = [law.held_out_before, law.held_out_after].map(Option::unwrap);
+        assert!(before > 3.0 * NOISE_RAD && (after / NOISE_RAD - 1.0).abs() < 0.1, "{before} {after}");
+        let none = told(judge, &judge.found.base, false, &[]);
+        assert_eq!((none.held_out_before, none.held_out_after), (None, None));
+        // The zero is right, so that a fit of it changes nothing.
+        assert!(none.verdict.is_empty() && !none.zero_is_doubtful, "{} {}", none.rmse_before, none.rmse_after);
+    });
+}
+
+#[test]
+fn an_exponent_of_another_law_makes_no_special_case() {
+    let swings = [simulated("steep", &rig_with("power-law-drag", &[4.0 * DRAG, 1.5]), 14.0, 1)];
+    let levels = |on: &Problem| {
+        let special = fitted(on, &rig_with("quadratic-drag", &[DRAG]));
+        let wide = fitted(on, &rig_with("power-law-drag", &[4.0 * DRAG, 1.5]));
+        (fitted(on, &rig()), vec![vec![wide, special]])
+    };
+    judged(&swings, levels, |judge| {
+        let mut undecided = vec!["power-law-drag"];
+        let cases = judge.special_cases(&judge.found.levels[0][1], &[], &mut undecided);
+        assert!(cases.is_empty() && undecided == ["power-law-drag"], "{cases:?}");
+    });
+}
+
 #[test]
 fn a_staircase_goes_down_from_the_base_to_the_claim_by_the_rms_of_each_model() {
     let swings = with_drag();
     let levels = |on: &Problem| (fitted(on, &rig()), vec![vec![fitted(on, &rig_with("quadratic-drag", &[DRAG]))]]);
     judged(&swings, levels, |judge| {
         let rms = |model: &Fitted| (model.cost / judge.problem.n_samples(Window::Whole) as f64).sqrt();
-        let Judge { problem, rough, found, candidates, budget } = *judge;
-        let summary = Summary {
-            judge: Judge { problem, rough, found, candidates, budget },
-            first_look: None,
-            claimed: found.levels[0][0].clone(),
-            curve: None,
-            of_state: None,
-            undecided: Vec::new(),
-            not_tried: Vec::new(),
-            vetoed: Vec::new(),
-            unproven: Vec::new(),
-            holds_on: Vec::new(),
-            carries: None,
-            special_cases: Vec::new(),
-            offset_is_missing: false,
-            others: Vec::new(),
-            held_out: &[],
-            began: Instant::now(),
-            count: problem.tally,
-        };
-        let told = summary.build(false);
+        let found = judge.found;
+        let told = told(judge, &found.levels[0][0], false, &[]);
         assert!((told.rmse_after / NOISE_RAD - 1.0).abs() < 0.1, "{}", told.rmse_after);
         assert!(told.rmse_before > 5.0 * NOISE_RAD, "{}", told.rmse_before);
         let steps: Vec<(&str, f64)> = told.staircase.iter().map(|step| (step.added, step.rmse)).collect();

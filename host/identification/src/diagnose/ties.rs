@@ -97,3 +97,25 @@ impl Judge<'_, '_> {
         rivals.into_iter().filter(|rival| !is_separate(rival)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{effect, rig};
+    use crate::fit::identify::problem_of;
+    use crate::fit::problem::Point;
+    use crate::fit::tally::Tally;
+
+    #[test]
+    fn a_family_is_told_where_all_rivals_belong_to_it() {
+        let count = Tally::default();
+        let problem = problem_of(&[], &rig(), &count);
+        let base = Fitted::at(&problem, &Point { values: problem.template_values(), starts: Vec::new() });
+        let drag = effect("quadratic-drag");
+        let claimed = base.with(drag, &drag.starts[0]).unwrap();
+        let found = family(&claimed, &["power-law-drag"]).unwrap();
+        assert_eq!((found.words, found.members), (drag.family.words(), vec!["quadratic-drag", "power-law-drag"]));
+        assert!(family(&claimed, &["power-law-drag", "torsional-spring"]).is_none());
+        assert!(family(&claimed, &[]).is_none() && family(&base, &["power-law-drag"]).is_none());
+    }
+}

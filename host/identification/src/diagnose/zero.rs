@@ -148,3 +148,39 @@ fn std_of_mean(problem: &Problem, model: &Fitted) -> f64 {
         .sum();
     sum.max(0.0).sqrt() / n_swings as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::base_problem;
+    use crate::diagnose::tests::{rig, simulated};
+    use crate::fit::problem::{Point, Start};
+    use crate::fit::tally::Tally;
+
+    #[test]
+    fn the_coarsest_sensor_says_what_zero_can_be_seen() {
+        let count = Tally::default();
+        let swings = [(1, 1e-3), (2, 2e-3), (3, 5e-4)].map(|(seed, noise_rad)| {
+            let mut swing = simulated("one", &rig(), 3.0, seed);
+            swing.noise_rad = noise_rad;
+            swing
+        });
+        let problem = base_problem(&swings, (&rig()).into(), &count);
+        assert_eq!(visible_rad(&problem), 2e-3);
+    }
+
+    #[test]
+    fn the_mean_zero_of_four_releases_is_known_twice_as_well_as_that_of_one() {
+        let count = Tally::default();
+        let swings = [1, 2, 3, 4].map(|seed| simulated("one", &rig(), 6.0, seed));
+        let std = |swings: &[Swing]| {
+            let problem = base_problem(swings, (&rig()).into(), &count);
+            let starts = vec![Start { angle_rad: 1.4, velocity_rad_s: 0.0, offset_rad: 0.0 }; swings.len()];
+            let model = Fitted::at(&problem, &Point { values: problem.template_values(), starts });
+            std_of_mean(&problem, &model)
+        };
+        let ratio = std(&swings[..1]) / std(&swings);
+        // Other numbers, which all releases share, are known better too.
+        assert!((1.7..2.6).contains(&ratio), "{ratio}");
+    }
+}

@@ -431,4 +431,17 @@ mod tests {
         }
         assert!([&one, &two, &both].into_iter().all(|column| beyond(column, &basis).iter().all(|x| x.abs() < 1e-12)));
     }
+
+    #[test]
+    fn samples_below_zero_are_on_the_left_and_those_above_on_the_right() {
+        let times_s: Vec<f64> = (0..5).map(f64::from).collect();
+        let angles_rad = [-0.3, -0.2, 0.1, 0.2, 0.4];
+        let swings = [Swing::new("one", &times_s, &angles_rad, 1e-3)];
+        let (parameters, count) = (shared::parameters::Parameters::paper(), crate::fit::tally::Tally::default());
+        let problem = Problem::new(&swings, &parameters, Vec::new(), &count);
+        let linear = SwingLinear { residuals: vec![1.0, 2.0, 10.0, 20.0, 30.0], columns: Vec::new() };
+        let found = cluster(&problem, 0, &linear, 0..5, &[], &[(0, &[1.0; 5])], 1);
+        let [left, right] = [0, 1].map(|side| (found.sides[side].matrix[(0, 0)], found.sides[side].gradient[0]));
+        assert_eq!((left, right), ((2.0, 3.0), (3.0, 60.0)));
+    }
 }

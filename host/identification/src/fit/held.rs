@@ -36,6 +36,7 @@ const SEEN_NOISES: f64 = 4.0;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::problem::{Point, Start};
 
     const NOISE_RAD: f64 = 1e-3;
     const MIDDLE_RAD: f64 = 0.05;
@@ -75,5 +76,19 @@ mod tests {
     #[test]
     fn what_still_swings_shows_no_level() {
         assert_eq!(held_and_passed_rad(&swing(&[0.5, -0.4, 0.3, -0.2], false), MIDDLE_RAD), None);
+    }
+
+    #[test]
+    fn the_level_lies_between_what_held_and_what_was_passed() {
+        let count = crate::fit::tally::Tally::default();
+        let swings = [swing(&[0.5, -0.4, 0.3, -0.22, 0.12], true)];
+        let parameters = shared::parameters::Parameters::paper();
+        let problem = Problem::new(&swings, &parameters, Vec::new(), &count);
+        let start = Start { angle_rad: 0.5, velocity_rad_s: 0.0, offset_rad: MIDDLE_RAD };
+        let model = Fitted::at(&problem, &Point { values: Vec::new(), starts: vec![start] });
+        let gravity_nm = parameters.pendulum.gravity_torque_nm();
+        let found_nm = level_nm(&problem, &model).unwrap();
+        // Halfway between 0.12 and 0.221 rad, where the sine is 0.17 within 1 %.
+        assert!((found_nm / (0.17 * gravity_nm) - 1.0).abs() < 0.01, "{found_nm} of {gravity_nm}");
     }
 }

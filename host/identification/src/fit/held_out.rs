@@ -78,6 +78,8 @@ pub fn held_out_rmse(held_out: &[Swing], parameters: &Parameters<f64>, count: &T
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Noise;
+    use shared::model::Model;
 
     fn held_out(stretches: &[f64]) -> HeldOut {
         HeldOut { rmse_rad: 0.0, stretches: stretches.to_vec() }
@@ -92,5 +94,23 @@ mod tests {
         // One stretch that is worse does not contradict the others.
         assert_eq!(after(&|k| if k == 3 { 9.0 } else { 1.0 }), Carries::CannotTell);
         assert_eq!(after(&|_| 1.0), Carries::CannotTell);
+    }
+
+    #[test]
+    fn the_stretches_of_a_swing_hold_its_whole_error_about_the_zero() {
+        let (zero_rad, noise_rad, mut noise) = (0.05, 1e-3, Noise::new(3));
+        let times_s: Vec<f64> = (0..1200).map(|i| f64::from(i) / 100.0).collect();
+        let (model, mut angles_rad) = (Model::new(&Parameters::paper()), Vec::new());
+        let mut state = model.release(0.8, 0.0);
+        for _ in &times_s {
+            angles_rad.push(zero_rad + state.angle_rad + noise_rad * noise.normal());
+            (0..5).for_each(|_| model.step(&mut state, 2e-3));
+        }
+        let swings = [Swing::new("held out", &times_s, &angles_rad, noise_rad)];
+        let found = HeldOut::of(&swings, &Parameters::paper(), &Tally::default()).unwrap();
+        let squares: f64 = found.stretches.iter().sum();
+        assert_eq!(found.stretches.len(), N_STRETCHES);
+        assert!((found.rmse_rad / noise_rad - 1.0).abs() < 0.1, "{found:?}");
+        assert!((squares / (1200.0 * found.rmse_rad.powi(2)) - 1.0).abs() < 1e-3, "{found:?}");
     }
 }

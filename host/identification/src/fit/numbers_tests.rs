@@ -339,3 +339,19 @@ fn knots_stand_over_all_speeds_of_the_swings() {
     // A curve of so many knots leaves no tenth of the speeds without one.
     assert!(knots.windows(2).all(|pair| (1e-4..0.1).contains(&(f64::from(pair[1] - pair[0]) / largest))), "{knots:?}");
 }
+
+#[test]
+fn a_level_between_two_turning_points_is_as_uncertain_as_if_each_were_as_likely() {
+    let (coulomb_nm, count) = (1.3e-4, Tally::default());
+    let swings = dry_swing(coulomb_nm, 1.1e-3);
+    let mut rig = Parameters::frictionless(PENDULUM);
+    rig.set_friction(0.0, coulomb_nm, 0.0, 0.0);
+    let problem = problem_of(&swings, &rig, &count);
+    let point = Point { values: problem.template_values(), starts: at_rest(0.02) };
+    let model = Fitted::at(&problem, &point).with_stiction(Stiction::NONE);
+    let found = uncertainty(&problem, &stop_level::levels(&problem, &model).swap_remove(0));
+    let level = found.numbers.iter().find(|number| number.unknown.symbol == "Ms").unwrap();
+    // Evenly over 2·Mc.
+    let expected = 2.0 * coulomb_nm / 12f64.sqrt();
+    assert!((level.std.unwrap() / expected - 1.0).abs() < 0.2, "{level:?} {expected}");
+}

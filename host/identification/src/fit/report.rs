@@ -187,3 +187,82 @@ fn two_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
     if value > 1e-3 { format!("{rounded}") } else { format!("{value:.1e}") }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::descent::Termination;
+    use super::super::ranges::Ranges;
+    use super::super::region::Region;
+    use super::super::tests::{RELEASE_RAD, at_rest, viscous_problem, viscous_swing};
+    use super::super::tolerance::Prior;
+    use super::*;
+
+    #[test]
+    fn a_number_is_identified_to_a_tenth_and_weak_to_a_half() {
+        let of = |std: f64| verdict(-2.0, Some(std));
+        assert_eq!([0.19, 0.21, 0.99, 1.01].map(of), {
+            use Verdict::{Identified, Not, Weak};
+            [Identified, Weak, Weak, Not]
+        });
+        assert_eq!(verdict(2.0, None), Verdict::Not);
+    }
+
+    #[test]
+    fn what_is_odd_about_a_number_or_its_search_is_said() {
+        let (swings, count) = (viscous_swing(4e-4), Tally::default());
+        let problem = viscous_problem(&swings, 4e-4, &count);
+        let point = Point { values: problem.template_values(), starts: at_rest(RELEASE_RAD) };
+        let mut model = Fitted::at(&problem, &point);
+        model.termination = Some(Termination::LostPatience);
+        let given = [("Mw".to_owned(), 1e-3, 2e-3)];
+        let report = Report { problem: &problem, model, given: &given };
+        let unknown = problem.unknowns[0].clone();
+        let number = Number { unknown, value: 4e-4, std: Some(1e-6), status: Status::Identified, upper: None };
+        let said = report.warning_of(&identified(&number, &report.model)).unwrap();
+        assert_eq!(said, "Mw lies outside the range 0.001 … 0.002 that was given");
+        let nothing = Uncertainty { numbers: Vec::new(), correlations: Vec::new(), alike: Vec::new(), coloured: false };
+        let told = report.warnings(&[], &nothing, &[], Left::Noise);
+        assert_eq!(told, ["least squares ran out of patience; more or longer swings would help"]);
+    }
+
+    #[test]
+    fn a_geometry_that_is_too_large_or_too_small_by_three_standard_deviations_is_doubted() {
+        let (swings, count) = (viscous_swing(4e-4), Tally::default());
+        let doubts = |stds: f64| {
+            let mut problem = viscous_problem(&swings, 4e-4, &count);
+            let place = problem.unknowns.iter().position(|unknown| unknown.quantity == Quantity::Inertia).unwrap();
+            let point = Point { values: problem.template_values(), starts: at_rest(RELEASE_RAD) };
+            let value = point.values[place] - stds * 1e-5;
+            problem.unknowns[place].prior = Some(Prior { value, std: 1e-5, only_below: false });
+            let model = Fitted::at(&problem, &point);
+            Report { problem: &problem, model, given: &[] }.far_from_measured()
+        };
+        for stds in [3.0, -3.0] {
+            assert!(doubts(stds).unwrap().contains("a geometry 3.0 standard deviations from the measured"));
+        }
+        assert_eq!([doubts(2.0), doubts(-2.0)], [None, None]);
+    }
+
+    #[test]
+    fn a_surface_that_predicts_less_than_half_of_new_runs_is_not_to_be_trusted() {
+        let (swings, count) = (viscous_swing(4e-4), Tally::default());
+        let problem = viscous_problem(&swings, 4e-4, &count);
+        let point = Point { values: problem.template_values(), starts: at_rest(RELEASE_RAD) };
+        let report = Report { problem: &problem, model: Fitted::at(&problem, &point), given: &[] };
+        let nothing = Uncertainty { numbers: Vec::new(), correlations: Vec::new(), alike: Vec::new(), coloured: false };
+        let stage = |share: f64| Stage {
+            window_s: None,
+            ranges: Vec::new(),
+            values: Vec::new(),
+            before: Responses::default(),
+            after: Responses::default(),
+            goodness: Vec::new(),
+            surfaces: Vec::new(),
+            region: Region::of_ranges(&Ranges(Vec::new())),
+            r_squared_predicted: Some(share),
+        };
+        let said = |share: f64| report.warnings(&[], &nothing, &[stage(share)], Left::Noise).join(" ");
+        assert!(said(0.31).contains("the last surface of mseA predicts only 31 % of new runs"), "{}", said(0.31));
+        assert_eq!(said(0.9), "");
+    }
+}

@@ -86,3 +86,32 @@ fn add_geometry(on: &Problem, settled: &Parameters<f64>, left: &[f64; 3], slopes
         slopes.push(own);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::effect::Effect;
+
+    #[test]
+    fn what_is_known_of_mass_and_length_together_goes_into_every_spread() {
+        // Of a·m + b·l the variance is a²·var m + b²·var l + 2ab·cov.
+        let left = [4.0, 9.0, -5.0];
+        assert_eq!(covariance(&[1.0, 2.0], &[1.0, 2.0], &left), 4.0 + 36.0 - 20.0);
+        assert_eq!(covariance(&[1.0, 0.0], &[0.0, 1.0], &left), -5.0);
+    }
+
+    #[test]
+    fn a_bound_grows_with_the_number_it_is_of() {
+        let mut settled = Parameters::paper();
+        settled.set_friction(1e-4, 3e-3, 0.0, 0.0);
+        let coulomb = Effect::by_name("coulomb").unwrap();
+        let unknown = Unknown::all_of_effect(coulomb, &settled).remove(0);
+        let number = Number { unknown, value: 2e-3, std: Some(1e-4), status: Status::UpperBound, upper: Some(4e-3) };
+        let found = widened(&number, &[0.0; 2], &settled, &[0.0; 3]);
+        assert!((found.value - 3e-3).abs() < 1e-12, "{found:?}");
+        assert!(
+            (found.std.unwrap() - 1.5e-4).abs() < 1e-12 && (found.upper.unwrap() - 6e-3).abs() < 1e-12,
+            "{found:?}"
+        );
+    }
+}

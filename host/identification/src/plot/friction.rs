@@ -74,6 +74,8 @@ mod tests {
         let Content::Curves(curves) = &picture.content else { panic!("{picture:?}") };
         let bars = curves.iter().find(|curve| curve.bars.is_some()).unwrap();
         assert!((bars.y[0] - 1.5).abs() < 1e-9 && bars.x.len() == 3, "{bars:?}");
+        // 1.96 standard deviations of 0.01 mN·m hold 95 %.
+        assert!((bars.bars.as_ref().unwrap()[0] - 0.0196).abs() < 1e-9, "{bars:?}");
         let drawn = svg(&picture);
         assert!(drawn.contains("with quadratic-drag") && drawn.contains("other knots"), "{drawn}");
     }

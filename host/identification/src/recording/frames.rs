@@ -302,4 +302,15 @@ mod tests {
         readings[FAST_AT] = readings[FAST_AT - 1];
         assert_eq!(slips(&times_s, &readings), []);
     }
+
+    #[test]
+    fn all_frames_are_counted_and_the_first_twelve_are_told() {
+        let times_s: Vec<f64> = (0..1000).map(|row| f64::from(row) / 100.0).collect();
+        let slip = |idx: usize, n_samples: isize| Slip { idx, n_samples };
+        let slips: Vec<Slip> = (1..=14).map(|k| slip(50 * k, -1)).chain([slip(900, 1)]).collect();
+        let said = note(&slips, &times_s).unwrap();
+        assert!(said.starts_with("frames that stand there twice: 14 (at 0.50, 1.00, "), "{said}");
+        assert!(said.contains("6.00, … s), of which one is left out"), "{said}");
+        assert!(said.contains("frames that are missing: 1 (at 9.00 s), where what follows is a frame later"), "{said}");
+    }
 }

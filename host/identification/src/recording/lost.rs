@@ -296,7 +296,10 @@ mod tests {
         let wrong: Vec<u32> =
             times_s.iter().zip(&ticks).filter(|pair| !is_right(*pair)).map(|(_, tick)| *tick).collect();
         assert!(wrong.len() <= 4 * SKIPPED, "{} {notes:?}", wrong.len());
-        assert!(notes[0].contains("4 places") && notes[0].contains("+2, +1, +20, -1 samples"), "{notes:?}");
+        assert!(
+            notes[0].contains("4 places, at 3.099 s first") && notes[0].contains("+2, +1, +20, -1 samples"),
+            "{notes:?}"
+        );
     }
 
     #[test]

@@ -449,4 +449,16 @@ mod tests {
         broken[700] += 3.0;
         assert_eq!(unwrap(&mut broken), 0);
     }
+
+    #[test]
+    fn the_growth_that_is_found_is_told_in_percent_of_the_period() {
+        let (times, angles, _) = swing(0.5);
+        let larger: Vec<f64> = angles.iter().map(|angle| 4.0 * angle).collect();
+        let found = scale(&times, &larger);
+        let Scale::TooLarge { predicted_percent, found_percent } = found else { panic!("{found:?}") };
+        // The first period between turning points lies a second behind the release, when a swing has lost 7 %.
+        let growth = |largest_rad: f64| 100.0 * (lengthening(largest_rad) - lengthening(0.15 * largest_rad));
+        assert!((predicted_percent / growth(1.86) - 1.0).abs() < 0.05, "{predicted_percent} {}", growth(1.86));
+        assert!((found_percent / growth(0.464) - 1.0).abs() < 0.2, "{found_percent} {}", growth(0.464));
+    }
 }

@@ -178,4 +178,14 @@ mod tests {
             assert_eq!(n, 0, "{name}");
         }
     }
+
+    #[test]
+    fn where_more_than_a_twentieth_is_lost_all_readings_stay() {
+        let n_found = |every: usize| {
+            let (times, mut readings) = swing();
+            (20..1180).step_by(every).for_each(|begin| readings[begin..begin + 3].fill(5.0));
+            spikes(&times, &readings).iter().filter(|is_spike| **is_spike).count()
+        };
+        assert_eq!([n_found(75), n_found(48)], [48, 0]);
+    }
 }

@@ -137,3 +137,24 @@ pub(super) fn rate_word(word: &str) -> Option<RateUnit> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_as_large_as_the_world_has_agreed() {
+        use std::f64::consts::PI;
+        let angles = [("rad", 1.0), ("°", PI / 180.0), ("mrad", 1e-3), ("gon", PI / 200.0), ("rev", 2.0 * PI)];
+        for (word, radians) in angles {
+            assert!((angle_unit(word).unwrap().radians() / radians - 1.0).abs() < 1e-12, "{word}");
+        }
+        let times = [("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9), ("min", 60.0), ("days", 86_400.0)];
+        for (word, seconds) in times {
+            assert_eq!(time_unit(word).unwrap().seconds(), seconds, "{word}");
+        }
+        for (word, rad_per_s) in [("rpm", PI / 30.0), ("dps", PI / 180.0), ("deg/min", PI / 10_800.0)] {
+            assert!((rate_unit(word).unwrap().rad_per_s() / rad_per_s - 1.0).abs() < 1e-12, "{word}");
+        }
+    }
+}

@@ -223,3 +223,47 @@ fn next(options: &Options, recordings: &[PathBuf], shown: &Shown) -> (&'static s
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::fit;
+
+    #[test]
+    fn an_error_is_told_by_what_it_is_beside_the_noise() {
+        let told =
+            |rmse_rad: f64, left: Left| error_against_noise(&Fit { rmse_rad, noise_rad: 1e-3, left, ..fit() }, "mrad");
+        assert!(told(0.6e-3, Left::Noise).contains("far below the noise"));
+        assert_eq!(
+            told(1e-3, Left::Noise),
+            "Error 1.000 mrad rms, noise 1.000 mrad rms: the model explains all but the noise."
+        );
+        assert!(told(2.5e-3, Left::Missing).contains("that is 2.50 times the noise"));
+    }
+
+    #[test]
+    fn held_out_swings_are_measured_by_the_fitted_ones() {
+        let told = |rmse_rad: f64| held_out(rmse_rad, &Fit { rmse_rad: 1e-3, ..fit() }, "mrad");
+        assert_eq!(told(1.05e-3), "Error on what was held out 1.050 mrad rms: as good as on what was fitted.");
+        assert_eq!(told(2e-3), "Error on what was held out 2.000 mrad rms: 2.00 times that of what was fitted.");
+    }
+
+    #[test]
+    fn the_strongest_correlations_are_told_first() {
+        let mut fit = fit();
+        let symbols: Vec<&str> = fit.identified.iter().map(|found| found.symbol).collect();
+        let n = symbols.len();
+        fit.correlations = vec![vec![None; n]; n];
+        for (i, j, correlation) in [(0, 1, 0.91), (0, 2, -0.99), (1, 2, 0.95), (0, 3, 0.93), (1, 3, 0.8)] {
+            (fit.correlations[i][j], fit.correlations[j][i]) = (Some(correlation), Some(correlation));
+        }
+        let told = strong_correlations(&fit);
+        assert_eq!(told.len(), 3);
+        let [a, b, c] = [symbols[0], symbols[1], symbols[2]];
+        let less =
+            format!("{a} and {c} are hard to tell apart (correlation -0.99): more of one and less of the other gives");
+        assert!(told[0].starts_with(&less), "{told:?}");
+        let more = format!("{b} and {c} are hard to tell apart (correlation 0.95): more of both gives");
+        assert!(told[1].starts_with(&more) && told[2].contains("0.93"), "{told:?}");
+    }
+}

@@ -132,3 +132,31 @@ fn left_out(problems: &[Problem]) -> Vec<String> {
     }
     lines
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::rig::tests::row;
+    use crate::study::row::Row;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn each_number_of_a_rig_stands_under_its_name() {
+        let rows = [("1.csv", 1.0), ("2.csv", 1.1)].map(|(name, value)| row(name, value, 0.1));
+        let mut rows = rows.to_vec();
+        rows.push(Row { outcome: Err("broken".to_owned()), ..row("3.csv", 1.0, 0.1) });
+        let study = Study { rigs: vec![RigView::new("rig", rows)], diagnoses: BTreeMap::new(), between: Vec::new() };
+        let table = rigs(&study);
+        let line = table.lines().last().unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(line, "rig 2 of 3 1.050 ± 0.050 0.1050 ± 0.0050", "{table}");
+        assert!(table.contains("Mc (N·m)") && table.contains("Mw (N·m·s/rad)"), "{table}");
+    }
+
+    #[test]
+    fn twenty_problems_are_named_and_the_rest_counted() {
+        let problem = |k: usize| Problem { what: format!("{k}.csv"), why: "it is empty".to_owned() };
+        let told = left_out(&(0..23).map(problem).collect::<Vec<_>>());
+        assert_eq!(told.len(), 21);
+        assert_eq!(told[20], "  and 3 more; --json names them all");
+    }
+}

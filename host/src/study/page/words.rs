@@ -70,6 +70,7 @@ pub(super) fn of_rig(rig: &RigView) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::rig::tests::row;
 
     #[test]
     fn numbers_are_written_as_by_hand() {
@@ -77,5 +78,12 @@ mod tests {
         assert_eq!(number(2.5, Some(0.1)), "2.50 ± 0.10");
         assert_eq!(number(-1.5e12, None), "(-1.500)·10¹²");
         assert_eq!(anchor("lab 1/rig_2"), "rig-lab-1-rig-2");
+    }
+
+    #[test]
+    fn friction_varies_by_its_spread_from_swing_to_swing() {
+        let rows = [("1.csv", 0.9), ("2.csv", 1.0), ("3.csv", 1.1)].map(|(name, value)| row(name, value, 0.5));
+        let words = of_rig(&RigView::new("rig", rows.to_vec()));
+        assert!(words.starts_with("3 recordings. Mc varies by 10.00 % from swing to swing."), "{words}");
     }
 }
