@@ -6,6 +6,7 @@ mod tables;
 use crate::compare::Comparison;
 use crate::compare::pictures::pictures;
 use crate::compare::verdict::Answer;
+use crate::geometry::{PER_GRAVITY, is_unknown};
 use crate::plot::Picture;
 use crate::web;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -16,10 +17,17 @@ pub fn report(comparison: &Comparison) -> String {
         (verdict(comparison))
         (tables::recordings(comparison))
         (tables::parameters(comparison))
-        @for picture in &pictures(comparison) { (figure(picture)) }
+        @for picture in &pictures_of(comparison) { (figure(picture)) }
         (tables::swings(comparison))
     };
     page("Where does the model fail?", &body)
+}
+
+/// The pictures of a comparison, in units that mean something where the geometry is unknown.
+pub fn pictures_of(comparison: &Comparison) -> Vec<Picture> {
+    let is_unknown = is_unknown(&comparison.parameters.pendulum);
+    let drawn = |picture: Picture| if is_unknown { picture.per_gravity() } else { picture };
+    pictures(comparison).into_iter().map(drawn).collect()
 }
 
 fn page(title: &str, body: &Markup) -> String {
@@ -56,6 +64,7 @@ fn verdict(comparison: &Comparison) -> Markup {
                 p { "The model had no fitted values yet: it was fitted to these recordings first." }
             }
             @for sentence in &comparison.verdict { p { (sentence) } }
+            @if is_unknown(&comparison.parameters.pendulum) { p { (PER_GRAVITY) } }
         }
         @if !notes.is_empty() {
             details open[notes.len() < 6] {
@@ -84,4 +93,5 @@ h1 { font-size: 1.6rem; } h2 { font-size: 1.15rem; margin: 0 0 .3rem; }
 figure { margin: 2.5rem 0; } .plot { height: 440px; } figcaption { color: #444; max-width: 50rem; }
 table { border-collapse: collapse; margin: 1rem 0; } th, td { padding: .2rem .7rem; text-align: right; border-bottom: 1px solid #ddd; }
 th:first-child, td:first-child { text-align: left; } details { margin: 1rem 0; }
+p, li, summary { overflow-wrap: anywhere; }
 ";

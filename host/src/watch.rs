@@ -90,6 +90,11 @@ impl<'a> Watcher<'a> {
         }
     }
 
+    /// Releases so far.
+    pub fn n_swings(&self) -> usize {
+        self.n_swings
+    }
+
     /// Says that the rig's own look is waited for.
     pub fn waits_for_rig(&mut self) {
         (self.tell)(Event::RigLooks);

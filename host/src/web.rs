@@ -2,6 +2,7 @@
 
 use crate::plot::decimate::decimated;
 use crate::plot::{Axis, Content, Curve, Heat, Picture, Style, colour, diverging};
+use crate::shorten::shortened;
 use plotly::common::{
     ColorBar, ColorScale, ColorScaleElement, DashType, ErrorData, ErrorType, Font, Line, Marker, Mode, Title,
 };
@@ -13,6 +14,9 @@ const MOST_POINTS: usize = 4000;
 
 /// Digits of coordinates; more would only fill the file.
 const DIGITS: i32 = 6;
+
+/// A longer name in the legend would leave no room for the curves.
+const LONGEST_NAME: usize = 32;
 
 /// Height of a picture, pixels.
 const HEIGHT: usize = 440;
@@ -57,7 +61,13 @@ fn axis(axis: &Axis) -> WebAxis {
     let kind = if axis.is_logarithmic { AxisType::Log } else { AxisType::Linear };
     let whole = if axis.is_count { WebAxis::new().dtick(1.0) } else { WebAxis::new() };
     let places = (0..axis.names.len()).map(|k| k as f64).collect();
-    let named = if axis.names.is_empty() { whole } else { whole.tick_values(places).tick_text(axis.names.clone()) };
+    let named = if axis.names.is_empty() {
+        whole
+    } else {
+        whole
+            .tick_values(places)
+            .tick_text(axis.names.iter().map(|name| shortened(name, LONGEST_NAME)).collect::<Vec<_>>())
+    };
     named
         .title(Title::with_text(&axis.label))
         .type_(kind)
@@ -85,7 +95,9 @@ fn scatter(curve: &Curve) -> Box<dyn Trace> {
     };
     let (red, green, blue) = colour(curve.colour);
     let paint = format!("rgb({red},{green},{blue})");
-    let trace = Scatter::new(rounded(&x), rounded(&y)).name(&curve.name).show_legend(!curve.name.is_empty());
+    let trace = Scatter::new(rounded(&x), rounded(&y))
+        .name(shortened(&curve.name, LONGEST_NAME))
+        .show_legend(!curve.name.is_empty());
     let line = Line::new().color(paint.clone()).width(1.5);
     let trace = match curve.style {
         Style::Line => trace.mode(Mode::Lines).line(line),

@@ -96,9 +96,12 @@ fn quiet_leaves_only_notes_on_stderr() {
 fn the_port_tells_what_was_recorded_and_gained() {
     let folder = tempfile::tempdir().unwrap();
     let text = host(folder.path(), "fit --port sim --method least-squares").succeeded().to_owned();
-    for words in ["recorded   swing-", "-check.csv", "times smaller", "in its flash too", "host pull --port sim"] {
+    for words in
+        ["recorded   swing-", "-check.csv", "times smaller", "in its flash too", "host fit --port sim -o rig.toml"]
+    {
         assert!(text.contains(words), "{words:?} is not in\n{text}");
     }
+    assert!(!text.contains("--force") && !text.contains("host pull"), "{text}");
 }
 
 /// Elements opened and closed in the right order; gives the names of all.
@@ -187,4 +190,71 @@ fn what_speaks_against_a_recording_is_in_the_object() {
         assert_eq!(driven["doubts"][0]["recording"], "driven.csv", "{command}");
         assert!(driven["doubts"][0]["words"].as_str().unwrap().starts_with("3 (torque) goes from -0."), "{command}");
     }
+}
+
+/// A swing of this period whose size falls so fast, as a file.
+fn swing(folder: &Path, name: &str, period_s: f64, decay_per_s: f64) {
+    let row = |k: u32| {
+        let t = f64::from(k) * 5e-3;
+        let noise = 1e-5 * (f64::from(k * 7919 % 13) - 6.0);
+        let theta = 0.1 * (-decay_per_s * t).exp() * (std::f64::consts::TAU * t / period_s).cos();
+        format!("{t:.3},{:.6}\n", theta + noise)
+    };
+    let rows: String = (0..4000).map(row).collect();
+    fs::write(folder.join(name), format!("t,theta\n{rows}")).unwrap();
+}
+
+#[test]
+fn recordings_of_two_pendulums_are_told_apart() {
+    let folder = folder();
+    let path = folder.path();
+    swing(path, "one.csv", 1.047, 0.03);
+    swing(path, "same.csv", 1.048, 0.03);
+    swing(path, "other.csv", 1.080, 0.03);
+    let fit = "fit one.csv --method least-squares --json --quiet";
+    assert_eq!(json(path, &format!("{fit} same.csv"))["doubts"], serde_json::json!([]));
+    let run = host(path, &format!("{fit} other.csv"));
+    let result: Value = serde_json::from_str(run.succeeded()).unwrap();
+    let words = result["doubts"][0]["words"].as_str().unwrap_or_default();
+    assert!(words.contains("another pendulum") && words.contains("1.0"), "{result:#}");
+    assert!(run.stderr.contains("another pendulum"), "{}", run.stderr);
+}
+
+#[test]
+fn what_is_driven_is_to_be_recorded_anew_and_not_diagnosed() {
+    let folder = folder();
+    swing(folder.path(), "motor.csv", 1.047, 0.0);
+    let text = host(folder.path(), "fit motor.csv --method least-squares").succeeded().to_owned();
+    assert!(text.contains("host record --port PORT -o free.csv") && !text.contains("host diagnose"), "{text}");
+}
+
+#[test]
+fn without_a_geometry_every_table_and_drawing_says_what_its_units_mean() {
+    let folder = folder();
+    let path = folder.path();
+    host(path, "init --unknown-geometry -o unknown.toml").succeeded();
+    let text = host(path, "fit a.csv --rig unknown.toml -o unknown.toml --plot fit.svg").succeeded().to_owned();
+    assert!(text.contains("per m·g·l"), "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    assert!(fs::read_to_string(path.join("fit.svg")).unwrap().contains("(per m·g·l)"));
+    let text =
+        host(path, "compare a.csv --rig unknown.toml --report report.html --plot pictures").succeeded().to_owned();
+    assert!(text.contains("per m·g·l"), "{text}");
+    let report = fs::read_to_string(path.join("report.html")).unwrap();
+    assert!(report.contains("every torque and inertia is per m·g·l") && !report.contains("in mN·m"));
+}
+
+#[test]
+fn a_long_name_leaves_room_for_what_stands_beside_it() {
+    let folder = folder();
+    let path = folder.path();
+    let name = format!("{}-07.csv", "a-swing-of-the-second-rig".repeat(5));
+    fs::copy(path.join("a.csv"), path.join(&name)).unwrap();
+    host(path, &format!("fit {name} --method least-squares -o rig.toml --plot fit.svg")).succeeded();
+    assert!(fs::read_to_string(path.join("fit.svg")).unwrap().contains("…"));
+    let text = host(path, &format!("compare {name} --report report.html")).succeeded().to_owned();
+    let table: Vec<&str> = text.lines().filter(|line| line.contains("-07.csv")).collect();
+    assert!(table.iter().any(|line| line.contains('…') && line.chars().count() <= 100), "{text}");
+    let report = fs::read_to_string(path.join("report.html")).unwrap();
+    assert!(report.contains("…") && !report.contains(&format!(">{name}")));
 }

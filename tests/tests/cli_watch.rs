@@ -48,6 +48,8 @@ fn where_nothing_is_missing_nothing_is_named_but_wrong_numbers_are_told() {
         // The rig's own friction and inertia are those of a drawing.
         assert!(look["reason"].as_str().unwrap().starts_with("numbers are wrong"), "{port}: {look:#}");
         assert_eq!((&look["swings"], &look["judge"]), (&serde_json::json!(swings), &serde_json::json!(judge)));
+        let watched = if port.ends_with("--swings 2") { 2 } else { 5 };
+        assert_eq!(look["watched"], watched, "{port}: {look:#}");
     }
 }
 

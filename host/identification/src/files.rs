@@ -61,7 +61,7 @@ impl FileError {
     /// What to do next.
     pub fn next_step(&self) -> &'static str {
         match self {
-            Self::Exists { .. } => "choose another name with -o, or replace it with --force",
+            Self::Exists { .. } => "choose another name, or replace it with --force",
             Self::IsRead { .. } => "choose another name: a file that is read is not replaced, with --force neither",
             Self::Twice { .. } => "give each result a name of its own",
             Self::Io { .. } => "name one in a folder that exists, may be written to and has space",
@@ -276,7 +276,16 @@ fn why(path: &Path, source: io::Error) -> FileError {
     let path = path.to_owned();
     match source.kind() {
         io::ErrorKind::AlreadyExists => FileError::Exists { path },
-        _ => FileError::Io { path, source },
+        _ => FileError::Io { path, source: without_path(source) },
+    }
+}
+
+/// The reason alone: the library that makes files beside their places names those, which nobody asked for.
+fn without_path(source: io::Error) -> io::Error {
+    let text = source.to_string();
+    match text.split_once(" at path ") {
+        Some((reason, _)) => io::Error::new(source.kind(), reason.to_owned()),
+        None => source,
     }
 }
 
@@ -306,6 +315,16 @@ mod tests {
         write(&path, "new", Existing::Overwrite).unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(listing(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_told_by_the_name_that_was_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("none/x.toml");
+        let error = write(&path, "new", Existing::Keep).unwrap_err();
+        let told = error.to_string();
+        assert!(told.contains("x.toml: ") && !told.contains(".new") && !told.contains("at path"), "{told}");
+        assert!(error.next_step().contains("a folder that exists"), "{}", error.next_step());
     }
 
     #[test]

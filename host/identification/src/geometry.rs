@@ -4,8 +4,10 @@
 //! and l, and that l is at most `g·(T/2π)²`. A drive of the model (a spring, a magnet, a typed torque) changes the period;
 //! with one nothing is judged.
 
+use crate::number::significant;
 use crate::pace::small_period_s;
 use crate::recording::Measured;
+use crate::recording::median;
 use crate::recording::plausible::{Swings, lengthening};
 use crate::recording::turning::half_swing_s;
 use crate::swing::Swing;
@@ -28,6 +30,10 @@ const SEEN_SHARE: f64 = 0.05;
 
 /// A pendulum as short as this is one whose geometry is unknown (`host init --unknown-geometry`), m.
 const UNKNOWN_LENGTH_M: f64 = 1e-3;
+
+/// Swings whose period of small swings differs by more than this from the others' are doubted: of real pendulums it is
+/// found within half a percent, and a bob moved by a twentieth changes it by more.
+const OTHER_PERIOD: f64 = 0.02;
 
 /// Angles that should lengthen the period by this much …
 const CLEAR_LENGTHENING: f64 = 1.05;
@@ -60,9 +66,10 @@ pub enum GeometryError {
     },
     /// The mass was given in grams.
     #[error(
-        "{name}: with a mass of {mass_kg} kg its period of {period_s:.3} s needs an inertia of {needed_kg_m2:.3e} kg·m², \
+        "{name}: with a mass of {mass_kg} kg its period of {period_s:.3} s needs an inertia of {} kg·m², \
          {factor:.0} times the {inertia_kg_m2} given; if the mass is in grams, set `mass = {proposed_kg}` in rig.toml, or \
-         make the file anew with `host init --mass {proposed_kg}`; if it is right, correct `inertia`"
+         make the file anew with `host init --mass {proposed_kg}`; if it is right, correct `inertia`",
+        significant(*needed_kg_m2, 4)
     )]
     Mass {
         /// The recording.
@@ -105,7 +112,7 @@ pub enum GeometryError {
 /// # Errors
 /// A number that can't be in the unit in which it was taken.
 pub fn check(parameters: &Parameters<f64>, swings: &[Swing]) -> Result<Vec<String>, GeometryError> {
-    if parameters.pendulum.length_m <= UNKNOWN_LENGTH_M || has_drive(parameters) {
+    if is_unknown(&parameters.pendulum) || has_drive(parameters) {
         return Ok(Vec::new());
     }
     let mut doubts = Vec::new();
@@ -116,6 +123,34 @@ pub fn check(parameters: &Parameters<f64>, swings: &[Swing]) -> Result<Vec<Strin
     }
     Ok(doubts)
 }
+
+/// Swings among others of another period, by their place, with what is doubtful of them in words. A drive of the model may
+/// change the period with the amplitude; with one nothing is judged.
+pub fn other_periods(parameters: &Parameters<f64>, swings: &[Swing]) -> Vec<(usize, String)> {
+    if has_drive(parameters) {
+        return Vec::new();
+    }
+    let period = |swing: &Swing| seen(swing).map(|seen| seen.small_period_s());
+    let periods: Vec<Option<f64>> = swings.iter().map(period).collect();
+    let usual_s = median(&mut periods.iter().copied().flatten().collect::<Vec<_>>());
+    let is_other = |period_s: &f64| (period_s / usual_s - 1.0).abs() > OTHER_PERIOD;
+    let others = periods.iter().enumerate().filter_map(|(idx, period_s)| Some((idx, period_s.filter(is_other)?)));
+    let words = |period_s: f64| {
+        format!(
+            "its period of small swings is {period_s:.3} s, that of the others {usual_s:.3} s: is it of another pendulum? \
+             Fit those apart; of one pendulum, something beside gravity moves it"
+        )
+    };
+    others.map(|(idx, period_s)| (idx, words(period_s))).collect()
+}
+
+/// Is nothing known but the motion, so that torques and inertia are per m·g·l?
+pub fn is_unknown(pendulum: &Pendulum<f64>) -> bool {
+    pendulum.length_m <= UNKNOWN_LENGTH_M
+}
+
+/// What the units of such a model mean.
+pub const PER_GRAVITY: &str = "The geometry is unknown: every torque and inertia is per m·g·l, whatever its unit says.";
 
 /// Is there a torque beside gravity that makes it swing?
 fn has_drive(parameters: &Parameters<f64>) -> bool {
@@ -158,7 +193,7 @@ fn inertia_about_pivot(pendulum: &Pendulum<f64>, period_s: f64) -> f64 {
 /// Gives a pendulum of unknown geometry the inertia that makes the period of the swings, where its own is so far from
 /// it that it was guessed without having seen any.
 pub fn begin_with_the_period(pendulum: &mut Pendulum<f64>, swings: &[Swing]) {
-    if pendulum.length_m > UNKNOWN_LENGTH_M {
+    if !is_unknown(pendulum) {
         return;
     }
     let Some(period_s) = swings.first().and_then(period_s) else { return };
@@ -236,6 +271,7 @@ mod tests {
     #[test]
     fn numbers_in_other_units_are_refused_with_the_line_that_cures_them() {
         let mass = refusal(|pendulum| pendulum.mass_kg *= 1000.0);
+        assert!(mass.contains("an inertia of 2.8") && !mass.contains("e0 kg"), "{mass}");
         assert!(mass.contains("grams") && mass.contains("`mass = 0.1466084`"), "{mass}");
         let length = refusal(|pendulum| pendulum.length_m *= 100.0);
         assert!(length.contains("metres") && length.contains("`length = 0.1562177`"), "{length}");
@@ -255,6 +291,19 @@ mod tests {
         let drive = Effect::<f64>::ALL.iter().find(|effect| matches!(effect.action, Action::Drive(_))).unwrap();
         sprung.set(drive.id, &vec![0.0; drive.parameters.len()]).unwrap();
         assert_eq!(check(&sprung, &swings(0.1, period_s)), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn a_swing_of_another_pendulum_among_others_is_doubted() {
+        let of = |periods_s: &[f64]| -> Vec<Swing> {
+            periods_s.iter().flat_map(|period_s| swings(0.1, *period_s)).collect()
+        };
+        let doubted = |periods_s: &[f64]| other_periods(&paper_but(|_| ()), &of(periods_s));
+        assert_eq!(doubted(&[1.047, 1.049]), []);
+        let two = doubted(&[1.047, 1.078]);
+        assert!(two.len() == 1 && two[0].1.contains("1.047 s") && two[0].1.contains("1.078 s"), "{two:?}");
+        let three = doubted(&[1.047, 1.047, 1.09]);
+        assert!(three.len() == 1 && three[0].0 == 2, "{three:?}");
     }
 
     #[test]

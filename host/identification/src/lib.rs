@@ -22,6 +22,7 @@ pub mod random;
 pub mod recording;
 pub mod responses;
 pub mod rsm;
+pub mod shorten;
 pub mod swing;
 pub mod trajectory;
 pub mod verdict;

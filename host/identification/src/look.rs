@@ -62,6 +62,8 @@ pub struct Look {
     pub reason: Option<&'static str>,
     /// How many swings were looked at.
     pub swings: usize,
+    /// How many there were; a rig's tape may have room for the last ones only.
+    pub watched: usize,
     /// Noise of the readings as the bank takes them, rad.
     pub noise_rad: f64,
     /// Squares of the residuals over those of the noise, less one: by the model as the rig has it, and with its own
@@ -88,6 +90,7 @@ pub fn said(findings: &Findings<f64>, swings: usize) -> Look {
         candidates: findings.suspects.iter().map(|suspect| candidate(suspect, findings.n_clusters)).collect(),
         reason: findings.reason.map(of_reason),
         swings,
+        watched: swings,
         noise_rad: findings.noise_rad,
         excess: findings.excess,
         left: findings.left,

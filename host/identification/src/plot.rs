@@ -26,6 +26,23 @@ pub struct Picture {
     pub content: Content,
 }
 
+impl Picture {
+    /// The same of a pendulum of which only the motion is known: its torques are per m·g·l.
+    pub fn per_gravity(mut self) -> Self {
+        let own = |text: &str| text.replace("mJ/rad = mN·m", PER_GRAVITY).replace("mN·m", PER_GRAVITY);
+        self.y.label = own(&self.y.label);
+        self.explanation = own(&self.explanation);
+        if let Content::Heat(heat) = &mut self.content {
+            heat.label = own(&heat.label);
+            heat.notes.iter_mut().flatten().for_each(|note| *note = own(note));
+        }
+        self
+    }
+}
+
+/// The unit of such torques, in thousandths.
+const PER_GRAVITY: &str = "10⁻³ m·g·l";
+
 /// An axis.
 #[derive(Clone, Debug, Serialize)]
 pub struct Axis {

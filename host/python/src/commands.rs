@@ -39,11 +39,11 @@ struct Asked {
 
 impl Asked {
     fn new(rig: RigFile, fitted: &[Given], held_out: &[Given], reading: &Reading) -> Result<Self, Failure> {
-        let (swings, mut notes) = swings(fitted, reading)?;
+        let (mut swings, mut notes) = swings(fitted, reading)?;
         let (held_out, told) = self::swings(held_out, reading)?;
         notes.extend(told);
         refuse_doubles(&swings, &held_out)?;
-        notes.extend(doubts(rig.parameters(), &swings)?);
+        notes.extend(doubts(rig.parameters(), &mut swings)?);
         Ok(Self { file: rig, names: json::all_named(&swings), swings, held_out, notes })
     }
 }
@@ -138,8 +138,8 @@ pub(crate) fn compare(
     compute(py, progress, move |_| {
         let measured = measurements(&recordings, &reading)?;
         let held_out = measurements(&hold_out, &reading)?;
-        let swings: Vec<Swing> = measured.iter().map(|measurement| measurement.swing.clone()).collect();
-        let notes = doubts(file.parameters(), &swings)?;
+        let mut swings: Vec<Swing> = measured.iter().map(|measurement| measurement.swing.clone()).collect();
+        let notes = doubts(file.parameters(), &mut swings)?;
         let settings = CompareOptions { fit_first: file.is_fresh(), question_numbers: true };
         let comparison = compare_with(file.known(), &measured, &held_out, &settings).map_err(Failure::failed)?;
         let starts = comparison.recordings.iter().map(|judged| judged.start).collect();

@@ -3,12 +3,11 @@
 use super::comparison::text;
 use super::given::{Given, check_geometry};
 use super::output;
-use crate::compare::pictures::pictures;
 use crate::compare::recording::Curves;
 use crate::compare::{self, Comparison, compare};
 use crate::error::Failure;
 use crate::plot::svg::svg;
-use crate::report::report;
+use crate::report::{pictures_of, report};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -47,8 +46,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let reading = options.given.reading.of(&model);
     let measurements = reading.measurements(&options.given.recordings)?;
     let held_out = reading.measurements(&options.hold_out)?;
-    let swings: Vec<_> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
-    check_geometry(model.parameters(), &swings)?;
+    let mut swings: Vec<_> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
+    check_geometry(model.parameters(), &mut swings)?;
     let settings = compare::Options { fit_first: model.is_fresh(), question_numbers: true };
     let comparison = compare(model.known(), &measurements, &held_out, &settings).map_err(Failure::failed)?;
     if let Some(folder) = &options.plot {
@@ -97,7 +96,7 @@ fn series(comparison: &Comparison) -> String {
 
 fn draw(folder: &Path, comparison: &Comparison, force: bool) -> Result<(), Failure> {
     output::make_folder(folder)?;
-    pictures(comparison)
+    pictures_of(comparison)
         .iter()
         .try_for_each(|picture| output::write(&folder.join(format!("{}.svg", picture.key)), &svg(picture), force))
 }

@@ -6,7 +6,12 @@ use crate::compare::knowledge::Known;
 use crate::compare::pictures::short_name;
 use crate::compare::recording::Judged;
 use crate::compare::verdict::in_mrad;
+use crate::geometry::{PER_GRAVITY, is_unknown};
 use crate::number::with_spread;
+use crate::shorten::shortened;
+
+/// The numbers beside a longer name would leave the screen.
+const LONGEST_NAME: usize = 32;
 
 pub(super) fn text(comparison: &Comparison) -> String {
     let mut parts = Vec::new();
@@ -17,6 +22,9 @@ pub(super) fn text(comparison: &Comparison) -> String {
     parts.push(recordings(comparison));
     if let Some(knowledge) = &comparison.knowledge {
         parts.push(parameters(&knowledge.parameters));
+    }
+    if is_unknown(&comparison.parameters.pendulum) {
+        parts.push(wrapped(PER_GRAVITY, 2));
     }
     let notes: Vec<String> = notes(comparison).iter().map(|note| format!("note: {note}")).collect();
     if !notes.is_empty() {
@@ -42,7 +50,7 @@ fn recordings(comparison: &Comparison) -> String {
     let or_dash = |error: Option<f64>| error.map_or("–".to_owned(), in_mrad);
     let row = |judged: &Judged, suffix: &str| {
         vec![
-            format!("{}{suffix}", short_name(&judged.name)),
+            format!("{}{suffix}", shortened(short_name(&judged.name), LONGEST_NAME)),
             in_mrad(judged.noise.level_rad()),
             in_mrad(judged.predictions.free_run_rad),
             or_dash(judged.predictions.swing_ahead_rad),

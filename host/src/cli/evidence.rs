@@ -7,6 +7,7 @@ use crate::diagnose::holds::ALPHA;
 use crate::diagnose::{Candidate, Diagnosis, Holding, NotTried, Standing, Step, Suggestion, Value};
 use crate::fit::identify::Carries;
 use crate::formula::effect_of;
+use crate::geometry::{PER_GRAVITY, is_unknown};
 use crate::number::{noises, with_spread};
 use crate::plot::staircase::Tread;
 use crate::verdict::Left;
@@ -81,6 +82,7 @@ fn doubts(diagnosis: &Diagnosis) -> Vec<String> {
     parts.extend(others.map(|claim| unproven(claim, unit)));
     parts.extend(held_out(diagnosis));
     parts.extend(not_tried(diagnosis));
+    parts.extend(is_unknown(&diagnosis.parameters.pendulum).then(|| wrapped(PER_GRAVITY, 0)));
     parts
 }
 

@@ -129,10 +129,10 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         None => options.recordings.clone(),
     };
     let reading = options.reading.of(&model);
-    let swings = reading.swings(&recordings)?;
+    let mut swings = reading.swings(&recordings)?;
     let (held_out, _) = reading.swings_quietly(&options.hold_out)?;
     refuse_doubles(&swings, &held_out)?;
-    check_geometry(model.parameters(), &swings)?;
+    check_geometry(model.parameters(), &mut swings)?;
 
     let outcome = identify(options, &swings, &held_out, &model)?;
     let fit = &outcome.fit;

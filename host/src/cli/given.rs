@@ -37,9 +37,9 @@ impl Given {
 
     /// The free swings of the recordings, which must be able to be this pendulum's.
     pub(super) fn swings(&self, model: &RigFile) -> Result<Vec<Swing>, Failure> {
-        let swings = self.reading.of(model).swings(&self.recordings)?;
+        let mut swings = self.reading.of(model).swings(&self.recordings)?;
         refuse_doubles(&swings, &[])?;
-        check_geometry(model.parameters(), &swings)?;
+        check_geometry(model.parameters(), &mut swings)?;
         Ok(swings)
     }
 
@@ -58,8 +58,8 @@ impl Given {
     }
 }
 
-/// Can these be swings of this pendulum? Doubts are told.
-pub(super) fn check_geometry(parameters: &Parameters<f64>, swings: &[Swing]) -> Result<(), Failure> {
+/// Can these be swings of this pendulum, and of one? Doubts are told, and kept with the swings.
+pub(super) fn check_geometry(parameters: &Parameters<f64>, swings: &mut [Swing]) -> Result<(), Failure> {
     doubts(parameters, swings)?.iter().for_each(|doubt| output::warn(doubt));
     Ok(())
 }

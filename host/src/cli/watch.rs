@@ -154,6 +154,7 @@ mod tests {
             candidates,
             reason: None,
             swings: 1,
+            watched: 1,
             noise_rad: 1e-3,
             excess: [0.0; 2],
             left: None,

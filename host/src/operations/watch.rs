@@ -34,6 +34,7 @@ pub fn watch(
             watcher.waits_for_rig();
             look = own_looks.wait(session)?.unwrap_or(look);
         }
+        look.watched = look.watched.max(watcher.n_swings());
         let look = last.insert(look);
         let is_enough = n_swings.is_none() && !look.named.is_empty();
         if is_last(&end)? || is_enough {

@@ -1,5 +1,6 @@
 //! The report of a diagnosis: what is missing, on which parts of the swings each claim holds, and what was tried.
 
+use super::tables::LONGEST_NAME;
 use super::{figure, page};
 use crate::compare::pictures::short_name;
 use crate::diagnose::levels::Levels;
@@ -8,6 +9,7 @@ use crate::formula::effect_of;
 use crate::number::{noises, with_spread};
 use crate::plot::friction::friction;
 use crate::plot::staircase::{Tread, staircase};
+use crate::shorten::shortened;
 use crate::verdict::Left;
 use maud::{Markup, html};
 use shared::effect::Effect;
@@ -71,7 +73,7 @@ fn holds_on(claim: &Holding) -> Markup {
         table {
             tr { th { "part of the swings" } th { "strength there" } th { } }
             @for part in &claim.parts {
-                tr { td { (short_name(&part.name)) } td { (with_spread(part.value, part.std)) } td { (seen(part.seen)) } }
+                tr { td { (shortened(short_name(&part.name), LONGEST_NAME)) } td { (with_spread(part.value, part.std)) } td { (seen(part.seen)) } }
             }
         }
     }
@@ -86,7 +88,7 @@ fn levels_of_releases(levels: &Levels) -> Markup {
                 tr { th { "recording" } th { "part of the friction" } th { "share of the mean" } }
                 @for part in &levels.parts {
                     @for release in &part.releases {
-                        tr { td { (short_name(&release.recording)) } td { (part.part.words()) } td { (with_spread(release.value, release.std)) } }
+                        tr { td { (shortened(short_name(&release.recording), LONGEST_NAME)) } td { (part.part.words()) } td { (with_spread(release.value, release.std)) } }
                     }
                 }
             }

@@ -6,14 +6,18 @@ use crate::compare::per_swing::Row;
 use crate::compare::pictures::short_name;
 use crate::compare::recording::Judged;
 use crate::compare::verdict::in_mrad;
+use crate::shorten::shortened;
 use maud::{Markup, html};
+
+/// A table with a longer name would be wider than the page.
+pub(super) const LONGEST_NAME: usize = 40;
 
 pub(super) fn recordings(comparison: &Comparison) -> Markup {
     let or_dash = |error: Option<f64>| error.map_or("–".to_owned(), in_mrad);
     let row = |judged: &Judged, held_out: bool| {
         html! {
             tr {
-                td { (short_name(&judged.name)) @if held_out { " (held out)" } }
+                td title=(judged.name) { (shortened(short_name(&judged.name), LONGEST_NAME)) @if held_out { " (held out)" } }
                 td { (format!("{:.1}", judged.duration_s)) }
                 td { (in_mrad(judged.noise.level_rad())) }
                 td { (in_mrad(judged.predictions.free_run_rad)) }

@@ -1,12 +1,12 @@
 //! Curves for the page: as many points as it can show, extremes kept; single precision, which no screen can tell.
 
 use super::app::App;
-use crate::compare::pictures::pictures;
 use crate::diagnose::Diagnosis;
 use crate::error::Failure;
 use crate::plot::decimate::decimated;
 use crate::plot::friction::friction;
 use crate::plot::{Content, Picture, Style};
+use crate::report::pictures_of;
 use serde::{Deserialize, Serialize};
 use shared::effect::CURVE_NAME;
 
@@ -89,7 +89,7 @@ pub(super) struct Title {
 pub(super) fn titles(app: &App) -> Vec<Title> {
     let Some(comparison) = app.read(|state| state.comparison.clone()) else { return Vec::new() };
     let is_own = |picture: &Picture| picture.key.starts_with("motion-") || starts_with_number(&picture.key);
-    let shown = pictures(&comparison).into_iter().filter(|picture| !is_own(picture));
+    let shown = pictures_of(&comparison).into_iter().filter(|picture| !is_own(picture));
     shown.map(|Picture { key, title, explanation, .. }| Title { key, title, explanation }).collect()
 }
 
@@ -105,7 +105,7 @@ pub(super) fn picture(app: &App, key: &str) -> Result<Picture, Failure> {
         return app.read(|state| state.diagnosis.clone()).and_then(|found| of_curve(&found)).ok_or_else(missing);
     }
     let comparison = app.read(|state| state.comparison.clone()).ok_or_else(missing)?;
-    let found = pictures(&comparison).into_iter().find(|picture| picture.key == key);
+    let found = pictures_of(&comparison).into_iter().find(|picture| picture.key == key);
     found.map(thinned).ok_or_else(missing)
 }
 

@@ -156,6 +156,20 @@ pub fn chart(values: &[f64], limits: Limits) -> Chart {
     chart
 }
 
+/// How much larger the later values are than those before, as a share, with its standard deviation. Later values may
+/// scatter more, because the change goes on; then their own scatter counts.
+pub fn change(before: &[f64], later: &[f64]) -> Option<(f64, f64)> {
+    let moments = |values: &[f64]| {
+        let mut moments = Moments::default();
+        values.iter().for_each(|value| moments.add(*value));
+        moments
+    };
+    let (before, later) = (moments(before), moments(later));
+    let wider = later.std().unwrap_or(0.0) / before.std().unwrap_or(0.0);
+    let (share, std) = before.change_to(&later)?;
+    Some((share, if wider.is_finite() { std * wider.max(1.0) } else { std }))
+}
+
 /// A chart on its way.
 struct Running<'a> {
     values: &'a [f64],

@@ -201,8 +201,8 @@ fn how_to_read() -> Markup {
                 "(Shewhart's chart for individuals; cumulative sums with Siegmund's formula, on self-starting scores)."
             }
             p {
-                "A change is dated by the most likely step; its size is what the swings from there to the alarm have "
-                "more than those before, ± one standard error. ± of a swing is one standard deviation as its fit has it."
+                "A change is dated by the most likely step; its size is what the last five swings have more than those "
+                "before it, ± one standard error. ± of a swing is one standard deviation as its fit has it."
             }
         }
     }

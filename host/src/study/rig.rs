@@ -35,6 +35,9 @@ pub struct Charted {
 /// found within 0.05 %; half would accuse a rig whose screws were tightened, twice overlook a bob moved by 12 %.
 const OTHER_PERIOD: f64 = 0.03;
 
+/// So many swings at the end of a change tell how far it has come.
+const LATEST: usize = 5;
+
 /// A rig and what is found of it.
 #[derive(Clone, Debug)]
 pub struct RigView {
@@ -250,30 +253,55 @@ impl Mean {
 
 impl Friction {
     fn findings(&self, rows: &[Row]) -> Vec<Finding> {
-        self.chart.alarms.iter().map(|alarm| self.finding(alarm, rows)).collect()
+        let (singles, changes): (Vec<&Alarm>, Vec<&Alarm>) =
+            self.chart.alarms.iter().partition(|alarm| alarm.kind == Kind::Single);
+        // Alarms of one direction one after the other are one change that goes on.
+        let changes: Vec<&[&Alarm]> = changes.chunk_by(|one, next| one.kind == next.kind).collect();
+        let changed = changes.iter().enumerate().map(|(place, change)| {
+            let begin = place.checked_sub(1).and_then(|before| changes[before].last()).map_or(0, |last| last.at + 1);
+            let end = changes.get(place + 1).map_or(self.values.len(), |next| next[0].since);
+            self.changed(change[0], begin, end, rows)
+        });
+        changed.chain(singles.iter().map(|alarm| self.single(alarm, rows))).collect()
     }
 
-    fn finding(&self, alarm: &Alarm, rows: &[Row]) -> Finding {
-        let recording = |place: usize| rows[self.of[place]].key.recording.clone();
+    /// A change that begins with an alarm, between the begin of the level before it and the begin of the next change.
+    fn changed(&self, first: &Alarm, begin: usize, end: usize, rows: &[Row]) -> Finding {
         let Self { symbol, name, .. } = self;
-        let since = recording(alarm.since);
-        let by = alarm.change.map_or(String::new(), |(share, std)| format!(" by {}", percent(share, Some(std))));
-        let (kind, words) = match alarm.kind {
-            Kind::Rise => {
-                let seen = recording(alarm.at);
-                (FindingKind::Wears, format!("{name} {symbol} has risen{by} since {since} (sure with {seen})"))
-            }
-            Kind::Fall => {
-                let seen = recording(alarm.at);
-                (FindingKind::Eases, format!("{name} {symbol} has fallen{by} since {since} (sure with {seen})"))
-            }
-            Kind::Single => {
-                let score = self.chart.points[alarm.at].score;
-                let words = format!("{name} {symbol} of {since} is off by {score:+.1} standard deviations");
-                (FindingKind::Single, words)
-            }
+        let [since, seen] = [first.since, first.at].map(|place| self.recording(place, rows));
+        let (kind, has) = match first.kind {
+            Kind::Fall => (FindingKind::Eases, "fallen"),
+            _ => (FindingKind::Wears, "risen"),
         };
+        let latest = self.usual(first.since, end);
+        let latest = &latest[latest.len().saturating_sub(LATEST)..];
+        let size = chart::change(&self.usual(begin, first.since), latest);
+        let when = match latest.len() {
+            _ if end < self.values.len() => format!("up to {}", self.recording(end.max(1) - 1, rows)),
+            1 => "in the last swing".to_owned(),
+            n => format!("in the last {n} swings"),
+        };
+        let by = size.map_or(String::new(), |(share, std)| format!(", {when} by {}", percent(share, Some(std))));
+        let words = format!("{name} {symbol} has {has} since {since} (sure with {seen}){by}");
         Finding { kind, words, recording: Some(since) }
+    }
+
+    fn single(&self, alarm: &Alarm, rows: &[Row]) -> Finding {
+        let Self { symbol, name, .. } = self;
+        let (recording, score) = (self.recording(alarm.at, rows), self.chart.points[alarm.at].score);
+        let words = format!("{name} {symbol} of {recording} is off by {score:+.1} standard deviations");
+        Finding { kind: FindingKind::Single, words, recording: Some(recording) }
+    }
+
+    fn recording(&self, place: usize, rows: &[Row]) -> String {
+        rows[self.of[place]].key.recording.clone()
+    }
+
+    /// Values of a stretch without single ones that are off.
+    fn usual(&self, begin: usize, end: usize) -> Vec<f64> {
+        let is_off =
+            |place: usize| self.chart.alarms.iter().any(|alarm| alarm.kind == Kind::Single && alarm.at == place);
+        (begin..end).filter(|place| !is_off(*place)).map(|place| self.values[place]).collect()
     }
 }
 
@@ -357,5 +385,73 @@ pub(crate) mod tests {
         let wears = view.findings.iter().find(|finding| finding.kind == FindingKind::Wears).unwrap();
         assert_eq!(wears.recording.as_deref(), Some("swing-20.csv"), "{wears:?}");
         assert!(wears.words.contains("dry friction Mc has risen by 20"), "{wears:?}");
+    }
+
+    /// Swings of a rig with these values of Mc, one a day.
+    pub(in super::super) fn rig(values: &[f64], stds: &[f64]) -> RigView {
+        let rows = values.iter().zip(stds).enumerate().map(|(idx, (value, std))| day(idx, *value, *std));
+        RigView::new("rig", rows.collect())
+    }
+
+    fn day(idx: usize, value: f64, std: f64) -> Row {
+        let day = idx + 1;
+        let number = Number {
+            symbol: "Mc".to_owned(),
+            effect: "coulomb".to_owned(),
+            unit: "N·m".to_owned(),
+            value,
+            std: Some(std),
+            upper: None,
+            status: "identified".to_owned(),
+        };
+        let outcome = Outcome {
+            n_samples: 1000,
+            duration_s: 20.0,
+            amplitude_rad: 0.5,
+            period_s: Some(1.0),
+            noise_rad: 1e-4,
+            error_rad: 1e-4,
+            left: "noise".to_owned(),
+            notes: Vec::new(),
+            numbers: vec![number],
+        };
+        Row {
+            key: Key { rig: "rig".to_owned(), recording: format!("day-{day:02}.csv") },
+            origin: Origin { file_hash: format!("{day}"), model_hash: String::new(), options: String::new() },
+            program: String::new(),
+            studied: String::new(),
+            recorded: Some(format!("2026-01-{day:02}T12:00:00Z")),
+            outcome: Ok(outcome),
+        }
+    }
+
+    /// Ten days as they were, then a fifth of a percent more each day.
+    pub(in super::super) fn wearing() -> Vec<f64> {
+        let wiggle = |idx: usize| [0.0, 0.9, -1.1, 0.4, -0.2, 1.0, -0.8][idx % 7] * 1e-3;
+        (0..40).map(|idx| 7e-4 * (1.0 + wiggle(idx) + 0.002 * idx.saturating_sub(9) as f64)).collect()
+    }
+
+    #[test]
+    fn wear_is_told_as_it_is_at_the_end_and_once() {
+        let view = rig(&wearing(), &[1e-7; 40]);
+        let words: Vec<&str> = view.findings.iter().map(|finding| finding.words.as_str()).collect();
+        assert!(view.friction[0].chart.alarms.len() > 1 && words.len() == 1, "{words:?}");
+        assert!(words[0].starts_with("dry friction Mc has risen since day-1"), "{words:?}");
+        // The last five are 5.2, 5.4, … 6.0 % more.
+        assert!(words[0].contains("in the last 5 swings by 5.") && words[0].contains(" ± "), "{words:?}");
+    }
+
+    #[test]
+    fn a_change_that_was_undone_is_told_up_to_its_end() {
+        let wiggle = |idx: usize| [0.0, 0.9, -1.1, 0.4, -0.2, 1.0, -0.8][idx % 7] * 1e-3;
+        let level = |idx: usize| if (10..20).contains(&idx) { 1.1 } else { 1.0 };
+        let values: Vec<f64> = (0..30).map(|idx| 7e-4 * (level(idx) + wiggle(idx))).collect();
+        let view = rig(&values, &[1e-7; 30]);
+        let words: Vec<&str> = view.findings.iter().map(|finding| finding.words.as_str()).collect();
+        assert!(
+            words[0].contains("has risen since day-11.csv") && words[0].contains("up to day-20.csv by "),
+            "{words:?}"
+        );
+        assert!(words[1].contains("has fallen since day-21.csv"), "{words:?}");
     }
 }

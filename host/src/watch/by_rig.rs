@@ -96,6 +96,7 @@ fn look_of(said: &Suspects) -> Look {
         candidates,
         reason: said.reason.map(of_reason),
         swings: usize::from(said.n_releases),
+        watched: usize::from(said.n_releases),
         noise_rad: f64::from(said.noise_rad),
         excess: said.excess.map(f64::from),
         left: said.left.map(f64::from),

@@ -168,7 +168,7 @@ pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>, followed: 
         spectrum: spectrum(lively, step_s, noise_rad),
         measured,
         modelled,
-        notes: notes(measurement, offset_rad),
+        notes: notes(measurement, offset_rad, &predictions),
         curves: Curves::of(swing, followed, restarts, half_swing_s),
     }
 }
@@ -229,9 +229,10 @@ fn stop_angles(swing: &Swing, followed: &Followed) -> (f64, f64) {
     (mean(&swing.angles_rad[from..]), mean(&followed.angles_rad[from..]))
 }
 
-fn notes(measurement: &Measurement, offset_rad: f64) -> Vec<String> {
+fn notes(measurement: &Measurement, offset_rad: f64, predictions: &Predictions) -> Vec<String> {
     let mut notes = measurement.notes.clone();
     notes.extend(zero_words(offset_rad).filter(|_| measurement.swing.measured == Measured::Angle));
+    notes.extend(predictions.why_no_step(&measurement.swing));
     notes
 }
 

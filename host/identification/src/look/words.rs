@@ -14,12 +14,12 @@ pub fn of_reason(reason: Reason) -> &'static str {
         Reason::NotThisPendulum => {
             "with no friction and inertia does the rig's model follow these swings: check mass, length and calibration"
         }
-        Reason::WrongNumbers => "numbers are wrong, no physics is missing: fit the model and push it",
+        Reason::WrongNumbers => "numbers are wrong, and these swings show nothing else: fit the model and push it",
         Reason::FrictionAboutRest => {
             "friction about rest is not as the model has it, which may look like other effects: fit the model and push it"
         }
         Reason::Unexplained => "more than noise is left, but no effect explains it on every part of the swings",
-        Reason::NothingMissing => "nothing is missing: the model follows to the noise",
+        Reason::NothingMissing => "nothing is missing in these swings: the model follows to the noise",
     }
 }
 
@@ -27,7 +27,7 @@ pub fn of_reason(reason: Reason) -> &'static str {
 pub fn sentence(look: &Look) -> String {
     let Some(first) = named(look) else {
         let reason = look.reason.unwrap_or_default();
-        return format!("Nothing is named after {}: {reason}.", releases(look.swings));
+        return format!("Nothing is named after {}: {reason}.", releases(look));
     };
     let tied = match tied(look).as_slice() {
         [] => String::new(),
@@ -35,7 +35,7 @@ pub fn sentence(look: &Look) -> String {
     };
     let more = if look.left.is_some_and(|left| left > MORE) { " More than noise is left with it." } else { "" };
     let who = if look.judge == Judge::Rig { "The rig itself names what is missing" } else { "Missing" };
-    format!("{who}: {} ({}), after {}.{tied}{more}", first.name, numbers(first), releases(look.swings))
+    format!("{who}: {} ({}), after {}.{tied}{more}", first.name, numbers(first), releases(look))
 }
 
 /// The same in short, where the thorough answer follows.
@@ -56,8 +56,13 @@ fn tied(look: &Look) -> Vec<&'static str> {
     look.candidates.iter().skip(1).filter(|other| other.tied).map(|other| other.name).collect()
 }
 
-fn releases(n: usize) -> String {
-    if n == 1 { "one release".to_owned() } else { format!("{n} releases") }
+/// The releases that were looked at, and of how many, where a rig's tape had no room for all.
+fn releases(look: &Look) -> String {
+    let n = |n: usize| if n == 1 { "one release".to_owned() } else { format!("{n} releases") };
+    match look.swings {
+        swings if swings < look.watched => format!("{}, of which the rig keeps the last {swings}", n(look.watched)),
+        swings => n(swings),
+    }
 }
 
 /// A suspect's numbers with their ±.
@@ -70,4 +75,31 @@ fn numbers(candidate: &Candidate) -> String {
         }
     };
     candidate.values.iter().map(number).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn look(swings: usize, watched: usize, reason: Reason) -> Look {
+        let (named, candidates, excess) = (Vec::new(), Vec::new(), [0.0; 2]);
+        let reason = Some(of_reason(reason));
+        Look { named, candidates, reason, swings, watched, noise_rad: 1e-4, excess, left: None, judge: Judge::Rig }
+    }
+
+    #[test]
+    fn releases_are_counted_as_they_were_let_go() {
+        let told = |swings, watched| sentence(&look(swings, watched, Reason::Unexplained));
+        assert!(told(1, 1).starts_with("Nothing is named after one release: "), "{}", told(1, 1));
+        assert!(told(3, 3).starts_with("Nothing is named after 3 releases: "), "{}", told(3, 3));
+        let five = told(3, 5);
+        assert!(five.starts_with("Nothing is named after 5 releases, of which the rig keeps the last 3: "), "{five}");
+    }
+
+    /// Friction that drifts between releases looks like wrong numbers while there is one release.
+    #[test]
+    fn wrong_numbers_are_no_proof_that_no_physics_is_missing() {
+        let told = sentence(&look(1, 1, Reason::WrongNumbers));
+        assert!(told.contains("numbers are wrong") && !told.contains("no physics is missing"), "{told}");
+    }
 }

@@ -3,6 +3,7 @@
 use super::{Axis, Content, Curve, Picture, Style};
 use crate::diagnose::resemblance::{Resemblance, of_model};
 use crate::fit::curve::built_up_nm;
+use crate::geometry::is_unknown;
 use shared::curve::Spline;
 use shared::parameters::Parameters;
 
@@ -45,7 +46,11 @@ pub fn friction(parameters: &Parameters<f64>, stds: &[Option<f64>]) -> Option<Pi
         title: "Friction over speed".to_owned(),
         explanation: EXPLANATION.to_owned(),
         x: Axis::linear("speed in rad/s"),
-        y: Axis::linear("friction in mN·m"),
+        y: Axis::linear(if is_unknown(&parameters.pendulum) {
+            "friction per m·g·l, 10⁻³"
+        } else {
+            "friction in mN·m"
+        }),
         content: Content::Curves(curves),
     })
 }
@@ -77,6 +82,9 @@ mod tests {
         // 1.96 standard deviations of 0.01 mN·m hold 95 %.
         assert!((bars.bars.as_ref().unwrap()[0] - 0.0196).abs() < 1e-9, "{bars:?}");
         let drawn = svg(&picture);
+        assert_eq!(picture.y.label, "friction in mN·m");
+        parameters.pendulum.length_m = 1e-3;
+        assert_eq!(friction(&parameters, &[]).unwrap().y.label, "friction per m·g·l, 10⁻³");
         assert!(drawn.contains("with quadratic-drag") && drawn.contains("other knots"), "{drawn}");
     }
 }

@@ -1,6 +1,7 @@
 //! Pictures as SVG.
 
 use super::{Axis, Content, Curve, Heat, Picture, Style, colour, diverging};
+use crate::shorten::shortened;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::ops::Range;
@@ -12,6 +13,9 @@ const SIZE: (u32, u32) = (860, 480);
 type Failed = Box<dyn std::error::Error>;
 
 const FONT: &str = "sans-serif";
+
+/// A longer name would cover the curves.
+const LONGEST_NAME: usize = 40;
 
 /// Draws a picture; an empty one stays empty.
 pub fn svg(picture: &Picture) -> String {
@@ -57,6 +61,8 @@ fn draw_curves<'a>(
     let x_range = range(&picture.x, curves.iter().flat_map(|curve| &curve.x));
     let ends: Vec<f64> = curves.iter().flat_map(with_usual_bars).collect();
     let y_range = range(&picture.y, ends.iter());
+    let legend = Legend::of(curves);
+    let (corner, y_range) = legend.placed(picture, curves, &x_range, y_range);
     let mut chart = ChartBuilder::on(area)
         .margin(12)
         .x_label_area_size(46)
@@ -89,7 +95,7 @@ fn draw_curves<'a>(
         };
         if !curve.name.is_empty() {
             let dot = matches!(curve.style, Style::Dots | Style::Cloud);
-            annotated.label(&curve.name).legend(move |(x, y)| legend_mark(x, y, paint, dot));
+            annotated.label(shortened(&curve.name, LONGEST_NAME)).legend(move |(x, y)| legend_mark(x, y, paint, dot));
         }
         if let Some(bars) = &curve.bars {
             let bar = |((x, y), bar): ((&f64, &f64), &f64)| {
@@ -103,7 +109,7 @@ fn draw_curves<'a>(
     if curves.iter().any(|curve| !curve.name.is_empty()) {
         chart
             .configure_series_labels()
-            .position(emptiest_corner(picture, curves, &x_range, &y_range))
+            .position(corner)
             .background_style(WHITE.mix(0.85))
             .border_style(RGBColor(200, 200, 200))
             .label_font((FONT, 13))
@@ -133,7 +139,8 @@ fn legend_mark<'a>(x: i32, y: i32, paint: RGBColor, dot: bool) -> DynElement<'st
 fn label(axis: &Axis, value: f64, size: f64) -> String {
     if !axis.names.is_empty() {
         let is_whole = (value - value.round()).abs() < 1e-6 && value > -0.5;
-        return axis.names.get(value.round() as usize).filter(|_| is_whole).cloned().unwrap_or_default();
+        let name = axis.names.get(value.round() as usize).filter(|_| is_whole);
+        return name.map_or(String::new(), |name| shortened(name, LONGEST_NAME));
     }
     if axis.is_logarithmic {
         return logarithmic_label(10f64.powf(value), size);
@@ -157,24 +164,85 @@ fn logarithmic_label(value: f64, decades: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// The corner with the fewest points under the legend.
-fn emptiest_corner(picture: &Picture, curves: &[Curve], x: &Range<f64>, y: &Range<f64>) -> SeriesLabelPosition {
-    let share = |value: f64, range: &Range<f64>| (value - range.start) / (range.end - range.start);
-    let mut counts = [0; 4];
-    for (px, py) in curves.iter().flat_map(|curve| curve.x.iter().zip(&curve.y)) {
-        let (right, up) = (share(measure(&picture.x, *px), x), share(measure(&picture.y, *py), y));
-        let under =
-            [right > 0.7 && up > 0.7, right < 0.3 && up > 0.7, right < 0.3 && up < 0.3, right > 0.7 && up < 0.3];
-        counts.iter_mut().zip(under).for_each(|(count, under)| *count += i32::from(under));
+/// How much of the chart the legend takes, as shares.
+struct Legend {
+    width: f64,
+    height: f64,
+}
+
+/// A letter of a name, a line of the legend and what stands around them, pixels; about.
+const LETTER: f64 = 7.0;
+const LINE: f64 = 18.0;
+const AROUND: (f64, f64) = (60.0, 24.0);
+
+/// What axes and title leave of the picture, pixels.
+const CHART: (f64, f64) = (760.0, 380.0);
+
+/// A line hides under the legend between its points too: so many places of each piece are looked at.
+const PLACES: usize = 20;
+
+impl Legend {
+    fn of(curves: &[Curve]) -> Self {
+        let names = || curves.iter().filter(|curve| !curve.name.is_empty());
+        let n_letters = names().map(|curve| curve.name.chars().count().min(LONGEST_NAME)).max().unwrap_or(0);
+        let width = (LETTER * n_letters as f64 + AROUND.0) / CHART.0;
+        let height = (LINE * names().count() as f64 + AROUND.1) / CHART.1;
+        Self { width, height: height.min(0.5) }
     }
-    let corners = [
-        SeriesLabelPosition::UpperRight,
-        SeriesLabelPosition::UpperLeft,
-        SeriesLabelPosition::LowerLeft,
-        SeriesLabelPosition::LowerRight,
-    ];
-    let best = (0..4).min_by_key(|corner| counts[*corner]).unwrap_or(0);
-    corners.into_iter().nth(best).unwrap_or(SeriesLabelPosition::UpperRight)
+
+    /// The corner in which it hides least; where it would hide a line in each, room for it is made above all of them.
+    fn placed(
+        &self,
+        picture: &Picture,
+        curves: &[Curve],
+        x: &Range<f64>,
+        y: Range<f64>,
+    ) -> (SeriesLabelPosition, Range<f64>) {
+        let (lines, clouds): (Vec<&Curve>, Vec<&Curve>) = curves.iter().partition(|curve| curve.style != Style::Cloud);
+        let [lines, clouds] = [lines, clouds].map(|curves| self.hidden(picture, &curves, x, &y));
+        let best = (0..4).min_by_key(|corner| (lines[*corner], clouds[*corner])).unwrap_or(0);
+        if lines[best] > 0 {
+            let end = y.start + (y.end - y.start) / (1.0 - self.height);
+            return (SeriesLabelPosition::UpperRight, y.start..end);
+        }
+        let corners = [
+            SeriesLabelPosition::UpperRight,
+            SeriesLabelPosition::UpperLeft,
+            SeriesLabelPosition::LowerLeft,
+            SeriesLabelPosition::LowerRight,
+        ];
+        (corners.into_iter().nth(best).unwrap_or(SeriesLabelPosition::UpperRight), y)
+    }
+
+    /// Places of curves that it would hide in each corner: right above, left above, left below, right below.
+    fn hidden(&self, picture: &Picture, curves: &[&Curve], x: &Range<f64>, y: &Range<f64>) -> [usize; 4] {
+        let share = |value: f64, range: &Range<f64>| (value - range.start) / (range.end - range.start);
+        let mut counts = [0; 4];
+        for (px, py) in curves.iter().flat_map(|curve| places(picture, curve)) {
+            let (right, up) = (share(px, x), share(py, y));
+            let (is_left, is_right) = (right < self.width, right > 1.0 - self.width);
+            let (is_low, is_high) = (up < self.height, up > 1.0 - self.height);
+            let under = [is_right && is_high, is_left && is_high, is_left && is_low, is_right && is_low];
+            counts.iter_mut().zip(under).for_each(|(count, under)| *count += usize::from(under));
+        }
+        counts
+    }
+}
+
+/// The points of a curve, and of a line those between them.
+fn places(picture: &Picture, curve: &Curve) -> Vec<(f64, f64)> {
+    let point = |(x, y): (&f64, &f64)| (measure(&picture.x, *x), measure(&picture.y, *y));
+    let points: Vec<(f64, f64)> = curve.x.iter().zip(&curve.y).map(point).collect();
+    if !matches!(curve.style, Style::Line | Style::Dashed) || points.len() > 50 * PLACES {
+        return points;
+    }
+    let between = |pair: &[(f64, f64)]| {
+        let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
+        (0..=PLACES)
+            .map(move |k| k as f64 / PLACES as f64)
+            .map(move |share| (x0 + share * (x1 - x0), y0 + share * (y1 - y0)))
+    };
+    points.windows(2).flat_map(between).collect()
 }
 
 fn draw_heat(area: &DrawingArea<SVGBackend, Shift>, picture: &Picture, heat: &Heat) -> Result<(), Failed> {
@@ -244,4 +312,39 @@ fn draw_scale(area: &DrawingArea<SVGBackend, Shift>, heat: &Heat) -> Result<(), 
     };
     chart.draw_series((0..STEPS).map(step))?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(curves: Vec<Curve>) -> Picture {
+        Picture {
+            key: "test".to_owned(),
+            title: "Test".to_owned(),
+            explanation: String::new(),
+            x: Axis::linear("x"),
+            y: Axis::linear("energy lost per path in mJ/rad = mN·m"),
+            content: Content::Curves(curves),
+        }
+    }
+
+    /// Points at both ends, and a line through the corner between them.
+    #[test]
+    fn the_legend_hides_no_line() {
+        let square = |low: f64, high: f64| [(0.0, low), (0.0, high), (1.0, high), (1.0, low), (0.0, low)];
+        let frame = vec![Curve::new("noise of the measurement", Style::Line, 0, square(0.0, 1.0))];
+        let legend = Legend::of(&frame);
+        let (_, y) = legend.placed(&picture(frame.clone()), &frame, &(0.0..1.0), 0.0..1.0);
+        assert!(y.end * (1.0 - legend.height) > 0.999, "{y:?}");
+        let falling = vec![Curve::new("noise of the measurement", Style::Line, 0, [(0.0, 1.0), (1.0, 0.0)])];
+        let (corner, y) = legend.placed(&picture(falling.clone()), &falling, &(0.0..1.0), 0.0..1.0);
+        assert!(matches!(corner, SeriesLabelPosition::UpperRight) && y == (0.0..1.0), "{corner:?} {y:?}");
+    }
+
+    #[test]
+    fn torques_of_an_unknown_geometry_have_no_newtons() {
+        let drawn = svg(&picture(vec![Curve::new("a", Style::Line, 0, [(0.0, 1.0), (1.0, 2.0)])]).per_gravity());
+        assert!(drawn.contains("energy lost per path in 10⁻³ m·g·l") && !drawn.contains("mN·m"), "{drawn}");
+    }
 }

@@ -67,14 +67,19 @@ pub struct Segments {
     pub notes: Vec<String>,
 }
 
+fn turning_points(n: usize) -> String {
+    if n == 1 { "one turning point".to_owned() } else { format!("{n} turning points") }
+}
+
 /// Why there is no free swing.
 #[derive(Debug, Error, PartialEq)]
 pub enum SegmentError {
     /// Too short.
     #[error(
-        "only {n_turning_points} turning points of free swing in {duration_s:.2} s, expected at least \
+        "only {} of free swing in {duration_s:.2} s, expected at least \
          {MIN_TURNING_POINTS} (two swings); release from a larger angle, record longer, or choose the stretch with \
-         --from and --to"
+         --from and --to",
+        turning_points(*n_turning_points)
     )]
     TooFewSwings {
         /// Turning points found.

@@ -4,14 +4,19 @@ use crate::cli::output;
 use crate::error::Failure;
 use crate::fit::identify::Fit;
 use crate::fit::problem::Start;
+use crate::geometry::is_unknown;
 use crate::operations::fit::modelled;
 use crate::paper::data::Published;
 use crate::paper::replay::Replay;
 use crate::plot::overlay::{Overlay, Row};
 use crate::recording::Measured;
+use crate::shorten::shortened;
 use crate::swing::Swing;
 use shared::parameters::Parameters;
 use std::path::Path;
+
+/// A longer name would leave the drawing together with what stands behind it.
+const LONGEST_NAME: usize = 70;
 
 /// Draws all fitted swings.
 pub(super) fn of_fit(path: &Path, fit: &Fit, swings: &[Swing], force: bool) -> Result<(), Failure> {
@@ -59,6 +64,7 @@ fn row(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Row {
     let rmse_mrad = 1e3 * (squares / swing.len() as f64).sqrt();
     let name = Path::new(&swing.name).file_name().map_or(swing.name.as_str().into(), |name| name.to_string_lossy());
     let unit = swing.measured.milli_unit();
+    let name = shortened(&name, LONGEST_NAME);
     let title = format!("{name}: error {rmse_mrad:.3} {unit} rms, noise {:.3} {unit} rms", 1e3 * swing.noise_rad);
     Row {
         title,
@@ -75,5 +81,6 @@ fn numbers(fit: &Fit) -> String {
     let number = |found: &crate::fit::identify::Identified| {
         format!("{} = {} {}", found.symbol, crate::number::significant(found.value, 4), found.unit)
     };
-    fit.identified.iter().map(number).collect::<Vec<_>>().join(", ")
+    let numbers = fit.identified.iter().map(number).collect::<Vec<_>>().join(", ");
+    if is_unknown(&fit.parameters.pendulum) { format!("{numbers} (per m·g·l)") } else { numbers }
 }

@@ -5,9 +5,11 @@ use crate::cli::table::{table, wrapped};
 use crate::cli::{evidence, output};
 use crate::fit::identify::{Fit, Identified, Verdict};
 use crate::fit::quality::Responses;
+use crate::geometry::{PER_GRAVITY, is_unknown};
 use crate::number::{count, noises, significant, with_spread};
 use crate::operations::fit::{After, Check, Outcome};
 use crate::operations::json::{all_named, doubts};
+use crate::operations::watch::is_simulated;
 use crate::recording::Measured;
 use crate::rigfile::USUAL_NAME;
 use crate::swing::Swing;
@@ -64,7 +66,7 @@ fn in_words(options: &Options, recordings: &[PathBuf], shown: &Shown) -> String 
 fn opening(options: &Options, shown: &Shown) -> String {
     let (fit, swings) = (&shown.outcome.fit, shown.swings);
     let what = match swings {
-        [swing] => format!("{}, {:.1} s of swing", swing.name, swing.duration_s()),
+        [swing] => format!("{}, {:.1} s of it", swing.name, swing.duration_s()),
         _ => format!("{} swings, {:.1} s together", swings.len(), swings.iter().map(Swing::duration_s).sum::<f64>()),
     };
     let method = options.method.words().replace(", ", ", then ");
@@ -83,7 +85,8 @@ fn parameters(fit: &Fit) -> String {
         let [symbol, unit, name, verdict] = texts;
         vec![symbol, with_spread(found.value, found.std), unit, name, verdict]
     };
-    table(["", "value", "unit", "what", "verdict"], fit.identified.iter().map(row).collect(), 5)
+    let shown = table(["", "value", "unit", "what", "verdict"], fit.identified.iter().map(row).collect(), 5);
+    if is_unknown(&fit.parameters.pendulum) { format!("{shown}\n{}", wrapped(PER_GRAVITY, 0)) } else { shown }
 }
 
 fn lowered(stages: &[After], fit: &Fit) -> String {
@@ -202,11 +205,11 @@ fn next(options: &Options, recordings: &[PathBuf], shown: &Shown) -> (&'static s
     let quoted = |path: &Path| output::command(&[&path.to_string_lossy()]);
     let rig = options.rig.as_deref().map_or(String::new(), |path| format!(" --rig {}", quoted(path)));
     let is_pushed = shown.check.is_some();
+    if !Swing::driven(shown.swings).is_empty() {
+        return swings_freely(options.port.as_deref());
+    }
     match (&options.port, &options.output) {
-        (Some(port), None) if is_pushed => {
-            let force = if Path::new(USUAL_NAME).exists() { " --force" } else { "" };
-            ("keeps the model in a file", format!("host pull --port {port} -o {USUAL_NAME}{force}"))
-        }
+        (Some(port), None) if is_pushed => keeps_the_model(port, &rig, options.discover, Path::new("")),
         (_, None) if physics_is_missing(&shown.outcome.fit) => {
             ("names the effect that is missing", format!("host diagnose {names}{rig}"))
         }
@@ -223,6 +226,34 @@ fn next(options: &Options, recordings: &[PathBuf], shown: &Shown) -> (&'static s
         }
     }
 }
+
+/// What nothing can be learned from has to be recorded anew.
+fn swings_freely(port: Option<&str>) -> (&'static str, String) {
+    let port = port.unwrap_or("PORT");
+    ("records a pendulum that swings freely", format!("host record --port {port} -o free.csv"))
+}
+
+/// A simulated rig has forgotten the model when it is asked the next time; a real one is asked for it.
+fn keeps_the_model(port: &str, rig: &str, discover: bool, folder: &Path) -> (&'static str, String) {
+    let file = unused_model(folder);
+    if is_simulated(port) {
+        let discover = if discover { " --discover" } else { "" };
+        let again = format!("host fit --port {port}{rig}{discover} -o {file}");
+        ("does the same and keeps the model in a file: a simulated rig begins anew with each command", again)
+    } else {
+        ("keeps the model in a file", format!("host pull --port {port} -o {file}"))
+    }
+}
+
+/// The usual name of a model, or one like it that no file has yet: advice must not cost a good model.
+fn unused_model(folder: &Path) -> String {
+    let numbered = (2..).map(|number| format!("{MODEL_STEM}-{number}.toml"));
+    let mut names = std::iter::once(USUAL_NAME.to_owned()).chain(numbered);
+    names.find(|name| !folder.join(name).exists()).unwrap_or_default()
+}
+
+/// [`USUAL_NAME`] without its ending.
+const MODEL_STEM: &str = "rig";
 
 #[cfg(test)]
 mod tests {
@@ -265,5 +296,21 @@ mod tests {
         assert!(told[0].starts_with(&less), "{told:?}");
         let more = format!("{b} and {c} are hard to tell apart (correlation 0.95): more of both gives");
         assert!(told[1].starts_with(&more) && told[2].contains("0.93"), "{told:?}");
+    }
+
+    #[test]
+    fn advice_to_keep_a_model_works_on_a_simulated_rig_and_replaces_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let advised = |port, discover| keeps_the_model(port, "", discover, folder.path()).1;
+        assert_eq!(advised("COM3", false), "host pull --port COM3 -o rig.toml");
+        assert_eq!(advised("sim:mystery-1", true), "host fit --port sim:mystery-1 --discover -o rig.toml");
+        std::fs::write(folder.path().join("rig.toml"), "a good model").unwrap();
+        assert_eq!(advised("COM3", false), "host pull --port COM3 -o rig-2.toml");
+        assert_eq!(advised("sim", false), "host fit --port sim -o rig-2.toml");
+    }
+
+    #[test]
+    fn a_driven_pendulum_is_recorded_anew_and_not_diagnosed() {
+        assert_eq!(swings_freely(None).1, "host record --port PORT -o free.csv");
     }
 }

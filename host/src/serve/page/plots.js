@@ -87,14 +87,31 @@ export function pictureOf(picture) {
   const { x, y, content } = picture;
   const layout = {
     xaxis: axis(x.label, x.is_logarithmic ? LOGARITHMIC : x.is_count ? { dtick: 1 } : {}),
-    yaxis: axis(y.label, y.is_logarithmic ? LOGARITHMIC : {}),
+    yaxis: axis(inTwoLines(y.label), y.is_logarithmic ? LOGARITHMIC : {}),
   };
   return { traces: content.curves ? content.curves.map(curveOf) : [heatOf(content.heat)], layout };
 }
 
+/** A long label would reach beyond a low plot, over the legend above it. */
+const LONGEST_LABEL = 24;
+function inTwoLines(label) {
+  if (label.length <= LONGEST_LABEL) return label;
+  const spaces = [...label.matchAll(/ /g)].map((space) => space.index);
+  const middle = spaces.sort((a, b) => Math.abs(a - label.length / 2) - Math.abs(b - label.length / 2))[0];
+  return middle === undefined ? label : `${label.slice(0, middle)}<br>${label.slice(middle + 1)}`;
+}
+
+/** Long names are shortened in the middle: files of one series differ at their ends. */
+const LONGEST_NAME = 32;
+function shortened(name) {
+  if (name.length <= LONGEST_NAME) return name;
+  const half = Math.floor((LONGEST_NAME - 1) / 2);
+  return `${name.slice(0, half)}…${name.slice(-half)}`;
+}
+
 function curveOf(curve) {
   const colour = curve.colour === 6 ? style('noise') : colours()[curve.colour % 7];
-  const trace = { x: curve.x, y: curve.y, name: curve.name.replace(/\.csv$/, ''), showlegend: curve.name !== '', type: 'scatter' };
+  const trace = { x: curve.x, y: curve.y, name: shortened(curve.name.replace(/\.csv$/, '')), showlegend: curve.name !== '', type: 'scatter' };
   if (curve.style === 'line' || curve.style === 'dashed') {
     return { ...trace, mode: 'lines', line: { color: colour, width: 2, dash: curve.style === 'dashed' ? 'dash' : 'solid' } };
   }

@@ -6,13 +6,15 @@ use super::super::rig::{Friction, RigView};
 use super::MOST_SWINGS;
 use super::words::{anchor, number, raised};
 use maud::{Markup, html};
+use std::ops::Range;
 
 /// Heights in pixels.
 const CONTROL: f64 = 190.0;
 const SUMS: f64 = 110.0;
 
-/// Bands of fewer swings don't set the scale.
-const FEW: usize = 12;
+/// The values set the scale of a chart; a ± or a band may widen it by so much of their range to either side, because a
+/// single swing of which little is known would make a flat line of all others.
+const AROUND: f64 = 0.5;
 
 /// Room above and below, as a share of the range.
 const ROOM: f64 = 0.08;
@@ -65,11 +67,7 @@ pub(super) fn control(rig: &RigView, friction: &Friction) -> Markup {
     let places = Places::of(friction.values.len());
     let shown = places.from..friction.values.len();
     let std = |idx: usize| friction.stds[idx].unwrap_or(0.0);
-    let ends = shown.clone().flat_map(|idx| [-std(idx), std(idx)].map(|std| friction.values[idx] + std));
-    // A band of few swings is too wide to be shown whole.
-    let last_band = friction.chart.points.last().and_then(|point| point.band).filter(|_| shown.len() > FEW);
-    let around = last_band.map_or_else(Vec::new, |(low, high)| vec![low, high]);
-    let scale = Scale::of(ends.chain(around), CONTROL);
+    let scale = Scale::of(extent(friction, shown.clone()).into_iter(), CONTROL);
     let name = |idx: usize| &rig.rows[friction.of[idx]].key.recording;
     let alarm = |idx: usize| friction.chart.alarms.iter().find(|alarm| alarm.at == idx);
     let exponent = friction.mean.value.abs().log10().floor() as i32;
@@ -92,6 +90,21 @@ pub(super) fn control(rig: &RigView, friction: &Friction) -> Markup {
         },
         &ends_of(&places, shown.end),
     )
+}
+
+/// From where to where the chart goes.
+fn extent(friction: &Friction, shown: Range<usize>) -> [f64; 2] {
+    let values = friction.values[shown.clone()].iter();
+    let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+    let mut stds: Vec<f64> = shown.clone().filter_map(|idx| friction.stds[idx]).collect();
+    let room = (AROUND * (high - low)).max(crate::recording::median(&mut stds));
+    let band = friction.chart.points.last().and_then(|point| point.band);
+    let ends = shown.flat_map(|idx| {
+        let std = friction.stds[idx].unwrap_or(0.0);
+        [friction.values[idx] - std, friction.values[idx] + std]
+    });
+    let ends = ends.chain(band.into_iter().flat_map(|(low, high)| [low, high]));
+    ends.fold([low, high], |[from, to], end| [from.min(end).max(low - room), to.max(end).min(high + room)])
 }
 
 fn class(alarm: Option<&Alarm>) -> &'static str {
@@ -120,7 +133,7 @@ fn band(friction: &Friction, places: &Places, scale: &Scale) -> Markup {
         let (low, high) = friction.chart.points[idx].band.unwrap_or_default();
         format!("{:.3},{}", places.percent(idx), scale.y(if is_upper { high } else { low }))
     };
-    let outline = |area: &std::ops::Range<usize>| {
+    let outline = |area: &Range<usize>| {
         let there = area.clone().map(|idx| edge(idx, true));
         there.chain(area.clone().rev().map(|idx| edge(idx, false))).collect::<Vec<_>>().join(" ")
     };
@@ -209,4 +222,22 @@ fn ends_of(places: &Places, end: usize) -> (usize, usize) {
 fn stretched(height: f64, drawn: Markup) -> Markup {
     let view_box = format!("0 0 100 {height}");
     html! { svg.stretched viewBox=(view_box) height=(height) width="100%" preserveAspectRatio="none" { (drawn) } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::rig::tests::{rig, wearing};
+    use super::*;
+
+    /// After an alarm the band begins anew, with three swings and as wide as Student's distribution has it.
+    #[test]
+    fn neither_a_wide_band_nor_a_doubtful_swing_makes_the_others_a_flat_line() {
+        let values = wearing();
+        let mut stds = [1e-7; 40];
+        stds[4] = 5e-3;
+        let view = rig(&values, &stds);
+        let [low, high] = extent(&view.friction[0], 0..40);
+        let size = values[39] - values[2];
+        assert!(low <= values[2] && high >= values[39] && high - low < 2.1 * size, "{low} … {high}");
+    }
 }

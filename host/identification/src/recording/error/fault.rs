@@ -1,6 +1,7 @@
 //! What is wrong with the content of a recording.
 
 use super::growth::growth_in_words;
+use crate::number::significant;
 use crate::recording::columns::ColumnsError;
 use crate::recording::limits::{
     FORMAT_NAME, FORMAT_VERSION, LARGEST_RAD, LARGEST_UNSTATED_RAD, LONGEST_STEP_S, MIN_SAMPLES, MOST_SAMPLES,
@@ -361,8 +362,9 @@ pub enum Fault {
     TooLarge,
     /// A swing too fast or too slow for the unit of time that was assumed.
     #[error(
-        "it swings there and back in {period_s:.3e} s; expected {shortest_s} to {longest_s} s for a pendulum, so the unit of \
+        "it swings there and back in {} s; expected {shortest_s} to {longest_s} s for a pendulum, so the unit of \
          the time is not what it seems: say it, {} (s, ms, us, ns, min, day)",
+        significant(*period_s, 4),
         if told.time.is_some() { format!("--columns {}", told.angle(":ms", "")) } else { "--rate".to_owned() }
     )]
     ImpossiblePeriod {

@@ -2,6 +2,18 @@
 
 /// Lower-case words of a name, split at signs and where a small letter meets a capital; digits at the end fall off.
 pub(super) fn words(name: &str) -> Vec<String> {
+    let mut words = all_words(name);
+    // `Angle in degrees`: between two words it is no inch.
+    let n_words = words.len();
+    let mut idx = 0;
+    words.retain(|word| {
+        idx += 1;
+        word != "in" || idx == 1 || idx == n_words
+    });
+    words
+}
+
+fn all_words(name: &str) -> Vec<String> {
     name.split(|letter: char| !letter.is_alphanumeric() && letter != '°')
         .flat_map(|part| if is_unit_with_prefix(part) { vec![part.to_owned()] } else { humps(part) })
         .map(|word| word.to_lowercase().trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned())
