@@ -63,11 +63,12 @@ fn doubts(diagnosis: &Diagnosis) -> Vec<String> {
         );
         parts.push(wrapped(&words, 0));
     } else if !diagnosis.undecided.is_empty() {
-        parts.push(format!(
+        let words = format!(
             "These data can't tell {} from {}; a release from a larger angle may.",
             diagnosis.undecided.join(" or "),
             diagnosis.verdict.join(" + ")
-        ));
+        );
+        parts.push(wrapped(&words, 0));
     }
     parts.extend(diagnosis.special_cases.iter().map(|case| {
         let number = with_spread(case.value, Some(case.std));

@@ -384,7 +384,10 @@ pub(crate) mod tests {
         let view = RigView::new("rig", rows);
         let wears = view.findings.iter().find(|finding| finding.kind == FindingKind::Wears).unwrap();
         assert_eq!(wears.recording.as_deref(), Some("swing-20.csv"), "{wears:?}");
-        assert!(wears.words.contains("dry friction Mc has risen by 20"), "{wears:?}");
+        // From 1.000 on the mean to 1.200: a fifth, give or take what the first swings scatter.
+        let told =
+            "dry friction Mc has risen since swing-20.csv (sure with swing-23.csv), in the last 5 swings by 19.9";
+        assert!(wears.words.starts_with(told), "{wears:?}");
     }
 
     /// Swings of a rig with these values of Mc, one a day.
