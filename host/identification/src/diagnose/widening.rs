@@ -22,13 +22,14 @@ pub(super) fn widened(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
     fitted.filter(|model| is_sound(rough, model)).collect()
 }
 
-/// The models of a sorted level that come near the best, each law with a usual form that was not fitted in that form: it may
-/// have promised too little beside a wrong stop level.
+/// The models of a sorted level that come near the best, each law with a special case that was not fitted in that form: it may
+/// have promised too little beside a wrong stop level. Wider forms that follow their usual one were begun from it.
 pub(super) fn narrowed(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
     let is_lacking = |model: &Fitted, wide: &Effect<f64>| {
         let others = || model.effects.iter().filter(|other| other.id != wide.id);
         let is_it = |known: &Fitted, usual: &str| known.has(usual) && others().all(|other| known.has(other.name));
-        wide.generalises.is_some_and(|usual| !level.iter().any(|known| is_it(known, usual)))
+        let special = wide.generalises.filter(|_| !wide.rules.follows_special_case);
+        special.is_some_and(|usual| !level.iter().any(|known| is_it(known, usual)))
     };
     let of_model = |model: &Fitted| -> Vec<Fitted> {
         let lacking = model.effects.iter().copied().filter(|wide| is_lacking(model, wide));
