@@ -69,6 +69,15 @@ pub(super) fn answers(problem: &Problem, linear: &Linear, point: &Point, tried: 
     (0..tried.len()).map(answered).collect()
 }
 
+/// Rise of the error, in variances, at the 95 % bound of one number (chi-square with one degree of freedom, one-sided).
+const PROFILE_95: f64 = 2.71;
+
+/// The error may rise by so much with a number that is moved, rad²: beyond that the number is unlikely.
+pub(super) fn likely_rise(on: &Problem, linear: &Linear) -> f64 {
+    let variance = linear.equations.cost / linear.equations.n_samples.max(1) as f64;
+    PROFILE_95 * variance.max(on.noise_rad().powi(2))
+}
+
 /// Ms and DV as unknowns.
 pub(super) fn stiction_unknowns(parameters: &Parameters<f64>) -> Vec<Unknown> {
     Effect::by_id(base::STICTION).map_or(Vec::new(), |effect| Unknown::all_of_effect(effect, parameters))

@@ -3,7 +3,7 @@
 
 use super::answered::answered_costs;
 use super::blocks::{Begin, choice};
-use super::by_least_squares::start_in_the_middle;
+use super::by_least_squares::{fitted_as_it_is, start_in_the_middle};
 use super::curve::placed;
 use super::descent::{Termination, Tolerance, descend};
 use super::fitted::{Fitted, Stiction};
@@ -30,6 +30,7 @@ use crate::fit::tally::Tally;
 use crate::swing::{Swing, Window};
 use nalgebra::DMatrix;
 use shared::curve::{Curve, MAX_KNOTS};
+use shared::model::Model;
 use shared::parameters::{Parameters, base};
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -239,16 +240,24 @@ fn a_gain_that_surprises_is_followed_by_another_step() {
     assert!(end.cost < 0.1 * first, "{} {first} {before}", end.cost);
 }
 
-#[test]
-fn levels_that_are_as_likely_as_allowed_frame_the_own_one() {
-    let (coulomb_nm, count) = (1.3e-4, Tally::default());
-    let swings = dry_swing(coulomb_nm, 1.1e-3);
+/// Mc of a swing that is held by it alone, N·m.
+const DRY_NM: f64 = 1.3e-4;
+
+/// The model of such a swing with the level that stops it where it rests.
+fn stopped<'a>(swings: &'a [Swing], count: &'a Tally) -> (Problem<'a>, Fitted) {
     let mut rig = Parameters::frictionless(PENDULUM);
-    rig.set_friction(0.0, coulomb_nm, 0.0, 0.0);
-    let problem = problem_of(&swings, &rig, &count);
+    rig.set_friction(0.0, DRY_NM, 0.0, 0.0);
+    let problem = problem_of(swings, &rig, count);
     let point = Point { values: problem.template_values(), starts: at_rest(0.02) };
     let model = Fitted::at(&problem, &point).with_stiction(Stiction::NONE);
     let model = stop_level::levels(&problem, &model).swap_remove(0);
+    (problem, model)
+}
+
+#[test]
+fn levels_that_are_as_likely_as_allowed_frame_the_own_one() {
+    let (swings, count) = (dry_swing(DRY_NM, 1.1e-3), Tally::default());
+    let (problem, model) = stopped(&swings, &count);
     let own = likely(&problem, &model, 0.0);
     let all = likely(&problem, &model, 1e3);
     assert!(all.0 < own.0 && own.1 < all.1, "{own:?} {all:?}");
@@ -342,16 +351,39 @@ fn knots_stand_over_all_speeds_of_the_swings() {
 
 #[test]
 fn a_level_between_two_turning_points_is_as_uncertain_as_if_each_were_as_likely() {
-    let (coulomb_nm, count) = (1.3e-4, Tally::default());
-    let swings = dry_swing(coulomb_nm, 1.1e-3);
-    let mut rig = Parameters::frictionless(PENDULUM);
-    rig.set_friction(0.0, coulomb_nm, 0.0, 0.0);
-    let problem = problem_of(&swings, &rig, &count);
-    let point = Point { values: problem.template_values(), starts: at_rest(0.02) };
-    let model = Fitted::at(&problem, &point).with_stiction(Stiction::NONE);
-    let found = uncertainty(&problem, &stop_level::levels(&problem, &model).swap_remove(0));
+    let (swings, count) = (dry_swing(DRY_NM, 1.1e-3), Tally::default());
+    let (problem, model) = stopped(&swings, &count);
+    let found = uncertainty(&problem, &model);
     let level = found.numbers.iter().find(|number| number.unknown.symbol == "Ms").unwrap();
     // Evenly over 2·Mc.
-    let expected = 2.0 * coulomb_nm / 12f64.sqrt();
+    let expected = 2.0 * DRY_NM / 12f64.sqrt();
     assert!((level.std.unwrap() / expected - 1.0).abs() < 0.2, "{level:?} {expected}");
+}
+
+/// A swing that never rests, nearly without noise.
+fn large_swing(truth: &Parameters<f64>) -> Swing {
+    let model = Model::new(truth);
+    let mut state = model.release(1.4, 0.0);
+    let times_s: Vec<f64> = (0..800).map(|i| f64::from(i) / 100.0).collect();
+    let mut angles_rad = Vec::new();
+    for i in 0..times_s.len() {
+        let noise_rad = 5e-5 * if i % 2 == 0 { 1.0 } else { -1.0 };
+        angles_rad.push(state.angle_rad + noise_rad);
+        (0..5).for_each(|_| model.step(&mut state, 2e-3));
+    }
+    Swing::new("large", &times_s, &angles_rad, 5e-5)
+}
+
+#[test]
+fn an_inertia_is_known_no_better_than_a_band_that_no_swing_shows_lets_it_be() {
+    let mut truth = Parameters::paper();
+    truth.set_friction(2e-4, 2e-4, 2.4e-4, 0.03);
+    let (swings, count) = ([large_swing(&truth)], Tally::default());
+    let mut rig = truth.clone();
+    Stiction::NONE.put_into(&mut rig);
+    let problem = problem_of(&swings, &rig, &count);
+    let found = uncertainty(&problem, &fitted_as_it_is(&problem));
+    let inertia = found.numbers.iter().find(|number| number.unknown.symbol == "I").unwrap();
+    let off = (inertia.value - truth.pendulum.inertia_kg_m2) / inertia.std.unwrap();
+    assert!(off > 0.1 && off < 2.0, "{off}");
 }

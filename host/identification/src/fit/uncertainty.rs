@@ -3,9 +3,10 @@
 //! One covariance serves every command. A number on its bound is known to be there and takes no part in it.
 //! Ms and DV act in jumps: without a velocity band, Ms is what all levels share that stop the pendulum alike; without a
 //! rest it has an upper bound only, and so has a DV that no swing shows: the value at which the error, profiled over
-//! the other numbers to first order, rises by `PROFILE_95`.
+//! the other numbers to first order, rises beyond what is likely. What a band that no swing shows would move the other
+//! numbers by is part of their uncertainty.
 
-use super::answered::{answered_costs, stiction_unknowns};
+use super::answered::{answered_costs, likely_rise, stiction_unknowns};
 use super::covariance::{Covariance, with_model_error};
 use super::fitted::{Fitted, Stiction};
 use super::linear::{Linear, Steps, SwingLinear, linearise};
@@ -21,9 +22,6 @@ const ALIKE_CORRELATION: f64 = 0.995;
 
 /// A number is not identified from this relative standard deviation on.
 pub const UNKNOWN_SHARE: f64 = 0.5;
-
-/// Rise of the error, in variances, at the 95 % bound of one number (chi-square with one degree of freedom, one-sided).
-pub(super) const PROFILE_95: f64 = 2.71;
 
 /// Steps of a profile: each so many times the one before, from this share of what matters.
 const PROFILE_GROWTH: f64 = 1.25;
@@ -103,9 +101,7 @@ fn bound_stiction(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut Num
     let decimated = on.decimated();
     let rough = on.on(&decimated);
     let share = share_of_samples(&rough, on);
-    let equations = &smooth.linear.equations;
-    let variance = equations.cost / equations.n_samples.max(1) as f64;
-    let allowed = PROFILE_95 * share * variance.max(on.noise_rad().powi(2));
+    let allowed = share * likely_rise(on, &smooth.linear);
     let (level_scale, band_scale) = (level.unknown.scale, band.unknown.scale);
     let wider = |more: f64, at: Stiction| Stiction { velocity_band: at.velocity_band + more, ..at };
     (band.status, band.std) = (Status::UpperBound, None);
