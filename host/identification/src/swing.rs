@@ -9,6 +9,7 @@ use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment}
 use crate::recording::turning::half_swing_s;
 use crate::recording::{Fault, Measured, Recording};
 use crate::trajectory::Schedule;
+use crate::verdict::Colour;
 use shared::effect::{CURVE_ID, Effect};
 use shared::parameters::Parameters;
 use std::f64::consts::TAU;
@@ -86,6 +87,8 @@ pub struct Swing {
     pub angles_rad: Vec<f64>,
     /// Total rms noise of the readings, in their unit.
     pub noise_rad: f64,
+    /// Present if it is coloured.
+    pub colour: Option<Colour>,
     /// Is that the rounding to a count, which comes again with every swing, instead of noise?
     pub is_counted: bool,
     /// Does it not become smaller? Then something drives the pendulum.
@@ -134,7 +137,8 @@ impl Swing {
     pub fn like(&self, times_s: &[f64], readings: &[f64]) -> Self {
         let other = Self::build(&self.name, self.measured, self.reading_per_rad, times_s, readings, self.noise_rad);
         let (begins_s, doubts) = (self.begins_s, self.doubts.clone());
-        Self { begins_s, is_counted: self.is_counted, is_driven: self.is_driven, doubts, ..other }
+        let Self { colour, is_counted, is_driven, .. } = *self;
+        Self { begins_s, colour, is_counted, is_driven, doubts, ..other }
     }
 
     /// A part of it, of which the model knows when it begins.
@@ -170,6 +174,7 @@ impl Swing {
             begins_s: 0.0,
             pace,
             noise_rad,
+            colour: None,
             is_counted: false,
             is_driven: false,
             doubts: Vec::new(),
@@ -217,7 +222,7 @@ impl Swing {
             }
         };
         let part = recording.part(range)?;
-        let noise = segments.noise.total_rms;
+        let noise = segments.noise.level_rad();
         let mut swing = Self::of(name, recording.measured(), part.times_s(), part.angles_rad(), noise);
         let least = SIMULATED_TO_RAD * swing.reading_per_rad;
         if noise < least {
@@ -228,7 +233,8 @@ impl Swing {
         let is_counted = recording.header().sensor.is_some();
         let notes = recording.notes().iter().chain(&segments.notes);
         let doubts = notes.filter_map(|note| note.strip_prefix("doubtful: ")).map(str::to_owned).collect();
-        Ok((Self { is_counted, is_driven: !segments.fades, doubts, ..swing }, segments))
+        let colour = segments.noise.colour;
+        Ok((Self { colour, is_counted, is_driven: !segments.fades, doubts, ..swing }, segments))
     }
 
     /// Is its noise only what a simulation is accurate to?

@@ -36,6 +36,34 @@ pub const NO_CHANCE_STDS: f64 = 3.0;
 /// A remainder of more than this share of the noise's variance is called missing physics: 1.1 times the rms.
 const MISSING: f64 = 0.21;
 
+/// And of coloured noise, known from a still pendulum, this one: 1.3 times the rms. A moving one may have more of it.
+const MISSING_BESIDE_COLOUR: f64 = 0.69;
+
+/// Noise whose neighbouring samples are alike, as still ones show it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colour {
+    /// Share of its samples that are as good as independent for a variance.
+    pub independent_share: f64,
+    /// So many independent samples tell its variance.
+    pub n_independent: f64,
+}
+
+impl Colour {
+    /// Of samples of the noise itself, with a mean of zero.
+    pub fn of(noise: &[f64]) -> Self {
+        let independent_share = independent_share(noise);
+        Self { independent_share, n_independent: independent_share * noise.len() as f64 }
+    }
+
+    /// Of several together: what is known of the worst.
+    pub fn worst(self, other: Self) -> Self {
+        Self {
+            independent_share: self.independent_share.min(other.independent_share),
+            n_independent: self.n_independent.min(other.n_independent),
+        }
+    }
+}
+
 /// A reduced chi-square and the number of samples that it stands on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChiSquare {
@@ -43,6 +71,8 @@ pub struct ChiSquare {
     pub reduced: f64,
     /// Effective number of samples less the fitted numbers.
     pub n_effective: f64,
+    /// Present if the noise is coloured.
+    pub colour: Option<Colour>,
 }
 
 impl ChiSquare {
@@ -50,13 +80,22 @@ impl ChiSquare {
     /// were fitted to them.
     pub fn new(cost_rad2: f64, noise_rad: f64, n_effective: f64, n_fitted: usize) -> Self {
         let n_effective = (n_effective - n_fitted as f64).max(1.0);
-        Self { reduced: cost_rad2 / (noise_rad.powi(2) * n_effective).max(f64::MIN_POSITIVE), n_effective }
+        Self {
+            reduced: cost_rad2 / (noise_rad.powi(2) * n_effective).max(f64::MIN_POSITIVE),
+            n_effective,
+            colour: None,
+        }
     }
 
     /// From an rms residual and the noise (both rad) over samples to which hardly anything was fitted.
     pub fn of_rms(rms_rad: f64, noise_rad: f64, n_effective: f64) -> Self {
         let n_effective = n_effective.max(1.0);
-        Self { reduced: (rms_rad / noise_rad.max(f64::MIN_POSITIVE)).powi(2), n_effective }
+        Self { reduced: (rms_rad / noise_rad.max(f64::MIN_POSITIVE)).powi(2), n_effective, colour: None }
+    }
+
+    /// Beside a noise of this colour.
+    pub fn beside(self, colour: Option<Colour>) -> Self {
+        Self { colour, ..self }
     }
 
     /// Variance beyond the noise, as a share of the noise's; negative where less is left.
@@ -66,15 +105,19 @@ impl ChiSquare {
 
     /// So much excess may be chance or an error in σ.
     fn tolerance(&self) -> f64 {
-        NOISE_KNOWN.hypot(CHANCE_STDS * (2.0 / self.n_effective).sqrt())
+        let chance = |n_independent: f64| CHANCE_STDS * (2.0 / n_independent).sqrt();
+        let of_noise = self.colour.map_or(0.0, |colour| chance(colour.n_independent));
+        let share = self.colour.map_or(1.0, |colour| colour.independent_share);
+        NOISE_KNOWN.hypot(of_noise).hypot(chance(share * self.n_effective))
     }
 
     /// The answer.
     pub fn left(&self) -> Left {
         let tolerance = self.tolerance();
+        let missing = if self.colour.is_some() { MISSING_BESIDE_COLOUR } else { MISSING };
         match self.excess() {
             excess if excess <= tolerance => Left::Noise,
-            excess if excess <= MISSING.max(tolerance) => Left::Nearly,
+            excess if excess <= missing.max(tolerance) => Left::Nearly,
             _ => Left::Missing,
         }
     }
@@ -83,7 +126,7 @@ impl ChiSquare {
 /// Share of samples that are as good as independent for a variance, from samples of the noise itself (a still pendulum,
 /// a mean of zero): 1/(1 + 2·Σρ²) over the lags that are correlated. 1 for white noise.
 /// Source: M. S. Bartlett, J. R. Stat. Soc. Suppl. 8 (1946) 27.
-pub fn independent_share(noise: &[f64]) -> f64 {
+fn independent_share(noise: &[f64]) -> f64 {
     let square: f64 = noise.iter().map(|x| x * x).sum();
     let limit = NO_CHANCE_STDS / (noise.len().max(1) as f64).sqrt();
     let correlation = |lag: usize| noise[lag..].iter().zip(noise).map(|(a, b)| a * b).sum::<f64>() / square;
@@ -103,6 +146,17 @@ mod tests {
         assert_eq!(ChiSquare::of_rms(1.02_f64.sqrt(), 1.0, 50_000.0).left(), Left::Noise);
         assert_eq!(ChiSquare::of_rms(1.12, 1.0, 50_000.0).left(), Left::Missing);
         assert_eq!(ChiSquare::of_rms(0.7, 1.0, 50_000.0).left(), Left::Noise);
+    }
+
+    #[test]
+    fn coloured_noise_is_known_by_its_independent_samples_and_may_be_larger_while_the_pendulum_moves() {
+        let colour = Colour { independent_share: 0.25, n_independent: 800.0 };
+        let left = |ratio: f64, n: f64| ChiSquare::of_rms(ratio, 1.0, n).beside(Some(colour)).left();
+        // √(2/800) twice is 0.1, and of 3,200 swinging samples as much: 0.145 together with that of any noise.
+        assert_eq!((left(1.14_f64.sqrt(), 3200.0), left(1.15_f64.sqrt(), 3200.0)), (Left::Noise, Left::Nearly));
+        assert_eq!((left(1.29, 1e6), left(1.31, 1e6)), (Left::Nearly, Left::Missing));
+        let other = Colour { independent_share: 0.5, n_independent: 100.0 };
+        assert_eq!(colour.worst(other), Colour { independent_share: 0.25, n_independent: 100.0 });
     }
 
     #[test]

@@ -6,37 +6,6 @@
 
 use serde::Serialize;
 
-/// Excess beyond this many standard errors is significant.
-const SIGNIFICANT: f64 = 5.0;
-
-/// What blocks of residuals show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct SlowExcess {
-    /// Variance of the slow remainder over that of the noise.
-    pub share: f64,
-    /// The share in standard errors.
-    pub z: f64,
-}
-
-impl SlowExcess {
-    /// Far beyond chance?
-    pub fn is_significant(&self) -> bool {
-        self.z > SIGNIFICANT
-    }
-}
-
-/// Looks for a slow remainder in residuals whose white noise is known, by means over `block` samples.
-pub fn slow_excess(residuals: &[f64], noise_rad: f64, block: usize) -> SlowExcess {
-    let block = block.max(2);
-    let means: Vec<f64> = residuals.chunks_exact(block).map(|chunk| chunk.iter().sum::<f64>() / block as f64).collect();
-    if means.len() < 8 || noise_rad <= 0.0 {
-        return SlowExcess::default();
-    }
-    let mean_square = means.iter().map(|mean| mean * mean).sum::<f64>() / means.len() as f64;
-    let excess = mean_square * block as f64 / noise_rad.powi(2) - 1.0;
-    SlowExcess { share: excess / block as f64, z: excess / (2.0 / means.len() as f64).sqrt() }
-}
-
 /// Autocorrelation of residuals.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Autocorrelation {
@@ -132,16 +101,6 @@ mod tests {
     fn white(n: usize, seed: u64) -> Vec<f64> {
         let mut noise = Noise::new(seed);
         (0..n).map(|_| 1e-3 * noise.normal()).collect()
-    }
-
-    #[test]
-    fn white_residuals_have_no_slow_excess_and_a_slow_sine_of_a_seventh_of_the_noise_has() {
-        let residuals = white(20_000, 1);
-        assert!(!slow_excess(&residuals, 1e-3, 20).is_significant());
-        let with_sine: Vec<f64> =
-            residuals.iter().enumerate().map(|(i, r)| r + 0.2e-3 * (i as f64 * 0.01).sin()).collect();
-        let excess = slow_excess(&with_sine, 1e-3, 20);
-        assert!(excess.is_significant() && (excess.share - 0.02).abs() < 0.008, "{excess:?}");
     }
 
     #[test]

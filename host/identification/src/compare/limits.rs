@@ -53,7 +53,7 @@ fn of_recording(measurement: &Measurement, judged: &Judged) -> Vec<String> {
             "{name}: no still stretch that is long enough before or after the swing: whether the sensor's noise is white \
              can't be judged; hold it still for a second before the release."
         ));
-    } else if measurement.noise.is_coloured {
+    } else if measurement.noise.colour.is_some() {
         limits.push(format!(
             "{name}: the sensor's own noise is coloured (it wanders while the pendulum hangs still): a remainder below \
              1.3 times the noise can't be told from it."

@@ -4,7 +4,7 @@
 use crate::fit::identify::{self, FitError, Method};
 use crate::fit::tolerance::KnownRig;
 use crate::swing::Swing;
-use crate::verdict::{ChiSquare, Left};
+use crate::verdict::{ChiSquare, Colour, Left};
 use serde::Serialize;
 
 /// The numbers are to blame when a fit removes at least this share of the variance beyond the noise: most of it. What
@@ -27,7 +27,9 @@ impl Refit {
     pub fn of(swings: &[Swing], rig: KnownRig, noise_rad: f64) -> Option<Self> {
         let fit = least_squares(swings, rig).ok()?;
         let n_samples = swings.iter().map(Swing::len).sum::<usize>() as f64;
-        let left = ChiSquare::of_rms(fit.rmse_rad, noise_rad, n_samples).left();
+        let colours = swings.iter().filter_map(|swing| swing.colour);
+        let chi_square = ChiSquare::of_rms(fit.rmse_rad, noise_rad, n_samples);
+        let left = chi_square.beside(colours.reduce(Colour::worst)).left();
         Some(Self { residual_rad: fit.rmse_rad, ratio: fit.rmse_rad / noise_rad.max(1e-300), left })
     }
 

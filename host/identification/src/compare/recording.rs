@@ -1,10 +1,10 @@
 //! One recording judged: the model runs beside it, and everything that can be read off the difference.
 
-use super::colour::{Autocorrelation, SlowExcess, Spectrum, autocorrelation, slow_excess, spectrum};
+use super::colour::{Autocorrelation, Spectrum, autocorrelation, spectrum};
 use super::energy::Pair;
 use super::follow::Followed;
 use super::halves::{Halves, halves};
-use super::measurement::{Measurement, SensorNoise};
+use super::measurement::Measurement;
 use super::per_swing::{Row, rows};
 use super::prediction::{Predictions, predictions};
 use super::restart::{Restart, cuts, restarts, zero_of_swings};
@@ -14,6 +14,7 @@ use super::weak::half_width_s;
 use crate::fit::problem::Start;
 use crate::fit::quality::VELOCITY_CUTOFF_HZ;
 use crate::recording::Measured;
+use crate::recording::noise::{Noise, SlowExcess, slow_excess};
 use crate::swing::{Swing, Window};
 use crate::verdict::{ChiSquare, Left};
 use crate::zero_phase;
@@ -35,7 +36,7 @@ pub struct Judged {
     #[serde(with = "StartRecord")]
     pub start: Start,
     /// Noise of the sensor.
-    pub noise: SensorNoise,
+    pub noise: Noise,
     /// Root mean square of the motion around its mean, rad.
     pub motion_rad: f64,
     /// How good the model is.
@@ -120,9 +121,6 @@ const ZERO_OFF_RAD: f64 = 0.05;
 /// A slow remainder of less than this share of the noise variance does not matter.
 const SLOW_SHARE: f64 = 0.02;
 
-/// Where the noise of the sensor is coloured, only its size can be judged; up to here it may be noise.
-const COLOURED_NOISE: f64 = 1.3;
-
 /// Reads everything off the model's run beside a measurement.
 pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>, followed: Followed) -> Judged {
     let swing = &measurement.swing;
@@ -174,16 +172,13 @@ pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>, followed: 
 }
 
 impl Verdict {
-    fn of(swing: &Swing, followed: &Followed, noise: &SensorNoise, slow_excess: SlowExcess) -> Self {
+    fn of(swing: &Swing, followed: &Followed, noise: &Noise, slow_excess: SlowExcess) -> Self {
         let residual_rad = rms(&followed.residuals_rad);
         let explained = explained(&swing.angles_rad, &followed.residuals_rad);
-        let chi_square = ChiSquare::of_rms(residual_rad, noise.level_rad(), swing.len() as f64);
+        let chi_square = ChiSquare::of_rms(residual_rad, noise.level_rad(), swing.len() as f64).beside(noise.colour);
         let is_slow = slow_excess.is_significant() && slow_excess.share > SLOW_SHARE;
-        let more_than_noise = if noise.is_coloured {
-            chi_square.reduced.sqrt() > COLOURED_NOISE
-        } else {
-            chi_square.left() == Left::Missing || is_slow
-        };
+        // Where the noise of the sensor is coloured, only its size can be judged.
+        let more_than_noise = chi_square.left() == Left::Missing || is_slow && noise.colour.is_none();
         Self { residual_rad, explained, slow_excess, more_than_noise }
     }
 }

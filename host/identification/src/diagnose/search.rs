@@ -178,7 +178,11 @@ fn best_on_all(
     near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
     if !is_well_explained(problem, &near[0][0]) && budget.allows_more() {
         let simplest = near.iter().rposition(|levels| is_usual_form_of(&levels[0], &near[0][0])).unwrap_or(0);
-        seen_from_other_sides(problem, rough, &mut near[simplest]);
+        // A support imitates a law and its band better than the law without it.
+        let beside = near.iter().position(|levels| !swings(&levels[0])).filter(|_| swings(&near[0][0]));
+        [Some(simplest), beside].into_iter().flatten().for_each(|idx| {
+            seen_from_other_sides(problem, rough, &mut near[idx]);
+        });
         near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
         // What leaves a little may imitate one of the next, whose fit ended on the way.
         if is_explained(rough, &near[0][0]) {

@@ -482,3 +482,15 @@ fn a_wider_law_is_tried_in_its_usual_form_too() {
     assert_eq!(names(std::slice::from_ref(&wide)), ["quadratic-drag"]);
     assert_eq!(names(&[wide, drag(&problem, 1.0)]), [""; 0]);
 }
+
+/// Where swings stay too large for a band to be seen in them, it still changes their period.
+#[test]
+fn a_band_beside_a_drag_is_no_second_effect() {
+    let mut truth = rig_with("quadratic-drag", &[4e-5]);
+    truth.set_friction(5.7e-4, 2e-4, 1.1e-3, 0.06);
+    let swings = [simulated("large", &truth, 25.0, 3)];
+    assert!(swings[0].last_amplitude_rad() > 0.15);
+    let found = diagnose(&swings, &[], &rig());
+    assert_eq!(found.verdict, ["quadratic-drag"], "{:?}", found.undecided);
+    assert!(found.rmse_after < 1.05 * NOISE_RAD, "{}", found.rmse_after);
+}

@@ -8,7 +8,7 @@ use crate::pace;
 use crate::recording::Measured;
 use crate::swing::{Swing, Window, pace};
 use crate::trajectory::{Schedule, simulate};
-use crate::verdict::ChiSquare;
+use crate::verdict::{ChiSquare, Colour};
 use rayon::prelude::*;
 use serde::Serialize;
 use shared::curve::Curve;
@@ -420,7 +420,9 @@ impl<'a> Problem<'a> {
     /// The reduced chi-square of a cost, rad².
     pub fn chi_square(&self, cost: f64) -> ChiSquare {
         let n_fitted = self.unknowns.len() + PER_SWING * self.swings.len();
-        ChiSquare::new(cost, self.noise_rad(), self.n_samples(Window::Whole) as f64, n_fitted)
+        let colours = self.swings.iter().filter_map(|swing| swing.colour);
+        let n_samples = self.n_samples(Window::Whole) as f64;
+        ChiSquare::new(cost, self.noise_rad(), n_samples, n_fitted).beside(colours.reduce(Colour::worst))
     }
 
     /// The root mean square error of a cost, rad.

@@ -172,9 +172,10 @@ fn little(problem: &Problem, tolerance: Tolerance, cost: f64) -> f64 {
 }
 
 /// What the cost of a model could fall to with a velocity band, rad², by first-order answers alone; infinite where
-/// the swings stay too large for one.
+/// the swings stay too large for one and the model leaves more than the little that they would show of it.
 pub fn lowest_with_band(on: &Problem, from: &Fitted) -> f64 {
-    if may_have_a_band(on) { lowest_of_bands(on, from) } else { f64::INFINITY }
+    let may_show = may_have_a_band(on) || from.cost < FAR_FROM_NOISE * on.noise_cost();
+    if may_show { lowest_of_bands(on, from) } else { f64::INFINITY }
 }
 
 fn lowest_of_bands(on: &Problem, from: &Fitted) -> f64 {

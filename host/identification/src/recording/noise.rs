@@ -10,10 +10,16 @@
 //! J. von Neumann et al., Ann. Math. Stat. 12 (1941) 153, is the idea with first differences.
 
 mod sinusoids;
+mod still;
 
 use std::ops::Range;
 
 use crate::recording::{Recording, median_step_s};
+use crate::verdict::Colour;
+use serde::Serialize;
+
+pub(in crate::recording) use still::noise_of_means;
+pub use still::{SlowExcess, slow_excess};
 
 /// The first order tried.
 const LOWEST_ORDER: usize = 4;
@@ -37,9 +43,9 @@ const MIN_STILL: usize = 20;
 const MEDIAN_SIZE: f64 = 0.6745;
 
 /// Noise of a recording; all rms values in rad.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Noise {
-    /// White noise and quantisation together: what a perfect model leaves.
+    /// White noise and quantisation together, from differences of neighbours.
     pub total_rms: f64,
     /// Smallest step of the sensor; `None` when the angles are not in steps.
     pub lsb: Option<f64>,
@@ -47,8 +53,31 @@ pub struct Noise {
     pub quantisation_rms: f64,
     /// What remains of the total.
     pub white_rms: f64,
+    /// Scatter of the stillest still stretch.
+    pub still_rms: Option<f64>,
+    /// Present if it wanders while the pendulum hangs still: then neighbours alone say too little.
+    #[serde(rename = "is_coloured", serialize_with = "is_there")]
+    pub colour: Option<Colour>,
+    /// Does it wander while the pendulum is held, and is there no rest to tell the sensor from a hand?
+    #[serde(skip)]
+    pub wanders_where_held: bool,
     /// How it was found, in words.
+    #[serde(skip)]
     pub method: String,
+}
+
+impl Noise {
+    /// What a perfect model leaves, rad.
+    pub fn level_rad(&self) -> f64 {
+        match self.still_rms {
+            Some(still_rms) if self.colour.is_some() => self.total_rms.max(still_rms),
+            _ => self.total_rms,
+        }
+    }
+}
+
+fn is_there<S: serde::Serializer>(colour: &Option<Colour>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_bool(colour.is_some())
 }
 
 /// Noise of a whole recording from differences of neighbours; motion does not disturb it.
@@ -91,6 +120,14 @@ pub fn of_samples(times_s: &[f64], angles_rad: &[f64], lsb: Option<f64>) -> Nois
     with_parts(differences.rms(), lsb, method)
 }
 
+/// The same from the median size of the differences: what is seldom does not move it.
+fn robust_of_samples(times_s: &[f64], angles_rad: &[f64]) -> f64 {
+    let none_frozen = vec![false; angles_rad.len()];
+    let (order, _) = agreeing_order(times_s, angles_rad, &none_frozen);
+    let windows = times_s.windows(order + 1).zip(angles_rad.windows(order + 1));
+    robust_spread(&windows.map(|(times_s, angles_rad)| difference(times_s, angles_rad)).collect::<Vec<f64>>())
+}
+
 /// Noise of a stretch in which the pendulum is still (held before the release, or at rest); a slow drift is removed.
 /// `None` for a stretch that is too short, or frozen within one step of the sensor.
 pub fn of_still(recording: &Recording, still: Range<usize>) -> Option<Noise> {
@@ -110,7 +147,16 @@ fn with_parts(rms: f64, lsb: Option<f64>, method: String) -> Noise {
     let quantisation_rms = lsb.unwrap_or(0.0) / 12f64.sqrt();
     let total_rms = rms.max(quantisation_rms);
     let white_rms = (total_rms.powi(2) - quantisation_rms.powi(2)).sqrt();
-    Noise { total_rms, lsb, quantisation_rms, white_rms, method }
+    Noise {
+        total_rms,
+        lsb,
+        quantisation_rms,
+        white_rms,
+        still_rms: None,
+        colour: None,
+        wanders_where_held: false,
+        method,
+    }
 }
 
 /// Sums of squared differences of one order.

@@ -91,7 +91,9 @@ impl Swings {
         let every = times_s.len().div_ceil(MOST_SAMPLES);
         let thin = |values: &[f64]| values.iter().copied().step_by(every).collect::<Vec<f64>>();
         let (times_s, angles_rad) = (thin(times_s), thin(angles_rad));
-        let noise_rad = noise::of_samples(&times_s, &angles_rad, None).total_rms;
+        let neighbours_rad = noise::of_samples(&times_s, &angles_rad, None).total_rms;
+        let half_swing_s = turning::half_swing_s(&times_s, &angles_rad, neighbours_rad)?;
+        let noise_rad = noise::noise_of_means(&times_s, &angles_rad, neighbours_rad, half_swing_s);
         let turns = turning::turning_points(&times_s, &angles_rad, noise_rad);
         let middles: Vec<(f64, f64)> = turns.windows(2).map(middle_and_size).collect();
         // A tremble before or after the swings has the more turning points, and small ones.

@@ -16,6 +16,7 @@ mod stretch;
 use super::Recording;
 use super::noise::{self, Noise};
 use super::turning::{self, TurningPoint};
+use crate::number::significant;
 use law::{Law, State, states};
 use start::Start;
 use std::ops::Range;
@@ -31,6 +32,9 @@ const STILL_SPREADS: f64 = 5.0;
 /// 10,000 samples a jump of 60 noises is noticed; with half of it one of 40, with twice of it one of 90, and with half of it
 /// chance would now and then take the noise of the free swing, which is known less well.
 const NOISE_SPREADS: f64 = 5.0;
+
+/// Digits of a noise that a message shows.
+const NOISE_DIGITS: usize = 3;
 
 /// A free swing of ten hours; a simulation of more would want more memory than there is.
 const LONGEST_S: f64 = 36_000.0;
@@ -139,9 +143,16 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
     if n_turning_points < MIN_TURNING_POINTS {
         return Err(SegmentError::TooFewSwings { n_turning_points, duration_s });
     }
-    let notes = notes(&cut, options, &start, &free, rest.as_ref());
-    let noise = cut.noise(&free);
-    log::debug!("noise {:.3e} rad from {}; free swing {free:?}", noise.total_rms, noise.method);
+    let (held, hanging) = if start.was_held { (start.lead_in.clone(), None) } else { (None, start.lead_in.clone()) };
+    let noise = cut.noise(&free).beside_still(recording, [hanging, rest.clone()], held);
+    let mut notes = notes(&cut, options, &start, &free, rest.as_ref());
+    notes.extend(wandering(recording, &noise));
+    let still = noise.still_rms.map_or("nothing known".to_owned(), |rms| format!("{rms:.3e} rad"));
+    log::debug!(
+        "noise {:.3e} rad from {}, {still} where it is still; free swing {free:?}",
+        noise.total_rms,
+        noise.method
+    );
     let fades = cut.fades(&free);
     let (lead_in, release_s, half_swing_s) = (start.lead_in, start.release_s, cut.half_swing_s);
     Ok(Segments { lead_in, free, rest, release_s, n_turning_points, half_swing_s, noise, fades, notes })
@@ -164,6 +175,7 @@ struct Cut<'a> {
     recording: &'a Recording,
     asked: Range<usize>,
     whole_noise: Noise,
+    /// Of neighbours, or where it wanders the white noise that would scatter means over parts of a swing so.
     noise_rms_rad: f64,
     width_s: f64,
     half_swing_s: f64,
@@ -177,14 +189,17 @@ impl<'a> Cut<'a> {
     fn new(recording: &'a Recording, asked: Range<usize>) -> Result<Self, SegmentError> {
         let (times_s, angles_rad) = (&recording.times_s()[asked.clone()], &recording.angles_rad()[asked.clone()]);
         let noise = noise::estimate(recording);
-        let noise_rms_rad = noise.total_rms;
+        let rough_s = turning::half_swing_s(times_s, angles_rad, noise.total_rms);
+        let of_means = |half_swing_s| noise::noise_of_means(times_s, angles_rad, noise.total_rms, half_swing_s);
+        let noise_rms_rad = rough_s.map_or(noise.total_rms, of_means);
         let turns = turning::turning_points(times_s, angles_rad, noise_rms_rad);
         let half_swing_s = turning::half_swing_s(times_s, angles_rad, noise_rms_rad);
         let duration_s = times_s[times_s.len() - 1] - times_s[0];
         let too_few = SegmentError::TooFewSwings { n_turning_points: turns.len(), duration_s };
         let (Some(half_swing_s), true) = (half_swing_s, turns.len() >= MIN_TURNING_POINTS) else { return Err(too_few) };
         let width_s = turning::quartic_width_s(half_swing_s, recording.step_s());
-        let states = states(times_s, angles_rad, noise_rms_rad, width_s);
+        // What its colour adds to accelerations shows in how far they are off the law anyway.
+        let states = states(times_s, angles_rad, noise.total_rms, width_s);
         let mut cut = Self {
             recording,
             asked,
@@ -232,6 +247,18 @@ impl<'a> Cut<'a> {
     fn n_in(&self, duration_s: f64) -> usize {
         ((duration_s / self.recording.step_s()).round() as usize).min(self.asked.len()).max(3)
     }
+}
+
+/// What a hold says of the noise, if it says more of it than the swing.
+fn wandering(recording: &Recording, noise: &Noise) -> Option<String> {
+    let [still, swinging] = [noise.still_rms.filter(|_| noise.wanders_where_held)?, noise.total_rms]
+        .map(|rms| significant(1e3 * rms, NOISE_DIGITS));
+    let unit = recording.measured().milli_unit();
+    Some(format!(
+        "it scatters by {still} {unit} rms while it is held, where white noise as seen in the swing would by {swinging}: a hand \
+         that trembles, or a sensor whose noise is alike in neighbouring readings, and larger than it seems; let it swing \
+         until it hangs still to tell them apart"
+    ))
 }
 
 fn mean(values: &[f64]) -> f64 {
