@@ -16,6 +16,7 @@ mod stretch;
 use super::Recording;
 use super::noise::{self, Noise};
 use super::turning::{self, TurningPoint};
+use crate::number::significant;
 use law::{Law, State, states};
 use start::Start;
 use std::ops::Range;
@@ -86,6 +87,22 @@ pub enum SegmentError {
         n_turning_points: usize,
         /// Length of the stretch, s.
         duration_s: f64,
+    },
+    /// Something drives it.
+    #[error(
+        "its swings grow, from {} to {} {unit} to either side, where free ones die away: something drives it (a motor, a \
+         hand, a support that moves); record it once it is let go and left alone, or choose the stretch in which it dies \
+         away with --from and --to",
+        significant(*from, 2),
+        significant(*to, 2)
+    )]
+    Grows {
+        /// Where they begin to grow, in the unit of the readings.
+        from: f64,
+        /// Where they end to, the same.
+        to: f64,
+        /// Of the readings.
+        unit: &'static str,
     },
     /// Longer than any pendulum swings.
     #[error(
@@ -297,9 +314,14 @@ fn notes(
     }
     notes.extend(cut.driven_in_words(free));
     if !cut.fades(free) {
-        notes.push(
-            "doubtful: its swings don't become smaller, as free ones do; does a motor or a hand drive it?".to_owned(),
-        );
+        let unit = cut.recording.measured().unit();
+        let grown = cut.grown(free).map(|(from, to)| {
+            format!(", but grow from {} to {} {unit} to either side", significant(from, 2), significant(to, 2))
+        });
+        notes.push(format!(
+            "doubtful: its swings don't become smaller, as free ones do{}; does a motor or a hand drive it?",
+            grown.unwrap_or_default()
+        ));
     }
     notes
 }
