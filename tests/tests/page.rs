@@ -219,11 +219,14 @@ const MISPLACED: &str = "
     const lie = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
     return [...document.querySelectorAll('.plot')].flatMap((plot) => {
         const edge = plot.getBoundingClientRect();
-        const texts = [...plot.querySelectorAll('[class$=tick] text, text[class$=xtitle], text[class$=ytitle], .legendtext')];
-        const boxes = texts.filter((text) => text.textContent.trim()).map((text) => [text.textContent, text.getBoundingClientRect()]);
-        const reach = boxes.filter(([, box]) => box.left < edge.left - 1 || box.right > edge.right + 1 || box.top < edge.top - 1);
-        const pairs = boxes.flatMap(([name, box], k) => boxes.slice(k + 1).filter(([, other]) => lie(box, other)).map(([other]) => `${name} on ${other}`));
-        return [...reach.map(([name]) => `${name} beyond`), ...pairs];
+        const texts = plot.querySelectorAll('[class$=tick] text, text[class$=xtitle], text[class$=ytitle], .legendtext');
+        const boxes = [...texts].filter((text) => text.textContent.trim())
+            .map((text) => [text.textContent, text.getBoundingClientRect()]);
+        const reaches = (box) => box.left < edge.left - 1 || box.right > edge.right + 1 || box.top < edge.top - 1;
+        const reach = boxes.filter(([, box]) => reaches(box)).map(([name]) => `${name} beyond`);
+        const under = (box, k) => boxes.slice(k + 1).filter(([, other]) => lie(box, other)).map(([name]) => name);
+        const pairs = boxes.flatMap(([name, box], k) => under(box, k).map((other) => `${name} on ${other}`));
+        return [...reach, ...pairs];
     });";
 
 /// Every plot is drawn and has its labels.

@@ -147,8 +147,8 @@ pub fn fit(
 }
 
 impl Outcome {
-    /// The fields of `--json`: with the names of the recordings, what they hold, what speaks against them, the method that
-    /// was asked for, and how a rig took the new model.
+    /// The fields of `--json`: with the names of the recordings, what they hold, what speaks against them, the method
+    /// that was asked for, and how a rig took the new model.
     pub fn fields<'a>(
         &'a self,
         recordings: &'a [String],

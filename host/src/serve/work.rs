@@ -52,7 +52,8 @@ impl Data {
         Ok(data)
     }
 
-    /// Can these be recordings of this pendulum, and of one, all of one kind? Doubts are shown, and kept with the swings.
+    /// Can these be recordings of this pendulum, and of one, all of one kind? Doubts are shown, and kept with
+    /// the swings.
     fn check(&mut self, app: &App) -> Result<(), Failure> {
         let next = "take one kind out of the list";
         one_kind(self.swings.iter().chain(&self.held_out)).map_err(|error| Failure::failed(error).next(next))?;

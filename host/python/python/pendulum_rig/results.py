@@ -308,8 +308,8 @@ class Improvement(Result):
 
     @property
     def steps(self) -> list[dict[str, Any]]:
-        """After each change, or after each effect that a diagnosis added, the base model first: ``words``, ``rmse`` (rad;
-        rad/s of rates) and more."""
+        """After each change, or after each effect that a diagnosis added, the base model first: ``words``, ``rmse``
+        (rad; rad/s of rates) and more."""
         if "steps" in self._fields:
             return self._fields["steps"]
         return [{"words": step["added"], **step} for step in self._fields["staircase"]]
