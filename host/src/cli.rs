@@ -45,15 +45,21 @@ use std::process::ExitCode;
 /// The variable that says how many times longer than usual to wait for a rig.
 const PATIENCE: &str = "RIG_PATIENCE";
 
+/// Characters of a line of help at most.
+const HELP_WIDTH: usize = 100;
+
+/// What every command has stands in its help behind what is its own, and before --help.
+const BEHIND_OTHERS: usize = 900;
+
 /// Identify a pendulum's friction from a free swing, and write it back to the rig.
 #[derive(Debug, Parser)]
-#[command(name = "host", version, after_help = EXAMPLE, max_term_width = 100, arg_required_else_help = true)]
+#[command(name = "host", version, after_help = EXAMPLE, max_term_width = HELP_WIDTH, arg_required_else_help = true)]
 pub struct Arguments {
     /// No progress on stderr; warnings and errors stay
-    #[arg(short, long, global = true)]
+    #[arg(short, long, global = true, display_order = BEHIND_OTHERS)]
     quiet: bool,
     /// Tell what is done on the way; twice tells more
-    #[arg(short, long, global = true, action = ArgAction::Count, conflicts_with = "quiet")]
+    #[arg(short, long, global = true, display_order = BEHIND_OTHERS, action = ArgAction::Count, conflicts_with = "quiet")]
     verbose: u8,
     #[command(subcommand)]
     command: Command,
@@ -180,5 +186,30 @@ mod tests {
     #[test]
     fn the_arguments_do_not_contradict_each_other() {
         Arguments::command().debug_assert();
+    }
+
+    /// A longer line would be broken in its middle, and a shorter one begin behind it.
+    #[test]
+    fn no_line_of_a_help_is_wider_than_the_help() {
+        for command in Arguments::command().get_subcommands() {
+            let text = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let widest = text.lines().max_by_key(|line| line.chars().count()).unwrap_or_default();
+            assert!(widest.chars().count() <= HELP_WIDTH, "{}: {widest}", command.get_name());
+        }
+    }
+
+    #[test]
+    fn only_what_is_about_reading_stands_under_the_heading_of_reading() {
+        const HEADING: Option<&str> = Some("Reading recordings");
+        let mut n_commands = 0;
+        for command in Arguments::command().get_subcommands() {
+            let of_reading = command.get_arguments().filter(|argument| argument.get_help_heading() == HEADING);
+            let names: Vec<&str> = of_reading.map(|argument| argument.get_id().as_str()).collect();
+            n_commands += usize::from(!names.is_empty());
+            let expected =
+                ["columns", "degrees", "radians", "rate", "zero", "pivot", "mirror", "from", "to", "run"].as_slice();
+            assert!(names.is_empty() || names == expected, "{}: {names:?}", command.get_name());
+        }
+        assert!(n_commands > 4, "{n_commands}");
     }
 }

@@ -214,6 +214,86 @@ fn what_no_law_explains_is_drawn_as_a_friction_curve_that_can_be_added_and_taken
     });
 }
 
+/// Labels of plots that lie on each other or reach beyond their plot.
+const MISPLACED: &str = "
+    const lie = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+    return [...document.querySelectorAll('.plot')].flatMap((plot) => {
+        const edge = plot.getBoundingClientRect();
+        const texts = plot.querySelectorAll('[class$=tick] text, text[class$=xtitle], text[class$=ytitle], .legendtext');
+        const boxes = [...texts].filter((text) => text.textContent.trim())
+            .map((text) => [text.textContent, text.getBoundingClientRect()]);
+        const reaches = (box) => box.left < edge.left - 1 || box.right > edge.right + 1 || box.top < edge.top - 1;
+        const reach = boxes.filter(([, box]) => reaches(box)).map(([name]) => `${name} beyond`);
+        const under = (box, k) => boxes.slice(k + 1).filter(([, other]) => lie(box, other)).map(([name]) => name);
+        const pairs = boxes.flatMap(([name, box], k) => under(box, k).map((other) => `${name} on ${other}`));
+        return [...reach, ...pairs];
+    });";
+
+/// Every plot is drawn and has its labels.
+const ALL_LABELLED: &str =
+    "[...document.querySelectorAll('.plot')].filter((plot) => plot.clientWidth).every((plot) => plot.dataset.labelled)";
+
+const LEGENDS: &str = "return [...document.querySelectorAll('#pictures .legendtext')].map((text) => text.textContent);";
+
+/// Names whose ends can't be read in the list.
+const HIDDEN_ENDS: &str = "
+    return [...document.querySelectorAll('#recordings .name')].filter((name) => {
+        const end = name.lastElementChild?.getBoundingClientRect();
+        return !end || end.right > name.getBoundingClientRect().right + 1;
+    }).length;";
+
+#[test]
+fn on_a_phone_no_label_lies_on_another_and_long_names_are_told_apart() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    prepare(folder.path());
+    let long = |k: usize| {
+        format!("recorded-on-monday-morning-with-the-new-bearing-and-the-old-bob-of-brass-as-release-{k}.csv")
+    };
+    for k in 1..=3 {
+        std::fs::rename(folder.path().join(format!("swing{k}.csv")), folder.path().join(long(k))).unwrap();
+    }
+    let server = Server::start(
+        folder.path(),
+        &format!("--rig rig.toml {} {} {} --port sim --sim-speed 0.1", long(1), long(2), long(3)),
+    );
+    block_on(async {
+        let browser = Browser::open(&format!("{}#live", server.url), 390, 844).await;
+        // A pendulum that still hangs has the smallest numbers beside its charts, and so the longest.
+        browser.wait_for("document.getElementById('live-angle').dataset.besideUnit !== undefined").await;
+        for chart in ["angle", "velocity", "innovation", "friction"] {
+            let room = browser
+                .run(&format!("return Number(document.getElementById('live-{chart}').dataset.besideUnit)"))
+                .await;
+            assert!(room.as_f64() > Some(2.0), "{chart}: {room}");
+        }
+        browser.click("#tab-model").await;
+        browser.wait_for("document.querySelector('#verdict.bad')").await;
+        browser.wait_for(IDLE).await;
+        browser.run("document.getElementById('more').open = true").await;
+        browser.wait_for("document.querySelectorAll('#more-pictures .plot').length > 8").await;
+        browser.wait_for(ALL_LABELLED).await;
+        let legends = browser.run(LEGENDS).await;
+        assert!(
+            legends.as_array().is_some_and(|all| all.contains(&"recorded-on-mon…ss-as-release-3".into())),
+            "{legends}"
+        );
+        assert_eq!(browser.run(MISPLACED).await, serde_json::json!([]));
+        assert_eq!(browser.run(HIDDEN_ENDS).await, 0);
+        browser.keep_picture("22-phone").await;
+
+        browser.click("#tab-fit").await;
+        browser.click("#fit").await;
+        browser
+            .wait_for("document.querySelector('#path .main-svg') && document.querySelector('#optimizer .main-svg')")
+            .await;
+        browser.wait_for(IDLE).await;
+        browser.wait_for(ALL_LABELLED).await;
+        assert_eq!(browser.run(MISPLACED).await, serde_json::json!([]));
+        browser.close().await;
+    });
+}
+
 #[test]
 fn a_wrong_file_is_named_and_the_page_goes_on() {
     let _alone = alone();

@@ -1,6 +1,7 @@
 //! The server of the page under attack, and under load: strangers' pages, paths, large and wrong bodies, many at once.
 #![cfg(unix)]
 
+use serde_json::{Value, json};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::thread;
@@ -259,6 +260,66 @@ fn a_file_is_shown_before_it_is_taken_in_and_read_as_it_was_wished() {
     ask("/api/recordings?name=strange.csv").refused(422, "column");
     assert_eq!(ask("/api/recordings?name=strange.csv&columns=t%3D0,theta%3D1:deg").status, 200);
     ask("/api/recordings?name=strange.csv&columns=t%3D0,theta%3D1:furlong").refused(422, "furlong");
+}
+
+/// The state once a search has ended.
+fn diagnosed(server: &Server) -> Value {
+    assert_eq!(server.post("/api/diagnose", "{}").status, 204);
+    server.tab().wait_for(|state| state["diagnosis"].is_object())
+}
+
+/// In p07 of the examples nothing is hidden but a zero.
+#[test]
+fn a_zero_that_is_off_is_all_that_is_missing_above_and_below() {
+    let (folder, server) = server("");
+    host(folder.path(), "init --mass 0.125995 --length 0.149154 --inertia 0.002393").succeeded();
+    let model = std::fs::read(folder.path().join("rig.toml")).unwrap();
+    assert_eq!(server.ask("POST", "/api/model?name=rig.toml", &[], &model).status, 204);
+    let releases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host/data/recordings/hidden/p07");
+    for k in 1..=3 {
+        let name = format!("release_{k}.csv");
+        assert_eq!(server.upload(&name, &std::fs::read(releases.join(&name)).unwrap()).status, 200);
+    }
+    let state = server.tab().wait_for(|state| {
+        state["comparison"].is_object() && state["recordings"].as_array().is_some_and(|all| all.len() == 3)
+    });
+    let above = state["comparison"]["verdict"][1].as_str().unwrap();
+    let off = "off by -4.4";
+    assert!(above.contains("Nothing is missing at this noise level but the sensor's zero"), "{above}");
+    assert!(above.contains(off) && above.contains("host calibrate"), "{above}");
+    let state = diagnosed(&server);
+    assert_eq!(state["diagnosis"]["verdict"], json!(["angle-offset"]));
+    let below = state["zero_words"].as_str().unwrap();
+    assert!(below.starts_with("The sensor's zero is") && below.contains(off), "{below}");
+}
+
+#[test]
+fn a_recording_of_another_pendulum_is_doubted_as_on_the_command_line_and_beside_the_fit() {
+    let (folder, server) = server("");
+    let swing = |inertia: f64, name: &str, seed: u32| {
+        host(folder.path(), &format!("init --mass 0.147 --length 0.156 --inertia {inertia} --force")).succeeded();
+        let run = format!("simulate --rig rig.toml --rate 200 --seconds 20 --seed {seed} -o {name}");
+        host(folder.path(), &run).succeeded();
+        assert_eq!(server.upload(name, &std::fs::read(folder.path().join(name)).unwrap()).status, 200);
+    };
+    swing(0.0034, "other.csv", 1);
+    swing(0.0028, "one.csv", 2);
+    swing(0.0028, "two.csv", 3);
+    let model = std::fs::read(folder.path().join("rig.toml")).unwrap();
+    assert_eq!(server.ask("POST", "/api/model?name=rig.toml", &[], &model).status, 204);
+    let state = server.tab().wait_for(|state| state["comparison"].is_object());
+    let doubt = state["doubts"][0].as_str().unwrap();
+    assert!(doubt.starts_with("doubtful: other.csv: its period of small swings"), "{doubt}");
+    let told = host(folder.path(), "fit one.csv two.csv other.csv --rig rig.toml --method least-squares");
+    let told = told.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(told.contains(doubt), "{doubt} {told}");
+
+    assert_eq!(server.post("/api/fit", "{}").status, 204);
+    let state = server.tab().wait_for(|state| state["fit"].is_object());
+    assert_eq!(state["fit"]["warnings"][0], doubt);
+    let id = state["recordings"][0]["id"].as_u64().unwrap();
+    assert_eq!(server.ask("DELETE", &format!("/api/recordings/{id}"), &[], &[]).status, 204);
+    server.tab().wait_for(|state| state["doubts"] == json!([]));
 }
 
 /// While the simulated student holds the pendulum up, the observer waits for it to fall. The page is told how fast the

@@ -9,6 +9,9 @@ const USUAL_DIGITS: i32 = 4;
 /// Beyond that nobody counts noises: readings as smooth as that were filtered.
 const MOST_NOISES: f64 = 1000.0;
 
+/// Of a smaller angle two decimals are less than two digits, rad.
+const SMALL_RAD: f64 = 0.1;
+
 /// An error as a multiple of the noise: `1.03`, `25.4`, `852`, `more than 1000`.
 pub fn noises(ratio: f64) -> String {
     match ratio {
@@ -55,6 +58,11 @@ pub fn significant(value: f64, n_digits: usize) -> String {
     }
 }
 
+/// An angle (rad): two decimals, and two digits of a small one, which these would not show.
+pub fn angle(angle_rad: f64) -> String {
+    if angle_rad.abs() < SMALL_RAD { significant(angle_rad, 2) } else { format!("{angle_rad:.2}") }
+}
+
 /// A count with its sign only where it is negative; halves and the like with two decimals.
 pub fn count(value: f64) -> String {
     // Adding zero takes the sign from a zero.
@@ -87,6 +95,11 @@ mod tests {
         check(0.0, None, "0");
         check(0.0, Some(1e-3), "(0.0 ± 1.0)e-3");
         check(-0.25, None, "-0.2500");
+    }
+
+    #[test]
+    fn an_angle_is_never_shown_as_nothing() {
+        assert_eq!([1.234, -0.35, 0.0345, 0.0012, 0.0].map(angle), ["1.23", "-0.35", "0.035", "1.2e-3", "0"]);
     }
 
     #[test]

@@ -115,7 +115,7 @@ pub(crate) fn fit(
         let mut asked = Asked::new(file, &recordings, &hold_out, &reading)?;
         let told = |news: fitting::News| tell(news.to_string());
         let outcome = fitting::fit(&asked.swings, &asked.held_out, asked.file.known(), &request, &told)?;
-        let text = text("fit", &outcome.fields(&asked.names, json::doubts(&asked.swings), request.method, None))?;
+        let text = text("fit", &outcome.fields(&asked.names, &asked.swings, request.method, None))?;
         asked.file.adopt_fit(&outcome.fit, &source(fitting::words(request.method), &asked.names, &asked.swings))?;
         let (starts, parameters) = (outcome.fit.starts, outcome.fit.parameters);
         Ok((text, asked.file, Curves { swings: asked.swings, starts, parameters }, asked.notes))

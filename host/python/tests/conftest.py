@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+import numpy
 import pytest
 
 import pendulum_rig as pr
@@ -34,6 +35,15 @@ def files(rig, swing, tmp_path_factory):
     rig.save(folder / "rig.toml")
     swing.save(folder / "swing.csv")
     return folder / "rig.toml", folder / "swing.csv"
+
+
+@pytest.fixture(scope="session")
+def spin(rig):
+    """The same swing as a gyroscope has it."""
+    model = rig.model()
+    _, rates = model.run(model.release(1.5), 5e-3, 4000)
+    noise = numpy.random.default_rng(1).normal(0.0, 5e-3, len(rates))
+    return pr.Recording(5e-3 * numpy.arange(len(rates)), numpy.asarray(rates) + noise, rates=True)
 
 
 @pytest.fixture(scope="session")

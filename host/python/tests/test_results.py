@@ -61,6 +61,21 @@ def test_results_show_themselves(fitted, rig, swing):
     assert "200 Hz" in repr(swing)
 
 
+def test_what_rates_leave_is_told_in_their_unit(rig, spin, fitted):
+    turned = pr.fit(spin, rig, method="least-squares")
+    assert (fitted.measured, turned.measured) == ("angle", "rate")
+    assert "mrad rms" in repr(fitted) and "mrad/s rms" in repr(turned) and "mrad/s rms" in turned._repr_html_()
+    by_hand = pr.improve(spin, rig, add=["quadratic-drag"])
+    assert by_hand.measured == "rate" and "mrad/s" in repr(by_hand) and "mrad/s" in by_hand._repr_html_()
+    assert "mrad/s rms" in repr(pr.diagnose(spin, rig))
+
+
+def test_an_improvement_by_a_diagnosis_shows_its_steps(rig, swing):
+    improved = pr.improve(swing, rig)
+    assert improved.measured == "angle" and improved.steps[0]["words"] == "base"
+    assert repr(improved).startswith("<Improvement: error after each step\n  base ")
+
+
 def test_tables(fitted, rig, swing):
     pandas = pytest.importorskip("pandas")
     assert list(fitted.to_dataframe()["symbol"]) == list(fitted.symbols)
@@ -68,12 +83,14 @@ def test_tables(fitted, rig, swing):
     assert isinstance(swing.to_dataframe(), pandas.DataFrame)
 
 
-def test_pictures(fitted, swing):
+def test_pictures(fitted, swing, rig, spin):
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
     above, below = fitted.plot()
     assert len(above.get_lines()) == 2 and below.get_ylabel() == "left (mrad)"
     assert swing.plot().get_ylabel() == "reading (rad)"
+    above, below = pr.fit(spin, rig, method="least-squares").plot()
+    assert (above.get_ylabel(), below.get_ylabel()) == ("reading (rad/s)", "left (mrad/s)")
 
 
 def test_without_matplotlib_an_error_says_what_to_install(fitted, monkeypatch):

@@ -19,8 +19,6 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    #[command(flatten)]
-    given: Given,
     /// A recording that takes no part and shows how well each model predicts (may be repeated)
     #[arg(long, value_name = "FILE")]
     hold_out: Vec<PathBuf>,
@@ -39,6 +37,9 @@ pub(super) struct Options {
     /// Replace a drawing and a report that exist there
     #[arg(long)]
     force: bool,
+    // Last, because what follows these stands under their heading in the help.
+    #[command(flatten)]
+    given: Given,
 }
 
 const EXAMPLE: &str = "\

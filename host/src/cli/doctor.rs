@@ -31,8 +31,8 @@ Example:
   host doctor --port /dev/ttyACM0 --rig rig.toml
   host doctor --udev-rule | sudo tee /etc/udev/rules.d/99-pendulum-rig.rules
 
-Nothing on the rig is changed. Let the pendulum hang still meanwhile. The exit code is 0 whatever was found;
-`healthy` in --json tells whether there is anything to look at.";
+Nothing on the rig is changed. Let the pendulum hang still meanwhile. The exit code is 0 whatever
+was found; `healthy` in --json tells whether there is anything to look at.";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if options.udev_rule {

@@ -4,11 +4,12 @@ use super::curve_words;
 use super::table::wrapped;
 use crate::compare::pictures::short_name;
 use crate::diagnose::holds::ALPHA;
+use crate::diagnose::zero::PUT_RIGHT;
 use crate::diagnose::{Candidate, Diagnosis, Holding, NotTried, Standing, Step, Suggestion, Value};
 use crate::fit::identify::Carries;
 use crate::formula::effect_of;
 use crate::geometry::{PER_GRAVITY, is_unknown};
-use crate::number::{noises, with_spread};
+use crate::number::{angle, noises, with_spread};
 use crate::plot::staircase::Tread;
 use crate::verdict::Left;
 use shared::effect::Effect;
@@ -295,9 +296,6 @@ fn claimed(diagnosis: &Diagnosis, name: &str) -> Option<String> {
     Some(lines.join("\n"))
 }
 
-/// Where the sensor's zero is put right.
-const PUT_RIGHT: &str = "Every fit takes it off each recording by itself; on a rig, host calibrate puts it right.";
-
 fn number(value: &Value) -> String {
     let unit = if value.unit == "1" { "" } else { value.unit };
     format!("{:<4} = {} {unit}", value.symbol, with_spread(value.value, value.std)).trim_end().to_owned()
@@ -342,7 +340,7 @@ fn trust(diagnosis: &Diagnosis, best: &Suggestion) -> String {
     } else {
         words += " No held-out swing has confirmed it.";
     }
-    words + &format!(" It was seen within {:.2} rad and says nothing beyond.", best.within_rad)
+    words + &format!(" It was seen within {} rad and says nothing beyond.", angle(best.within_rad))
 }
 
 /// An error within this factor of the best formula's is as good.

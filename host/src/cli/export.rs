@@ -51,8 +51,8 @@ Example:
   host export --format matlab rig.toml -o rig.m
   host export --format fmu rig.toml -o rig.fmu
 
-All hold every effect of the model, the sensor's too. The formulas are taken from the program that runs on the board,
-in double precision; no effect is written a second time.";
+All hold every effect of the model, the sensor's too. The formulas are taken from the program that
+runs on the board, in double precision; no effect is written a second time.";
 
 #[derive(Serialize)]
 struct Exported {

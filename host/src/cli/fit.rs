@@ -35,7 +35,7 @@ pub(super) struct Options {
     /// Recordings to fit, all at once
     #[arg(value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
-    /// Record from the rig: serial device, sim, or sim:NAME
+    /// Record from the rig: serial device or its serial number, sim, or sim:NAME
     #[arg(long, value_name = "PORT")]
     port: Option<String>,
     /// The model file; ./rig.toml if there is one, else what the rig reports

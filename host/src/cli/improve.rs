@@ -21,8 +21,6 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    #[command(flatten)]
-    given: Given,
     /// A recording that takes no part (may be repeated)
     #[arg(long, value_name = "FILE")]
     hold_out: Vec<PathBuf>,
@@ -44,14 +42,17 @@ pub(super) struct Options {
     /// Draw the error after each step here (SVG)
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    // Last, because what follows these stands under their heading in the help.
+    #[command(flatten)]
+    given: Given,
 }
 
 const EXAMPLE: &str = "\
 Example:
-  host improve swing*.csv --rig rig.toml -o rig.toml       until nothing is missing
-  host improve swing*.csv --plot falling.svg               … and a picture of it
-  host improve swing*.csv --add quadratic-drag -o rig.toml one step by hand
-  host improve swing*.csv --remove viscous                 what would that cost?
+  host improve swing*.csv --rig rig.toml -o rig.toml         until nothing is missing
+  host improve swing*.csv --plot falling.svg                 … and a picture of it
+  host improve swing*.csv --add quadratic-drag -o rig.toml   one step by hand
+  host improve swing*.csv --remove viscous                   what would that cost?
 
 `host effects` lists the names.";
 
@@ -93,7 +94,7 @@ fn draw(options: &Options, improved: &Improved, measured: Measured) -> Result<()
     let Some(path) = &options.plot else { return Ok(()) };
     let (treads, noise) = match improved {
         Improved::Diagnosed(diagnosis) => (evidence::treads(diagnosis), diagnosis.noise),
-        Improved::Changed { steps } => (treads(steps), steps.first().map_or(0.0, |step| step.noise)),
+        Improved::Changed { steps, .. } => (treads(steps), steps.first().map_or(0.0, |step| step.noise)),
     };
     output::write(path, &svg(&staircase(&treads, noise, measured)), options.force)
 }
@@ -106,7 +107,7 @@ fn treads(steps: &[Step]) -> Vec<Tread> {
 fn in_words(improved: &Improved, unit: &str) -> String {
     match improved {
         Improved::Diagnosed(diagnosis) => evidence::in_words(diagnosis),
-        Improved::Changed { steps } => error_after_each(steps, unit),
+        Improved::Changed { steps, .. } => error_after_each(steps, unit),
     }
 }
 

@@ -55,7 +55,7 @@ pub(super) struct Options {
 const EXAMPLE: &str = "\
 Example:
   host init --mass 0.1466084 --length 0.1562177 --inertia 0.00284252 -o rig.toml
-  host init --mass 0.1466 --mass-std 1e-4 --length 0.156 --length-std 1e-3 --inertia 0.00284 -o rig.toml
+  host init --mass 0.147 --mass-std 1e-4 --length 0.156 --length-std 1e-3 --inertia 0.00284
   host init --unknown-geometry -o rig.toml
 
 Friction starts as a guess from the pendulum's size. Next: `host record`, then `host fit`.";

@@ -23,8 +23,8 @@ const EXAMPLE: &str = "\
 Example:
   host plan swing1.csv swing2.csv --rig rig.toml
 
-The models that explain the recordings best are simulated in each experiment. What counts is the difference that stays
-when a wrong model moves its parameters as far as the recordings allow.";
+The models that explain the recordings best are simulated in each experiment. What counts is the
+difference that stays when a wrong model moves its parameters as far as the recordings allow.";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let file = options.given.model()?;

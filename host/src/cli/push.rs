@@ -31,7 +31,8 @@ const EXAMPLE: &str = "\
 Example:
   host push --rig rig.toml --port /dev/ttyACM0
 
-The rig keeps the model without power. Values are compared after rounding to the rig's 32-bit numbers.";
+The rig keeps the model without power. Values are compared after rounding to the rig's 32-bit
+numbers.";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut file = rig::load(options.rig.as_deref())?;

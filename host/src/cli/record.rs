@@ -57,7 +57,8 @@ Example:
   host record --port sim -o swing.csv
   host record --port 326A36603830 --rate 200 -o slow.csv     the rig with this serial number
 
-Ctrl-C ends a recording early and keeps it. The file holds raw, unfiltered angles and converter codes.";
+Ctrl-C ends a recording early and keeps it. The file holds raw, unfiltered angles and converter
+codes.";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut session = port::connect(&options.port)?;

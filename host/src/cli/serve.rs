@@ -18,7 +18,7 @@ pub(super) struct Options {
     /// Recordings to begin with; more can be loaded on the page
     #[arg(value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
-    /// The rig: serial device, sim, or sim:NAME
+    /// The rig: serial device or its serial number, sim, or sim:NAME
     #[arg(long, value_name = "PORT")]
     port: Option<String>,
     /// The model file; ./rig.toml if there is one, else what the rig reports
@@ -43,8 +43,8 @@ Example:
   host serve --rig rig.toml swing1.csv swing2.csv
   host serve --port /dev/ttyACM0
 
-The page is for this computer only. --listen with another address lets others in who have the token that is printed;
-what they send is not encrypted. Ctrl-C ends the program.";
+The page is for this computer only. --listen with another address lets others in who have the token
+that is printed; what they send is not encrypted. Ctrl-C ends the program.";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     options.reading.check()?;

@@ -10,7 +10,7 @@ use serde::Serialize;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLE)]
 pub(super) struct Options {
-    /// Serial device, sim, or sim:NAME
+    /// Serial device or its serial number, sim, or sim:NAME
     #[arg(long, value_name = "PORT")]
     port: String,
     /// Print one JSON object instead of text
@@ -22,8 +22,8 @@ const EXAMPLE: &str = "\
 Example:
   host undo --port /dev/ttyACM0
 
-Before `push`, `fit --port` and the page write to a rig, what it has is kept on this computer. A second undo takes the
-first one back.";
+Before `push`, `fit --port` and the page write to a rig, what it has is kept on this computer. A
+second undo takes the first one back.";
 
 #[derive(Serialize)]
 struct Undone {

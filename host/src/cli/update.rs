@@ -38,8 +38,9 @@ Example:
   host update --port /dev/ttyACM0 pendulum-rig-0.2.0-firmware/
   host update --port /dev/ttyACM0 feather-f405.dfu
 
-A Feather is updated over its USB by dfu-util, a Nucleo through the probe on its board by probe-rs; the one that is
-needed has to be installed. The image is checked before anything is changed, the version afterwards.";
+A Feather is updated over its USB by dfu-util, a Nucleo through the probe on its board by probe-rs;
+the one that is needed has to be installed. The image is checked before anything is changed, the
+version afterwards.";
 
 #[derive(Serialize)]
 struct Updated {

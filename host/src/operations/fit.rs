@@ -1,7 +1,7 @@
 //! The fit of a rig to its swings, with what may be asked of it: a typed torque, missing physics found and added.
 
 use super::covariance::Covariance;
-use super::json::Doubt;
+use super::json::{Doubt, doubts};
 use super::stages;
 pub use super::stages::After;
 use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
@@ -12,7 +12,8 @@ use crate::fit::quality::Responses;
 use crate::fit::sequential::Stage;
 use crate::fit::tolerance::KnownRig;
 use crate::improve::{Change, change};
-use crate::swing::Swing;
+use crate::recording::Measured;
+use crate::swing::{Swing, kind};
 use crate::trajectory::simulate;
 use crate::verdict::Left;
 use serde::Serialize;
@@ -92,6 +93,7 @@ pub struct Fields<'a> {
     recordings: &'a [String],
     doubts: Vec<Doubt<'a>>,
     method: &'static str,
+    measured: Measured,
     parameters: &'a [Identified],
     correlations: &'a [Vec<Option<f64>>],
     covariance: Covariance,
@@ -145,20 +147,21 @@ pub fn fit(
 }
 
 impl Outcome {
-    /// The fields of `--json`: with the names of the recordings, what speaks against them, the method that was asked for,
-    /// and how a rig took the new model.
+    /// The fields of `--json`: with the names of the recordings, what they hold, what speaks against them, the method
+    /// that was asked for, and how a rig took the new model.
     pub fn fields<'a>(
         &'a self,
         recordings: &'a [String],
-        doubts: Vec<Doubt<'a>>,
+        swings: &'a [Swing],
         method: identify::Method,
         check: Option<&'a Check>,
     ) -> Fields<'a> {
         let fit = &self.fit;
         Fields {
             recordings,
-            doubts,
+            doubts: doubts(swings),
             method: words(method),
+            measured: kind(swings),
             parameters: &fit.identified,
             correlations: &fit.correlations,
             covariance: Covariance::of(fit),

@@ -5,8 +5,9 @@ use crate::error::Failure;
 use crate::fit::tolerance::KnownRig;
 use crate::formula::{FRICTION_CURVE, effect_of};
 use crate::improve::{Change, Step, change};
+use crate::recording::Measured;
 use crate::rigfile::{RigFile, RigFileError, Source};
-use crate::swing::Swing;
+use crate::swing::{Swing, kind};
 use serde::Serialize;
 use shared::effect::{CURVE_NAME, CUSTOM_FORMULA_ID, CUSTOM_FORMULA_NAME, Effect};
 use shared::parameters::Parameters;
@@ -23,6 +24,8 @@ pub enum Improved {
     Diagnosed(Diagnosis),
     /// By hand.
     Changed {
+        /// What the recordings hold; of rates, errors are in rad/s.
+        measured: Measured,
         /// After each change.
         steps: Vec<Step>,
     },
@@ -44,7 +47,7 @@ pub fn improve(
         return Ok(Improved::Diagnosed(diagnose_with(swings, held_out, rig, wishes)));
     }
     let steps = change(swings, held_out, rig, changes).map_err(Failure::failed)?;
-    Ok(Improved::Changed { steps })
+    Ok(Improved::Changed { measured: kind(swings), steps })
 }
 
 impl Improved {
@@ -55,7 +58,7 @@ impl Improved {
     pub fn write_into(&self, file: &mut RigFile, source: &Source) -> Result<(), RigFileError> {
         match self {
             Self::Diagnosed(diagnosis) => file.adopt(&diagnosis.parameters, &diagnosis.values, source),
-            Self::Changed { steps } => {
+            Self::Changed { steps, .. } => {
                 steps.last().map_or(Ok(()), |step| file.adopt(&step.parameters, &step.values, source))
             }
         }

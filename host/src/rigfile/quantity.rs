@@ -3,6 +3,7 @@
 use crate::formula::{add, effect_of};
 use shared::effect::{Action, CUSTOM_FORMULA_ID, Effect};
 use shared::parameters::{ParameterError, Parameters};
+use std::collections::HashSet;
 
 /// A number of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +92,8 @@ impl Quantity {
     pub fn symbols() -> String {
         let own = PENDULUM.iter().map(|(_, symbol, ..)| *symbol);
         let of_effects = Effect::<f64>::ALL.iter().flat_map(|effect| effect.parameters.iter().map(|p| p.symbol));
-        own.chain(of_effects).collect::<Vec<_>>().join(", ")
+        let mut told = HashSet::new();
+        own.chain(of_effects).filter(|symbol| told.insert(*symbol)).collect::<Vec<_>>().join(", ")
     }
 
     /// The literature's symbol.
@@ -224,6 +226,14 @@ mod tests {
             }
         }
         assert_eq!(Quantity::by_name("Mx"), None);
+    }
+
+    #[test]
+    fn a_symbol_that_several_effects_use_is_listed_once() {
+        let listed = Quantity::symbols();
+        let symbols: Vec<&str> = listed.split(", ").collect();
+        assert_eq!(symbols.iter().collect::<HashSet<_>>().len(), symbols.len(), "{listed}");
+        assert!(symbols.contains(&"dM") && symbols.contains(&"Mw"), "{listed}");
     }
 
     #[test]

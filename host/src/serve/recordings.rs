@@ -4,6 +4,7 @@ use super::settings::Settings;
 use crate::compare::measurement::Measurement;
 use crate::error::Failure;
 use crate::recording::{self, Columns, ReadError, ReadOptions, Run};
+use crate::shorten::shortened;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -143,8 +144,8 @@ fn of_run(run: &Run, file: &str, kept: &Arc<Kept>, settings: &Settings) -> Resul
 /// The last part of a path, printable and not too long.
 fn short_name(name: &str) -> String {
     let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
-    let printable: String = last.chars().filter(|c| !c.is_control()).take(LONGEST_NAME).collect();
-    if printable.trim().is_empty() { "recording".to_owned() } else { printable }
+    let printable: String = last.chars().filter(|c| !c.is_control()).collect();
+    if printable.trim().is_empty() { "recording".to_owned() } else { shortened(&printable, LONGEST_NAME) }
 }
 
 /// A second recording of the same name gets a number.
@@ -176,6 +177,7 @@ mod tests {
         assert_eq!(short_name("C:\\data\\swing 1.csv"), "swing 1.csv");
         assert_eq!(short_name("a\nb\u{7}"), "ab");
         assert_eq!(short_name("/"), "recording");
-        assert_eq!(short_name(&"x".repeat(500)).len(), LONGEST_NAME);
+        assert_eq!(short_name(&"x".repeat(500)).chars().count(), LONGEST_NAME);
+        assert!(short_name(&format!("{}-07.csv", "x".repeat(500))).ends_with("x-07.csv"));
     }
 }

@@ -24,6 +24,8 @@ pub(super) struct State {
     /// Of the rig whose model this was at first, if it was one's.
     pub(super) model_port: Option<String>,
     pub(super) recordings: Vec<Arc<Loaded>>,
+    /// What speaks against some of them among the others.
+    pub(super) doubts: Vec<String>,
     /// The model beside each recording, by the recording's id.
     pub(super) runs: HashMap<u32, Arc<Followed>>,
     pub(super) comparison: Option<Arc<Comparison>>,
@@ -131,6 +133,7 @@ impl State {
     pub(super) fn data_changed(&mut self) {
         self.trial = None;
         self.diagnosis = None;
+        self.doubts.clear();
         self.staircase.clear();
         self.drawing += 1;
     }

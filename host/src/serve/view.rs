@@ -32,6 +32,10 @@ pub(super) struct View {
     diagnosis: Option<Diagnosis>,
     /// What the diagnosis says of a friction curve, if it offers one.
     curve_words: Option<String>,
+    /// What the diagnosis says of the sensor's zero, where it is off.
+    zero_words: Option<String>,
+    /// What speaks against recordings, as the command line says it.
+    doubts: Vec<String>,
     fit: Option<FitView>,
     failure: Option<FailureView>,
     rig: RigView,
@@ -104,6 +108,8 @@ pub(super) fn view(app: &App) -> View {
         undos: state.history.len(),
         diagnosis: state.diagnosis.as_deref().cloned(),
         curve_words: state.diagnosis.as_deref().and_then(curve_words),
+        zero_words: state.diagnosis.as_deref().and_then(Diagnosis::zero_in_words),
+        doubts: doubts(state),
         fit: fit(state),
         failure: state.failure.as_ref().map(FailureView::from),
         rig: state.rig.clone(),
@@ -115,6 +121,16 @@ pub(super) fn view(app: &App) -> View {
 
 fn curve_words(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.curve.as_ref().map(|curve| curve.in_words(diagnosis))
+}
+
+/// Of single recordings first, then of one among the others.
+fn doubts(state: &State) -> Vec<String> {
+    let of = |recording: &Arc<super::recordings::Loaded>| -> Vec<String> {
+        let notes = recording.measurement.notes.iter();
+        let doubts = notes.filter_map(|note| note.strip_prefix("doubtful: "));
+        doubts.map(|words| format!("doubtful: {}: {words}", recording.name)).collect()
+    };
+    state.recordings.iter().flat_map(of).chain(state.doubts.iter().cloned()).collect()
 }
 
 fn model_view(file: &RigFile, origin: &str) -> ModelView {
@@ -163,7 +179,7 @@ fn fit(state: &State) -> Option<FitView> {
     let fit = state.fit.as_ref()?;
     Some(FitView {
         parameters: fit.identified.clone(),
-        warnings: fit.warnings.clone(),
+        warnings: state.doubts.iter().chain(&fit.warnings).cloned().collect(),
         n_stages: fit.stages.len(),
         simulations: fit.n_simulations,
         seconds: fit.seconds,

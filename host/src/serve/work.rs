@@ -14,8 +14,8 @@ use crate::error::Failure;
 use crate::fit::identify::{self, Fit, Method};
 use crate::fit::tally::Tally;
 use crate::fit::windows::windows_s;
-use crate::geometry;
 use crate::improve::{Bench, Change, Step};
+use crate::operations::given::doubts;
 use crate::rigfile::{RigFile, Source};
 use crate::swing::{Swing, kind, one_kind};
 use rayon::prelude::*;
@@ -52,12 +52,16 @@ impl Data {
         Ok(data)
     }
 
-    /// Can these be recordings of this pendulum, all of one kind?
-    fn check(&self) -> Result<(), Failure> {
+    /// Can these be recordings of this pendulum, and of one, all of one kind? Doubts are shown, and kept with
+    /// the swings.
+    fn check(&mut self, app: &App) -> Result<(), Failure> {
         let next = "take one kind out of the list";
         one_kind(self.swings.iter().chain(&self.held_out)).map_err(|error| Failure::failed(error).next(next))?;
         let next = "correct the value in the model";
-        geometry::check(self.parameters(), &self.swings).map_err(|error| Failure::failed(error).next(next))?;
+        let doubts = doubts(self.model.parameters(), &mut self.swings).map_err(|failure| failure.next(next))?;
+        if app.read(|state| self.is_current(state) && state.doubts != doubts) {
+            app.change(|state| state.doubts = doubts);
+        }
         Ok(())
     }
 
@@ -113,19 +117,18 @@ pub(super) fn read_first(app: &Arc<App>, progress: &Progress) -> Result<(), Fail
 /// The model beside its recordings: first the curves, then the verdict. A model that is still a guess, or that comes
 /// from elsewhere and does not fit, is fitted first.
 pub(super) fn look(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
-    let Ok(data) = Data::of(app) else {
+    let Ok(mut data) = Data::of(app) else {
         app.change(forget_comparison);
         return Ok(());
     };
-    data.check()?;
-    let data = if data.model.is_fresh() { first_fit(app, data, progress)? } else { data };
+    data.check(app)?;
+    let mut data = if data.model.is_fresh() { first_fit(app, data, progress)? } else { data };
     show_curves(app, &data, progress);
     if app.jobs.is_pressed() {
         app.jobs.ask_for_a_look();
         return Ok(());
     }
     let mut comparison = compared(&data, progress)?;
-    let mut data = data;
     if comparison.answer == Answer::NumbersDoNotFit && data.numbers != Numbers::Typed {
         data = first_fit(app, data, progress)?;
         show_curves(app, &data, progress);
@@ -289,8 +292,8 @@ fn take_releases_in(app: &Arc<App>) -> Result<(), Failure> {
 }
 
 fn refit(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
-    let data = Data::of(app)?;
-    data.check()?;
+    let mut data = Data::of(app)?;
+    data.check(app)?;
     app.change(State::remember);
     first_fit(app, data, progress)?;
     app.jobs.ask_for_a_look();
@@ -328,8 +331,8 @@ pub(super) fn undo(app: &App) -> Result<(), Failure> {
 
 /// Which effect is missing?
 pub(super) fn find_missing(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
-    let data = Data::of(app)?;
-    data.check()?;
+    let mut data = Data::of(app)?;
+    data.check(app)?;
     progress.say("fitting the base model, then every effect", None);
     let wishes = Wishes { formulas: true, ..Wishes::default() };
     let found = diagnose_counted(&data.swings, &data.held_out, data.model.known(), wishes, &progress.count);
@@ -343,7 +346,8 @@ pub(super) fn find_missing(app: &Arc<App>, progress: &Progress) -> Result<(), Fa
 
 /// The whole identification with its response surfaces.
 pub(super) fn identify(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
-    let data = Data::of(app)?;
+    let mut data = Data::of(app)?;
+    data.check(app)?;
     let n_windows = windows_s(&data.swings).count() + 1;
     let n_steps = (n_windows + 3) as f64;
     let n_done = AtomicUsize::new(0);

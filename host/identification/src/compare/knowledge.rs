@@ -9,6 +9,7 @@
 //! tolerance excuses recordings that contradict each other.
 
 use super::follow::Followed;
+use crate::diagnose::zero;
 use crate::fit::clusters::NORMAL_95;
 use crate::fit::covariance::{Covariance, with_model_error};
 use crate::fit::descent::{Tolerance, descend};
@@ -124,6 +125,8 @@ pub struct Knowledge {
     pub correlations: Vec<Vec<f64>>,
     /// Are the residuals coloured? The intervals allow for it.
     pub coloured: bool,
+    /// How far the sensor's zero is off, rad, if it is.
+    pub zero: Option<Estimate>,
 }
 
 /// Asks the recordings for the parameters; `followed` tells how each began.
@@ -132,7 +135,8 @@ pub fn knowledge(swings: &[Swing], rig: KnownRig, followed: &[Followed]) -> Know
     let problem = problem_of(swings, rig, &count).without_stiction();
     let starts = followed.iter().map(|followed| followed.start).collect();
     let first = Point { values: problem.template_values(), starts };
-    let end = descend(&problem, &first, Window::Whole, Tolerance::FINE, Steps::new(&problem)).point;
+    let descended = descend(&problem, &first, Window::Whole, Tolerance::FINE, Steps::new(&problem));
+    let (end, cost) = (descended.point, descended.cost);
     // A value at its bound is known to be there and takes no part.
     let inside = |j: &usize| end.values[*j] > problem.unknowns[*j].low && end.values[*j] < problem.unknowns[*j].high;
     let free: Vec<usize> = (0..end.values.len()).filter(inside).collect();
@@ -144,7 +148,9 @@ pub fn knowledge(swings: &[Swing], rig: KnownRig, followed: &[Followed]) -> Know
     let alone = linear.each(|swing_idx, swing| alone(&part, swing_idx, swing, &point));
 
     let found = found(&problem, &end, &free, together.as_ref());
-    let found = tolerated(&problem, &Fitted::at(&problem, &end), found);
+    let model = Fitted { cost, ..Fitted::at(&problem, &end) };
+    let zero = zero::off_rad(&problem, &model).map(|(value, std)| Estimate { value, std: Some(std) });
+    let found = tolerated(&problem, &model, found);
     let given = problem.tolerances.settled(&problem.parameters(&first.values));
     let known = |(j, number): (usize, &Number)| {
         let column = free.iter().position(|k| *k == j);
@@ -169,6 +175,7 @@ pub fn knowledge(swings: &[Swing], rig: KnownRig, followed: &[Followed]) -> Know
         parameters: found.numbers.iter().enumerate().map(known).collect(),
         correlations: found.correlations.iter().map(row).collect(),
         coloured: found.coloured,
+        zero,
     }
 }
 

@@ -3,6 +3,7 @@
 use super::measurement::Measurement;
 use super::pictures::short_name;
 use super::recording::Judged;
+use crate::number::angle;
 use crate::recording::Measured;
 
 /// Swings that a friction law needs to show.
@@ -32,8 +33,9 @@ pub fn limits(measurements: &[Measurement], recordings: &[Judged]) -> Vec<String
     let largest = measurements.iter().flat_map(|m| m.swing.sizes_rad()).fold(0.0_f64, |l, a| l.max(a.abs()));
     if largest < LARGE_RELEASE_RAD {
         limits.push(format!(
-            "No angle exceeds {largest:.2} rad: effects that show at large amplitude (drag, gain, spring) can't be \
-             told apart; release from 1.4 rad or more."
+            "No angle exceeds {} rad: effects that show at large amplitude (drag, gain, spring) can't be told apart; \
+             release from 1.4 rad or more.",
+            angle(largest)
         ));
     }
     limits

@@ -3,6 +3,7 @@
 use super::halves::Halves;
 use super::restart::Cuts;
 use super::rms;
+use crate::number::angle;
 use crate::swing::Swing;
 use serde::Serialize;
 
@@ -83,9 +84,9 @@ pub fn places(tables: &[(&[Row], bool)]) -> Vec<Place> {
         let rows: Vec<&Row> =
             all.iter().copied().filter(|row| (edge(k)..=edge(k + 1)).contains(&row.amplitude_rad)).collect();
         let words = match k {
-            0 => format!("at small amplitude (< {:.2} rad)", edge(1)),
-            k if k + 1 == N_CLASSES => format!("at large amplitude (> {:.2} rad)", edge(k)),
-            k => format!("at amplitudes of {:.2} to {:.2} rad", edge(k), edge(k + 1)),
+            0 => format!("at small amplitude (< {} rad)", angle(edge(1))),
+            k if k + 1 == N_CLASSES => format!("at large amplitude (> {} rad)", angle(edge(k))),
+            k => format!("at amplitudes of {} to {} rad", angle(edge(k)), angle(edge(k + 1))),
         };
         place(words, &rows)
     };

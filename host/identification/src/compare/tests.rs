@@ -67,7 +67,7 @@ pub(super) fn judged() -> Judged {
 }
 
 #[test]
-fn beside_the_true_model_nothing_but_noise_is_left() {
+fn beside_the_true_model_nothing_but_noise_and_the_zero_is_left() {
     let found = &*COMPARISON;
     assert_eq!(found.answer, Answer::NothingMissing, "{:?}", found.verdict);
     // 3200 samples tell an rms to 1/√6400.
@@ -80,7 +80,10 @@ fn beside_the_true_model_nothing_but_noise_is_left() {
     assert!((found.totals.nrmse_fit - (1.0 - share)).abs() < 0.05 * share, "{:?} {share}", found.totals);
     assert!((found.totals.explained - (1.0 - share * share)).abs() < 0.1 * share * share, "{:?}", found.totals);
     assert!(found.verdict[0].starts_with("The model explains 99.9"), "{:?}", found.verdict);
-    assert!(found.verdict[1].ends_with("Nothing is missing at this noise level."), "{:?}", found.verdict);
+    let but = "Nothing is missing at this noise level but the sensor's zero, which is off by 10.00";
+    assert!(found.verdict[1].contains(but), "{:?}", found.verdict);
+    let zero = found.knowledge.as_ref().and_then(|knowledge| knowledge.zero).unwrap();
+    assert!((zero.value - OFFSET_RAD).abs() < 4.0 * zero.std.unwrap(), "{zero:?}");
 }
 
 #[test]

@@ -1,14 +1,15 @@
 //! The verdict in words: how good the model is, whether noise or physics is left, and where it fails.
 
 use super::energy::Energy;
-use super::knowledge::Knowledge;
+use super::knowledge::{Estimate, Knowledge};
 use super::mismatch::Mismatch;
 use super::numbers::Refit;
 use super::per_swing::Place;
 use super::recording::Judged;
 use super::rms;
 use super::torque::TorqueMap;
-use crate::number::noises;
+use crate::diagnose::zero;
+use crate::number::{angle, noises, significant, with_spread};
 use crate::recording::Measured;
 use crate::verdict::Left;
 use serde::Serialize;
@@ -203,8 +204,17 @@ pub fn in_mrad(angle_rad: f64) -> String {
     format!("{value:.digits$}")
 }
 
+/// The recordings were compared with their zeros taken off; one that is off is missing all the same.
 fn nothing(seen: &Seen) -> String {
-    format!("{}. Nothing is missing at this noise level.", milliradians(seen))
+    let off = |zero: Estimate| {
+        format!(
+            " but the sensor's zero, which is off by {}. {}",
+            zero::off_in_words(zero.value, zero.std),
+            zero::PUT_RIGHT
+        )
+    };
+    let zero = seen.knowledge.and_then(|knowledge| knowledge.zero).map(off);
+    format!("{}. Nothing is missing at this noise level{}", milliradians(seen), zero.unwrap_or_else(|| ".".to_owned()))
 }
 
 fn beyond(seen: &Seen, conclusion: &str) -> String {
@@ -225,7 +235,7 @@ fn findings(seen: &Seen) -> Vec<String> {
     let mut words = Vec::new();
     words.extend(losses(seen));
     words.extend(seen.energy.bump_missing_rad().map(|bump_rad| {
-        format!("The energy lost per path has a bump near {bump_rad:.2} rad, which no friction of the model has.")
+        format!("The energy lost per path has a bump near {} rad, which no friction of the model has.", angle(bump_rad))
     }));
     words.extend(periods(seen));
     words.extend(seen.energy.sides_differ().map(|difference| {
@@ -245,10 +255,10 @@ fn losses(seen: &Seen) -> Option<String> {
     let percent = 100.0 * worst.value.abs() / seen.energy.usual_loss_nm.abs().max(1e-300);
     let more = if worst.value > 0.0 { "more" } else { "less" };
     Some(format!(
-        "Near {:.2} rad amplitude a half swing loses {:.2} mN·m {more} per radian of path than modelled ({percent:.0} % of \
+        "Near {} rad amplitude a half swing loses {} mN·m {more} per radian of path than modelled ({percent:.0} % of \
          the usual loss).",
-        worst.x,
-        1e3 * worst.value.abs()
+        angle(worst.x),
+        significant(1e3 * worst.value.abs(), 2)
     ))
 }
 
@@ -257,7 +267,8 @@ fn periods(seen: &Seen) -> Option<String> {
     let worst = off.iter().max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))?;
     let longer = if worst.value > 0.0 { "longer" } else { "shorter" };
     let percent = 100.0 * worst.value.abs();
-    Some(format!("Near {:.2} rad amplitude the period is {percent:.2} % {longer} than modelled.", worst.x))
+    let at = angle(worst.x);
+    Some(format!("Near {at} rad amplitude the period is {} % {longer} than modelled.", significant(percent, 2)))
 }
 
 fn torque(seen: &Seen) -> Option<String> {
@@ -268,11 +279,10 @@ fn torque(seen: &Seen) -> Option<String> {
         _ => String::new(),
     };
     Some(format!(
-        "The torque map lacks most at {:.2} rad and {:.1} rad/s: {:+.2} ± {:.2} mN·m{compared}.",
-        bin.angle_rad,
-        bin.velocity_rad_s,
-        1e3 * bin.torque_nm,
-        1e3 * bin.spread_nm
+        "The torque map lacks most at {} rad and {} rad/s: {} mN·m{compared}.",
+        angle(bin.angle_rad),
+        significant(bin.velocity_rad_s, 2),
+        with_spread(1e3 * bin.torque_nm, Some(1e3 * bin.spread_nm))
     ))
 }
 
@@ -361,6 +371,28 @@ mod tests {
             )
         );
         assert_eq!(words(vec![mean(0.3, 1e-6)]), None);
+    }
+
+    #[test]
+    fn of_very_small_swings_too_the_place_and_the_torque_are_told_with_digits() {
+        let loss_missing = vec![Mean { spread: 1e-10, ..mean(1.23e-3, 2e-8) }];
+        let period_off = vec![mean(2.5e-3, 2e-3)];
+        let energy = Energy { loss_missing, period_off, usual_loss_nm: 1e-7, ..Energy::default() };
+        let words = findings(&seen(&energy, &Totals::default()));
+        assert!(words[0].starts_with("Near 1.2e-3 rad amplitude a half swing loses 2.0e-5 mN·m more"), "{words:?}");
+        assert!(words[1].starts_with("Near 2.5e-3 rad amplitude the period is 0.20 % longer"), "{words:?}");
+    }
+
+    #[test]
+    fn a_zero_that_is_off_is_all_that_is_missing() {
+        let zero = Some(Estimate { value: -4.45e-3, std: Some(1.1e-5) });
+        let knowledge = Knowledge { zero, ..Knowledge::default() };
+        let (energy, totals) = (Energy::default(), Totals::default());
+        let words = nothing(&Seen { knowledge: Some(&knowledge), ..seen(&energy, &totals) });
+        assert!(
+            words.contains("missing at this noise level but the sensor's zero, which is off by -4.450 ± 0.011 mrad.")
+        );
+        assert!(nothing(&seen(&energy, &totals)).ends_with("Nothing is missing at this noise level."));
     }
 
     #[test]

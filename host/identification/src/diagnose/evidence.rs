@@ -5,6 +5,7 @@
 
 use crate::fit::problem::Problem;
 use crate::formula::effect_of;
+use crate::number::angle;
 use crate::recording::Measured;
 use crate::swing::{Swing, kind};
 use serde::Serialize;
@@ -136,7 +137,7 @@ fn compared(effect: &Effect<f64>, measured: Measured, amplitude_rad: f64, with: 
     let period_share = with.period_s / without.period_s - 1.0;
     let apart = with.readings_rad.iter().zip(&without.readings_rad).map(|(a, b)| (a - b).abs());
     let reading_rad = if is_of_the_sensor(effect) { apart.fold(0.0, f64::max) } else { 0.0 };
-    let at = format!("at {amplitude_rad:.2} rad amplitude");
+    let at = format!("at {} rad amplitude", angle(amplitude_rad));
     let percent = |share: f64| format!("{:.2} %", 100.0 * share.abs());
     let is_of_loss = loss_share.abs() > LEAST_LOSS.max(LOSS_PER_PERIOD * period_share.abs());
     let (words, picture) = if reading_rad > LEAST_READING * amplitude_rad {

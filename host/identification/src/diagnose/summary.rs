@@ -174,6 +174,13 @@ impl Diagnosis {
         self.staircase.len() == 1
     }
 
+    /// How far the sensor's zero is off, in words, where that is claimed.
+    pub fn zero_in_words(&self) -> Option<String> {
+        let offset = zero::offset()?.name;
+        let off = self.values.iter().find(|value| value.effect == offset)?;
+        Some(format!("The sensor's zero is off by {}.", zero::off_in_words(off.value, off.std)))
+    }
+
     /// The claim of the suspect.
     pub fn suspect(&self) -> Option<&Holding> {
         self.unproven.iter().find(|claim| Some(claim.effect) == self.suspect)

@@ -16,6 +16,7 @@ use crate::fit::linear::Steps;
 use crate::fit::problem::{PER_SWING, Problem};
 use crate::fit::refine::Band;
 use crate::fit::uncertainty::Status;
+use crate::number::with_spread;
 use crate::recording::Measured;
 use crate::recording::noise::smallest_step;
 use crate::swing::{Swing, Window};
@@ -105,6 +106,19 @@ pub fn cost_with_offsets_within(problem: &Problem, model: &Fitted, limit_rad: f6
     let mut point = model.point();
     point.starts.iter_mut().for_each(|start| start.offset_rad = start.offset_rad.clamp(-limit_rad, limit_rad));
     descend(&fixed, &point, Window::Whole, Tolerance::FINE, Steps::new(&fixed)).cost
+}
+
+/// How far the zero of a model's swings is off (rad) and the standard deviation of that, where it is off.
+pub fn off_rad(problem: &Problem, model: &Fitted) -> Option<(f64, f64)> {
+    is_missing(problem, model).then(|| (mean_offset(model), std_of_mean(problem, model)))
+}
+
+/// Where the sensor's zero is put right.
+pub const PUT_RIGHT: &str = "Every fit takes it off each recording by itself; on a rig, host calibrate puts it right.";
+
+/// How far the zero is off, for a person.
+pub fn off_in_words(off_rad: f64, std_rad: Option<f64>) -> String {
+    format!("{} mrad", with_spread(1e3 * off_rad, std_rad.map(|std_rad| 1e3 * std_rad)))
 }
 
 /// The zero of a model's swings as a number of the effect that it is.

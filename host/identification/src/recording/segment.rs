@@ -91,6 +91,22 @@ pub enum SegmentError {
         /// Length of the stretch, s.
         duration_s: f64,
     },
+    /// Something drives it.
+    #[error(
+        "its swings grow, from {} to {} {unit} to either side, where free ones die away: something drives it (a motor, a \
+         hand, a support that moves); record it once it is let go and left alone, or choose the stretch in which it dies \
+         away with --from and --to",
+        significant(*from, 2),
+        significant(*to, 2)
+    )]
+    Grows {
+        /// Where they begin to grow, in the unit of the readings.
+        from: f64,
+        /// Where they end to, the same.
+        to: f64,
+        /// Of the readings.
+        unit: &'static str,
+    },
     /// Longer than any pendulum swings.
     #[error(
         "{duration_s:e} s of free swing, expected at most {LONGEST_S} s; is the time in seconds? Otherwise choose the \
@@ -324,9 +340,14 @@ fn notes(
     }
     notes.extend(cut.driven_in_words(free));
     if !cut.fades(free) {
-        notes.push(
-            "doubtful: its swings don't become smaller, as free ones do; does a motor or a hand drive it?".to_owned(),
-        );
+        let unit = cut.recording.measured().unit();
+        let grown = cut.grown(free).map(|(from, to)| {
+            format!(", but grow from {} to {} {unit} to either side", significant(from, 2), significant(to, 2))
+        });
+        notes.push(format!(
+            "doubtful: its swings don't become smaller, as free ones do{}; does a motor or a hand drive it?",
+            grown.unwrap_or_default()
+        ));
     }
     notes
 }

@@ -58,6 +58,11 @@ class Result:
         """The text that the program prints with ``--json``."""
         return self._text
 
+    @property
+    def _unit(self) -> str:
+        """Of a reading and of what a model leaves of it."""
+        return "rad/s" if self._fields.get("measured") == "rate" else "rad"
+
     def _rows(self) -> list[dict[str, Any]]:
         raise NotImplementedError
 
@@ -89,10 +94,10 @@ class Curved(Result):
         curve = Curve(*self._curves.of(swing))
         above.plot(curve.times_s, curve.measured, color="0.6", linewidth=1.6, label="measured")
         above.plot(curve.times_s, curve.modelled, color="C3", linewidth=0.7, label="model")
-        above.set(title=os.path.basename(curve.name), ylabel="reading (rad)")
+        above.set(title=os.path.basename(curve.name), ylabel=f"reading ({self._unit})")
         above.legend(loc="upper right")
         below.plot(curve.times_s, 1e3 * curve.residuals, color="C0", linewidth=0.5)
-        below.set(xlabel="time (s)", ylabel="left (mrad)")
+        below.set(xlabel="time (s)", ylabel=f"left (m{self._unit})")
         for each in (above, below):
             each.grid(alpha=0.3)
         return above, below
@@ -124,6 +129,11 @@ class Fit(Curved):
     def correlations(self) -> numpy.ndarray:
         """Correlations, shape (k, k); NaN where the swings give none."""
         return numpy.array(self._fields["correlations"], dtype=float)
+
+    @property
+    def measured(self) -> str:
+        """What the recordings hold: ``angle``, or ``rate``, of which errors are in rad/s."""
+        return self._fields["measured"]
 
     @property
     def rmse(self) -> float:
@@ -175,7 +185,8 @@ class Fit(Curved):
         raise KeyError(f"there is no {symbol}; found were {', '.join(self.symbols)}")
 
     def _sentence(self) -> str:
-        return f"error {1e3 * self.rmse:.3f} mrad rms, noise {1e3 * self.noise:.3f} mrad rms; left: {self.left}"
+        unit = f"m{self._unit}"
+        return f"error {1e3 * self.rmse:.3f} {unit} rms, noise {1e3 * self.noise:.3f} {unit} rms; left: {self.left}"
 
     def __repr__(self) -> str:
         notes = "".join(f"\n  note: {note}" for note in self.warnings)
@@ -238,17 +249,17 @@ class Diagnosis(Result):
 
     @property
     def rmse_before(self) -> float:
-        """Error of the base model, rad."""
+        """Error of the base model, rad (rad/s of rates)."""
         return self._fields["rmse_before"]
 
     @property
     def rmse_after(self) -> float:
-        """Error with what is missing in it, rad."""
+        """Error with what is missing in it, rad (rad/s of rates)."""
         return self._fields["rmse_after"]
 
     @property
     def noise(self) -> float:
-        """Noise of the readings, rad."""
+        """Noise of the readings, rad (rad/s of rates)."""
         return self._fields["noise"]
 
     def _rows(self) -> list[dict[str, Any]]:
@@ -257,8 +268,9 @@ class Diagnosis(Result):
     def _sentence(self) -> str:
         found = " + ".join(self.missing) if self.missing else "nothing"
         tied = f", which can't be told from {', '.join(self.undecided)}" if self.undecided else ""
-        errors = f"{1e3 * self.rmse_before:.3f} → {1e3 * self.rmse_after:.3f} mrad rms"
-        return f"missing is {found}{tied}; error {errors}, noise {1e3 * self.noise:.3f} mrad"
+        unit = f"m{self._unit}"
+        errors = f"{1e3 * self.rmse_before:.3f} → {1e3 * self.rmse_after:.3f} {unit} rms"
+        return f"missing is {found}{tied}; error {errors}, noise {1e3 * self.noise:.3f} {unit}"
 
     def plot(self, axes: Any = None) -> Any:
         """Draws the error before and after beside the noise, by matplotlib; gives the axes."""
@@ -266,7 +278,7 @@ class Diagnosis(Result):
         errors = [1e3 * self.rmse_before, 1e3 * self.rmse_after]
         axes.bar(["base model", " + ".join(["base", *self.missing])], errors, width=0.5, color=["0.6", "C3"])
         axes.axhline(1e3 * self.noise, color="C0", linestyle="--", label="noise")
-        axes.set(ylabel="error (mrad rms)")
+        axes.set(ylabel=f"error (m{self._unit} rms)")
         axes.legend()
         return axes
 
@@ -290,9 +302,17 @@ class Improvement(Result):
         return Rig._of(self._rig)
 
     @property
+    def measured(self) -> str:
+        """What the recordings hold: ``angle``, or ``rate``, of which errors are in rad/s."""
+        return self._fields["measured"]
+
+    @property
     def steps(self) -> list[dict[str, Any]]:
-        """After each change: ``words``, ``rmse`` (rad) and more."""
-        return self._fields["steps"]
+        """After each change, or after each effect that a diagnosis added, the base model first: ``words``, ``rmse``
+        (rad; rad/s of rates) and more."""
+        if "steps" in self._fields:
+            return self._fields["steps"]
+        return [{"words": step["added"], **step} for step in self._fields["staircase"]]
 
     @property
     def added(self) -> list[str]:
@@ -308,16 +328,16 @@ class Improvement(Result):
         rows = self._rows()
         axes.step(range(len(rows)), [1e3 * row["rmse"] for row in rows], where="mid", marker="o", color="C3")
         axes.set_xticks(range(len(rows)), [row["words"] for row in rows])
-        axes.set(ylabel="error (mrad rms)", ylim=(0.0, None))
+        axes.set(ylabel=f"error (m{self._unit} rms)", ylim=(0.0, None))
         return axes
 
     def __repr__(self) -> str:
-        lines = [f"  {row['words']:<32} {1e3 * row['rmse']:9.3f} mrad" for row in self._rows()]
+        lines = [f"  {row['words']:<32} {1e3 * row['rmse']:9.3f} m{self._unit}" for row in self._rows()]
         return "<Improvement: error after each step\n" + "\n".join(lines) + ">"
 
     def _repr_html_(self) -> str:
         rows = [[row["words"], f"{1e3 * row['rmse']:.3f}"] for row in self._rows()]
-        return html_rows(["step", "error (mrad rms)"], rows) + self.rig._repr_html_()
+        return html_rows(["step", f"error (m{self._unit} rms)"], rows) + self.rig._repr_html_()
 
 
 class Plan(Result):

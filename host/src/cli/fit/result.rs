@@ -8,7 +8,7 @@ use crate::fit::quality::Responses;
 use crate::geometry::{PER_GRAVITY, is_unknown};
 use crate::number::{count, noises, significant, with_spread};
 use crate::operations::fit::{After, Check, Outcome};
-use crate::operations::json::{all_named, doubts};
+use crate::operations::json::all_named;
 use crate::operations::watch::is_simulated;
 use crate::recording::Measured;
 use crate::rigfile::USUAL_NAME;
@@ -40,7 +40,7 @@ pub(super) fn show(options: &Options, recordings: &[PathBuf], shown: &Shown) {
     if options.json {
         output::json(
             "fit",
-            &shown.outcome.fields(&all_named(shown.swings), doubts(shown.swings), options.method.into(), shown.check),
+            &shown.outcome.fields(&all_named(shown.swings), shown.swings, options.method.into(), shown.check),
         );
     } else {
         if let Some(found) = &shown.outcome.discovery {

@@ -2,6 +2,16 @@
 
 const INSET = { left: 62, right: 12, top: 6, bottom: 22 };
 
+/** From a label to its chart, and from the left to the unit, in pixels. */
+const LABEL_GAP = 6;
+const UNIT_AT = 2;
+
+/** The unit and the gaps to both sides of it, in letters. */
+const BESIDE_UNIT = 1.9;
+
+/** How far from its left each card's charts begin; it only grows, or live charts would tremble. */
+const lefts = new WeakMap();
+
 /** Fewer labels don't tell a scale from a number. */
 const LEAST_LABELS = 3;
 
@@ -69,8 +79,8 @@ export class Chart {
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);
     const em = parseFloat(getComputedStyle(document.documentElement).fontSize);
-    this.inset = { ...INSET, left: INSET.left * em / 16, bottom: INSET.bottom * em / 16 };
     const [low, high] = this.range();
+    this.inset = { ...INSET, left: this.leftOfAll(pen, low, high, height, em), bottom: INSET.bottom * em / 16 };
     const box = { left: this.inset.left, right: width - this.inset.right, top: this.inset.top, bottom: height - this.inset.bottom };
     const px = (x) => box.left + (x - this.x[0]) / (this.x[1] - this.x[0]) * (box.right - box.left);
     const py = (y) => box.bottom - (y - low) / (high - low) * (box.bottom - box.top);
@@ -90,17 +100,33 @@ export class Chart {
     this.legend(pen, box, em);
   }
 
+  /** Room for numbers and unit beside all charts of one card, so that their times stand below each other. */
+  leftOfAll(pen, low, high, height, em) {
+    pen.font = `${0.8 * em}px system-ui, sans-serif`;
+    const { at, digits } = this.upward(low, high, height - INSET.top - INSET.bottom * em / 16, em);
+    const widest = Math.max(...at.map((tick) => pen.measureText(tick.toFixed(digits)).width));
+    const card = this.canvas.closest('.card, dialog') ?? this.canvas;
+    const left = Math.max(INSET.left * em / 16, widest + BESIDE_UNIT * em, lefts.get(card) ?? 0);
+    lefts.set(card, left);
+    this.canvas.dataset.besideUnit = String(left - widest - LABEL_GAP - UNIT_AT - 0.8 * em);
+    return left;
+  }
+
+  upward(low, high, height, em) {
+    return ticks(low * this.scale, high * this.scale, height / (1.5 * em));
+  }
+
   axes(pen, box, px, py, low, high, em) {
     pen.font = `${0.8 * em}px system-ui, sans-serif`;
     pen.lineWidth = 1;
-    const vertical = ticks(low * this.scale, high * this.scale, (box.bottom - box.top) / (1.5 * em));
+    const vertical = this.upward(low, high, box.bottom - box.top, em);
     pen.textAlign = 'right'; pen.textBaseline = 'middle';
     for (const tick of vertical.at) {
       const y = py(tick / this.scale);
       pen.strokeStyle = Math.abs(tick) < 1e-12 ? colour('line') : colour('grid');
       pen.beginPath(); pen.moveTo(box.left, y); pen.lineTo(box.right, y); pen.stroke();
       pen.fillStyle = colour('quiet');
-      pen.fillText(tick.toFixed(vertical.digits).replace(/^-0(\.0*)?$/, '0'), box.left - 6, y);
+      pen.fillText(tick.toFixed(vertical.digits).replace(/^-0(\.0*)?$/, '0'), box.left - LABEL_GAP, y);
     }
     const across = ticks(this.x[0], this.x[1], (box.right - box.left) / (6 * em));
     pen.textAlign = 'center'; pen.textBaseline = 'top';
@@ -112,7 +138,7 @@ export class Chart {
     Object.assign(this.canvas.dataset, { labelsUp: vertical.at.length, labelsAcross: across.at.length });
     pen.textAlign = 'left'; pen.textBaseline = 'top';
     pen.save();
-    pen.translate(2, (box.top + box.bottom) / 2); pen.rotate(-Math.PI / 2); pen.textAlign = 'center';
+    pen.translate(UNIT_AT, (box.top + box.bottom) / 2); pen.rotate(-Math.PI / 2); pen.textAlign = 'center';
     pen.fillText(this.unit, 0, 0);
     pen.restore();
     pen.textAlign = 'right'; pen.fillText('s', box.left - 0.9 * em, box.bottom + 4);

@@ -71,6 +71,7 @@ export function show(now) {
   if (drawing !== now.drawing) { drawing = now.drawing; answer = null; fetchTrace(); showPictures(); }
   showRecordings();
   showVerdict();
+  byId('doubts').replaceChildren(...now.doubts.map((doubt) => element('li', {}, doubt)));
   byId('limits').hidden = !now.comparison?.limits.length;
   byId('limits-list').replaceChildren(...(now.comparison?.limits ?? []).map((limit) => element('li', {}, limit)));
 }
@@ -117,9 +118,13 @@ function waitingFor() {
   return 'Comparing …';
 }
 
+/** Of a long name the middle is left out: files of one series differ at their ends, which always stay. */
+const END_OF_NAME = 10;
+const inTwoParts = (name) => [element('span', { class: 'begin' }, name.slice(0, -END_OF_NAME)), element('span', {}, name.slice(-END_OF_NAME))];
+
 function showRecordings() {
   const row = (recording) => element('li', { class: recording.id === chosen ? 'chosen' : '' },
-    element('button', { class: 'name', title: [recording.name, ...recording.notes].join('\n'), 'aria-pressed': String(recording.id === chosen), click: () => choose(recording.id) }, recording.name),
+    element('button', { class: 'name', title: [recording.name, ...recording.notes].join('\n'), 'aria-pressed': String(recording.id === chosen), 'aria-label': recording.name, click: () => choose(recording.id) }, ...inTwoParts(recording.name)),
     fileOf(recording.name) && element('button', { class: 'away', 'aria-label': `say what is in ${recording.name}`, title: 'columns, units and sign', click: () => open(fileOf(recording.name), recording.id) }, '⚙'),
     element('button', { class: 'away', 'aria-label': `take ${recording.name} out`, title: 'take it out of the list', click: () => done(remove(`api/recordings/${recording.id}`)) }, '✕'),
     element('span', { class: 'facts' },

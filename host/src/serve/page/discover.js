@@ -57,7 +57,7 @@ function showWords() {
   const tie = found.family ? ` It is ${found.family.words}; its shape is undecided between ${found.family.members.join(' and ')}.` : found.undecided.length ? ` These swings cannot tell it from ${found.undecided.join(', ')}.` : '';
   const putRight = found.verdict.length ? `put right (${names})`
     : found.zero_is_doubtful ? "fitted, which these swings don't prove to be off," : null;
-  const zero = putRight ? ` With the sensor's zero ${putRight} it leaves ${mrad(found.rmse_after)}.` : '';
+  const zero = putRight ? ` With the sensor's zero ${putRight} it leaves ${mrad(found.rmse_after)}.${state.zero_words ? ` ${state.zero_words}` : ''}` : '';
   const hasNoLaw = found.staircase.length === 1;
   const seenOn = (claim) => claim.parts.filter((part) => part.seen).map((part) => part.name).join(', ') || 'no part alone';
   const held = found.holds_on.map((claim) => ` ${claim.effect} is seen on ${seenOn(claim)}.`).join('');
@@ -67,7 +67,7 @@ function showWords() {
   const isSilent = lost && !found.unexplained && found.verdict.length === 0;
   words.textContent = driven + lost + levels + (isSilent ? '' : hasNoLaw && found.unexplained
     ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left, but no effect of the list brings it down to the noise.${dropped}${split}`
-    : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `Missing: ${names}. With ${found.verdict.length > 1 ? 'them' : 'it'} the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
+    : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `Missing: ${names}.${state.zero_words ? ` ${state.zero_words}` : ''} With ${found.verdict.length > 1 ? 'them' : 'it'} the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
 }
 
 const hasCurve = () => Boolean(state.model?.effects.includes(CURVE));

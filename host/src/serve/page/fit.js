@@ -48,8 +48,19 @@ async function showPath() {
   showStage();
 }
 
+/** Room for the number of a design under its axis, in letters. */
+const ROOM_OF_NUMBER = 2.4;
+
+/** From one design with a number to the next: as many as there is room for. */
+function designsApart() {
+  const box = byId('path');
+  const room = (box.clientWidth - 100) / (ROOM_OF_NUMBER * parseFloat(getComputedStyle(box).fontSize));
+  return [1, 2, 5, 10, 20, 25, 50].find((step) => path.stages.length / step <= room) ?? 100;
+}
+
 function pathPlot(symbols) {
   const traces = [];
+  const dtick = designsApart();
   const layout = { grid: { rows: symbols.length, columns: 1, pattern: 'independent', ygap: 0.25 }, showlegend: false, margin: { l: 80, r: 16, t: 8, b: 44 } };
   symbols.forEach((symbol, row) => {
     const id = row ? row + 1 : '';
@@ -63,7 +74,7 @@ function pathPlot(symbols) {
     traces.push({ ...at, y: of((stage, j) => stage.ranges[j][1]), mode: 'lines', line, name: 'high', hoverinfo: 'y+name' });
     traces.push({ ...at, y: of((stage, j) => stage.ranges[j][2]), mode: 'lines', line, fill: 'tonexty', fillcolor: `${colours()[0]}40`, name: 'low', hoverinfo: 'y+name' });
     traces.push({ ...at, y: of((stage, j) => stage.values[j]), mode: 'lines+markers', line: { color: colours()[1], width: 2 }, marker: { size: 5 }, name: symbol, connectgaps: true });
-    layout[`xaxis${id}`] = axis(row === symbols.length - 1 ? 'design' : '', { dtick: 5, range: [0.5, path.stages.length + 0.5] });
+    layout[`xaxis${id}`] = axis(row === symbols.length - 1 ? 'design' : '', { dtick, range: [0.5, path.stages.length + 0.5] });
     layout[`yaxis${id}`] = axis(symbol, { nticks: 4 });
   });
   return { traces, layout };
@@ -103,9 +114,16 @@ function showSurface(seen, symbols, x, y, name) {
     traces: [{ type: 'surface', x: seen.x, y: seen.y, z: seen.z, colorscale: rising(), showscale: false }],
     layout: { scene: { xaxis: side(symbols[x]), yaxis: side(symbols[y]), zaxis: side(name), camera: { eye: { x: -1.75, y: -1.75, z: 1.1 }, center: { x: 0, y: 0, z: -0.18 } } }, margin: { l: 0, r: 0, t: 0, b: 0 } },
   }));
+  byId('optimizer').style.minWidth = `${OPTIMIZER_REM * symbols.length}rem`;
   byId('optimizer').style.height = `${6.2 * path.responses.length + 3}rem`;
   plot(byId('optimizer'), () => optimizerPlot(seen, symbols));
 }
+
+/** The lowest number of the upward axis stands in the corner, too. */
+const BELOW_CORNER = { ticks: 'outside', ticklen: 7, tickcolor: 'rgba(0,0,0,0)' };
+
+/** A narrower column would have its numbers in the one before it. */
+const OPTIMIZER_REM = 10.5;
 
 function optimizerPlot(seen, symbols) {
   const [rows, columns] = [path.responses.length, symbols.length];
@@ -116,7 +134,7 @@ function optimizerPlot(seen, symbols) {
       const id = row * columns + column ? row * columns + column + 1 : '';
       const { x, y } = seen.optimizer[row][column];
       traces.push({ x, y, xaxis: `x${id}`, yaxis: `y${id}`, type: 'scatter', mode: 'lines', line: { color: colours()[0], width: 2 }, name: path.responses[row] });
-      layout[`xaxis${id}`] = axis(row === rows - 1 ? symbols[column] : '', { nticks: 3, showticklabels: row === rows - 1 });
+      layout[`xaxis${id}`] = axis(row === rows - 1 ? symbols[column] : '', { nticks: 3, showticklabels: row === rows - 1, ...BELOW_CORNER });
       layout[`yaxis${id}`] = axis(column === 0 ? path.responses[row] : '', { nticks: 3, tickformat: '.4~g' });
       layout.shapes.push({ type: 'line', xref: `x${id}`, yref: `y${id} domain`, x0: seen.chosen[column], x1: seen.chosen[column], y0: 0, y1: 1, line: { color: colours()[1], width: 1.5, dash: 'dash' } });
     }

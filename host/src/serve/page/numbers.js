@@ -24,6 +24,13 @@ export const milliUnit = () => milli;
 /** Radians as milliradians; of rates, rad/s as mrad/s. */
 export const mrad = (value, digits = 3) => (value === null || value === undefined ? '–' : `${(1e3 * value).toPrecision(digits)} ${milli}`);
 
+/** Long names are shortened in the middle: files of one series differ at their ends. */
+export function shortened(name, most) {
+  if (name.length <= most) return name;
+  const half = Math.floor((most - 1) / 2);
+  return `${name.slice(0, half)}…${name.slice(-half)}`;
+}
+
 /** A new element with attributes, properties beginning with a dot, and children. */
 export function element(tag, attributes = {}, ...children) {
   const made = document.createElement(tag);

@@ -1,5 +1,7 @@
 // Pictures by the plotting library, which is fetched from this server when the first one is needed.
 
+import { shortened } from './numbers.js';
+
 const LIGHT = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#56b4e9', '#e69f00', '#1b1f23'];
 const DARK = ['#56b4e9', '#f0a13a', '#2fc89b', '#e59cc4', '#8ecbf2', '#e6c34a', '#eceff2'];
 
@@ -34,6 +36,7 @@ export async function draw(element, make) {
   const { traces, layout } = make();
   await plotly.react(element, traces, themed(layout), { responsive: true, displaylogo: false, displayModeBar: false });
   await label(plotly, element);
+  element.dataset.labelled = 'true';
 }
 
 /** Fewer labels don't tell a scale from a number. */
@@ -59,6 +62,17 @@ function scales(element) {
 
 const labels = (element, name) => element.querySelectorAll(`.${name.replace('axis', '')}tick text`).length;
 
+/** What depends on the width, such as how many numbers there is room for, is asked anew. */
+const REDRAWN_AFTER_MS = 200;
+let width = window.innerWidth;
+let waiting = null;
+window.addEventListener('resize', () => {
+  if (window.innerWidth === width) return;
+  width = window.innerWidth;
+  clearTimeout(waiting);
+  waiting = setTimeout(redrawAll, REDRAWN_AFTER_MS);
+});
+
 export function redrawAll() {
   for (const [element, make] of drawn) {
     if (element.isConnected) draw(element, make); else drawn.delete(element);
@@ -79,39 +93,46 @@ function themed(layout) {
   };
 }
 
-/** Ticks at 1, 2 and 5 of each decade. */
-const LOGARITHMIC = { type: 'log', dtick: 'D2' };
+/** Over more decades the labels at 2 and 5 of each would lie on each other. */
+const FEW_DECADES = 2.5;
+
+/** Labels of whole decades at most. */
+const MOST_DECADES = 5;
+
+/** Ticks at 1, 2 and 5 of each decade, or over many at some of the decades. */
+function logarithmic(values) {
+  const powers = values.filter((value) => value > 0).map(Math.log10);
+  const decades = powers.reduce((most, power) => Math.max(most, power), -Infinity) - powers.reduce((least, power) => Math.min(least, power), Infinity);
+  return { type: 'log', dtick: decades > FEW_DECADES ? Math.ceil(decades / MOST_DECADES) : 'D2' };
+}
 
 /** A picture of the library `host` as traces. */
 export function pictureOf(picture) {
   const { x, y, content } = picture;
+  const all = (side) => (content.curves ?? []).flatMap((curve) => curve[side]);
   const layout = {
-    xaxis: axis(x.label, x.is_logarithmic ? LOGARITHMIC : x.is_count ? { dtick: 1 } : {}),
-    yaxis: axis(inTwoLines(y.label), y.is_logarithmic ? LOGARITHMIC : {}),
+    xaxis: axis(inTwoLines(x.label, LONGEST_ACROSS), x.is_logarithmic ? logarithmic(all('x')) : x.is_count ? { dtick: 1 } : {}),
+    yaxis: axis(inTwoLines(y.label, LONGEST_UPWARDS), y.is_logarithmic ? logarithmic(all('y')) : {}),
   };
   return { traces: content.curves ? content.curves.map(curveOf) : [heatOf(content.heat)], layout };
 }
 
-/** A long label would reach beyond a low plot, over the legend above it. */
-const LONGEST_LABEL = 24;
-function inTwoLines(label) {
-  if (label.length <= LONGEST_LABEL) return label;
+/** A longer label would reach beyond a low plot, over the legend above it, or beyond a narrow one. */
+const LONGEST_UPWARDS = 20;
+const LONGEST_ACROSS = 30;
+function inTwoLines(label, longest) {
+  if (label.length <= longest) return label;
   const spaces = [...label.matchAll(/ /g)].map((space) => space.index);
   const middle = spaces.sort((a, b) => Math.abs(a - label.length / 2) - Math.abs(b - label.length / 2))[0];
   return middle === undefined ? label : `${label.slice(0, middle)}<br>${label.slice(middle + 1)}`;
 }
 
-/** Long names are shortened in the middle: files of one series differ at their ends. */
+/** Letters of a name for which a legend has room. */
 const LONGEST_NAME = 32;
-function shortened(name) {
-  if (name.length <= LONGEST_NAME) return name;
-  const half = Math.floor((LONGEST_NAME - 1) / 2);
-  return `${name.slice(0, half)}…${name.slice(-half)}`;
-}
 
 function curveOf(curve) {
   const colour = curve.colour === 6 ? style('noise') : colours()[curve.colour % 7];
-  const trace = { x: curve.x, y: curve.y, name: shortened(curve.name.replace(/\.csv$/, '')), showlegend: curve.name !== '', type: 'scatter' };
+  const trace = { x: curve.x, y: curve.y, name: shortened(curve.name.replace(/\.csv$/, ''), LONGEST_NAME), showlegend: curve.name !== '', type: 'scatter' };
   if (curve.style === 'line' || curve.style === 'dashed') {
     return { ...trace, mode: 'lines', line: { color: colour, width: 2, dash: curve.style === 'dashed' ? 'dash' : 'solid' } };
   }
@@ -129,8 +150,11 @@ function heatOf(heat) {
   };
 }
 
+/** Keeps the title of a key off its highest number; the library drops a line of blanks. */
+const LOW_LINE = '<br><span style="font-size:0.4em;fill:transparent">.</span>';
+
 /** The key of a coloured map. */
-export const bar = (label) => ({ title: { text: label, side: 'top', font: { size: 0.8 * em() } }, thickness: 14, outlinewidth: 0 });
+export const bar = (label) => ({ title: { text: `${label}${LOW_LINE}`, side: 'top', font: { size: 0.8 * em() } }, thickness: 14, outlinewidth: 0 });
 
 /** Light to dark in one hue, readable in grey too. */
 export const rising = () => (isDark() ? 'Cividis' : [[0, '#00204c'], [0.5, '#7c7b78'], [1, '#ffe945']]);

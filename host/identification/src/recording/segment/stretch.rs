@@ -65,9 +65,10 @@ impl Cut<'_> {
         }
         match self.count_turns(&part) {
             n if n >= MIN_TURNING_POINTS => Ok(part),
-            n_turning_points => {
-                Err(SegmentError::TooFewSwings { n_turning_points, duration_s: self.duration_s(&part) })
-            }
+            n_turning_points => Err(self.grows().unwrap_or_else(|| SegmentError::TooFewSwings {
+                n_turning_points,
+                duration_s: self.duration_s(&part),
+            })),
         }
     }
 
@@ -191,6 +192,18 @@ impl Cut<'_> {
             && (middle[0] - middle[middle.len() - 1]).abs() < SURE * self.noise_rms_rad
     }
 
+    /// That the swings of what was asked for grow more often than not, where none of them can be free.
+    fn grows(&self) -> Option<SegmentError> {
+        let inside = self.turns_in(&self.asked);
+        let threes = || inside.windows(3);
+        let growing: Vec<_> = threes().filter(|three| self.growth(three).is_some()).collect();
+        let (first, last) = (growing.first()?, growing.last()?);
+        let amplitude = |a: &TurningPoint, b: &TurningPoint| (a.angle_rad - b.angle_rad).abs() / 2.0;
+        let (from, to) = (amplitude(first[0], first[1]), amplitude(last[1], last[2]));
+        let unit = self.recording.measured().unit();
+        (2 * growing.len() > threes().len()).then_some(SegmentError::Grows { from, to, unit })
+    }
+
     /// How far from the second of three turning points a free swing reaches at most (rad), where the third lies beyond.
     fn growth(&self, three: &[&TurningPoint]) -> Option<f64> {
         let spread_rad = three[0].spread_rad.hypot(three[2].spread_rad) + self.noise_rms_rad;
@@ -244,19 +257,18 @@ impl Cut<'_> {
     /// Do the swings become smaller, as without a motor they must? From the first and the last third of many.
     pub(super) fn fades(&self, free: &Range<usize>) -> bool {
         let turns = self.turns_in(free);
-        let mut sizes = sizes_rad(&turns);
-        let third = sizes.len() / 3;
-        if third == 0 {
-            return true;
-        }
-        let n_between = (sizes.len() - third) as f64;
-        let late = median(&mut sizes.split_off(sizes.len() - third));
-        let early = median(&mut sizes[..third]);
-        if third < FADING_SWINGS {
+        let Some(Thirds { n, early, late, n_between }) = Thirds::of(&turns) else { return true };
+        if n < FADING_SWINGS {
             let spread_rad = median(&mut turns.iter().map(|turn| turn.spread_rad).collect::<Vec<f64>>());
             return late < early * (1.0 + GROWN_SHARE) + SURE * spread_rad;
         }
         (early / late).ln() > n_between * PI / (2.0 * BEST_QUALITY)
+    }
+
+    /// From what to what amplitude the swings grow, if they do clearly.
+    pub(super) fn grown(&self, free: &Range<usize>) -> Option<(f64, f64)> {
+        let Thirds { early, late, .. } = Thirds::of(&self.turns_in(free))?;
+        (late > early * (1.0 + GROWN_SHARE)).then_some((early / 2.0, late / 2.0))
     }
 
     /// Hanging still at the end: from some half swings after the last motion that can be seen, because the very last
@@ -279,6 +291,26 @@ impl Cut<'_> {
         let start_s = self.times_s()[(after.start + last_motion).min(stretch.end - 1)] + N_UNSEEN * self.half_swing_s;
         let rest = self.recording.index_at(start_s)..stretch.end;
         (rest.start < rest.end && rest.len() >= n_window).then_some(rest)
+    }
+}
+
+/// How far the swings of the first and the last third go from turn to turn, as a rule.
+struct Thirds {
+    n: usize,
+    early: f64,
+    late: f64,
+    /// Half swings from the one third to the other.
+    n_between: f64,
+}
+
+impl Thirds {
+    /// `None` where there are none.
+    fn of(turns: &[&TurningPoint]) -> Option<Self> {
+        let mut sizes = sizes_rad(turns);
+        let n = sizes.len() / 3;
+        let n_between = (sizes.len() - n) as f64;
+        let late = median(&mut sizes.split_off(sizes.len() - n));
+        (n > 0).then(|| Self { n, early: median(&mut sizes[..n]), late, n_between })
     }
 }
 

@@ -184,7 +184,27 @@ fn a_few_swings_that_grow_are_doubted_and_a_few_free_ones_are_not() {
         let recording = Recording::uniform(20.0, (0..100).map(angle).collect()).unwrap();
         let notes = segment(&recording, &SegmentOptions::default()).unwrap().notes;
         assert_eq!(notes.iter().any(|note| note.contains("don't become smaller")), doubted, "{grows} {notes:?}");
+        let told = notes.iter().any(|note| note.contains("but grow from 0.94 to 1.1 rad to either side"));
+        assert_eq!(told, doubted, "{grows} {notes:?}");
     }
+}
+
+/// Each half swing is 5 % larger than the one before: no two of them are free.
+#[test]
+fn a_swing_that_grows_throughout_is_told_from_one_that_is_too_short() {
+    let angle = |idx: u32| {
+        let time_s = f64::from(idx) * STEP_S;
+        0.05 * f64::exp(0.1 * time_s) * f64::sin(6.0 * time_s)
+    };
+    let growing: Vec<f64> = (0..4000).map(angle).collect();
+    let growing = Recording::uniform(1.0 / STEP_S, growing).unwrap();
+    let told = segment(&growing, &SegmentOptions::default()).unwrap_err().to_string();
+    assert!(told.starts_with("its swings grow, from 0.05"), "{told}");
+    assert!(told.contains(" to 0.35 rad to either side, where free ones die away"), "{told}");
+    assert!(told.contains("--from and --to"), "{told}");
+    let short = noisy(&swing(0.5, 0.9));
+    let told = segment(&short, &SegmentOptions::default()).unwrap_err();
+    assert!(matches!(told, SegmentError::TooFewSwings { .. }), "{told}");
 }
 
 #[test]
