@@ -165,3 +165,67 @@ pub fn disconnected(code: u16, sensor: &Sensor) -> Failure {
     let what = format!("the {} reads code {code}, an end of its range: nothing is said of this swing", sensor.name());
     Failure::failed(what).next(format!("{}; release from a smaller angle if it left its track", sensor.wires()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A release from this angle, 1 % nearer to the middle with every reading.
+    fn release(watcher: &mut Watcher, from_rad: f64, n_readings: i32) {
+        watcher.stage(Stage::Swinging);
+        (0..n_readings).for_each(|k| watcher.reading(from_rad * 0.99_f64.powi(k)));
+    }
+
+    #[test]
+    fn readings_are_averaged_to_about_250_a_second_from_where_it_is_let_go() {
+        let mut silent = |_: Event| ();
+        for (rate_hz, every, interval_s) in [(250.0, 1, 4e-3), (500.0, 2, 4e-3), (1000.0, 4, 4e-3), (100.0, 1, 1e-2)] {
+            let mut watcher = Watcher::new(Parameters::paper(), rate_hz, &mut silent);
+            assert_eq!(watcher.every, every, "{rate_hz} Hz");
+            assert!((watcher.interval_s() - interval_s).abs() < 1e-12, "{rate_hz} Hz: {}", watcher.interval_s());
+            // Held at 1 rad, it has moved by 0.03 with the fourth step.
+            release(&mut watcher, 1.0, 4 + every as i32);
+            let first: Vec<f64> = (4..4 + every as i32).map(|k| 0.99_f64.powi(k)).collect();
+            let mean = first.iter().sum::<f64>() / every as f64;
+            assert_eq!(watcher.releases.len(), 1);
+            assert!((watcher.releases[0][0] - mean).abs() < 1e-12, "{:?} {mean}", watcher.releases);
+        }
+    }
+
+    #[test]
+    fn a_gap_makes_another_stretch_and_no_other_release_of_which_the_last_look_tells() {
+        let mut n_looks = 0;
+        let mut count = |event: Event| n_looks += usize::from(matches!(event, Event::Looked(_)));
+        let mut watcher = Watcher::new(Parameters::paper(), 250.0, &mut count);
+        release(&mut watcher, -1.0, 500);
+        watcher.gap();
+        (0..500).for_each(|_| watcher.reading(0.5));
+        assert_eq!((watcher.releases.len(), watcher.n_swings()), (2, 1));
+        assert_eq!((watcher.releases[0].len(), watcher.releases[1].len()), (496, 500));
+        let look = watcher.rests();
+        assert_eq!((look.swings, look.watched), (1, 1));
+        assert_eq!(n_looks, 1);
+    }
+
+    #[test]
+    fn it_looks_every_four_seconds_and_a_swing_that_rests_begins_to_count_anew() {
+        let mut n_looks = 0;
+        let mut count = |event: Event| n_looks += usize::from(matches!(event, Event::Looked(_)));
+        let mut watcher = Watcher::new(Parameters::paper(), 250.0, &mut count);
+        watcher.stage(Stage::Swinging);
+        let swing = |k: i32| 0.5 * (0.024 * f64::from(k)).cos();
+        for k in 0..3000 {
+            watcher.reading(swing(k));
+            watcher.pause();
+        }
+        // Twelve seconds without the beginning.
+        assert_eq!(watcher.n_looks, 2);
+        watcher.rests();
+        assert_eq!(watcher.n_looks, 0);
+        let mut other = Parameters::paper();
+        other.set_friction(1e-3, 0.0, 0.0, 0.0);
+        watcher.takes_over(other.clone());
+        assert_eq!(watcher.parameters, other);
+        assert_eq!(n_looks, 4);
+    }
+}

@@ -305,7 +305,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.txt");
         write(&path, "old", Existing::Keep).unwrap();
-        assert!(matches!(write(&path, "new", Existing::Keep), Err(FileError::Exists { .. })));
+        let kept = write(&path, "new", Existing::Keep).unwrap_err();
+        assert!(matches!(kept, FileError::Exists { .. }) && kept.next_step().contains("--force"), "{kept:?}");
         let mut half = NewFile::whole(&path, Existing::Overwrite).unwrap();
         half.write_all(b"half").unwrap();
         half.flush().unwrap();

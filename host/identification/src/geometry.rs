@@ -304,6 +304,8 @@ mod tests {
         assert!(two.len() == 1 && two[0].1.contains("1.047 s") && two[0].1.contains("1.078 s"), "{two:?}");
         let three = doubted(&[1.047, 1.047, 1.09]);
         assert!(three.len() == 1 && three[0].0 == 2, "{three:?}");
+        let told = "its period of small swings is 1.090 s, that of the others 1.047 s";
+        assert!(three[0].1.starts_with(told), "{three:?}");
     }
 
     #[test]

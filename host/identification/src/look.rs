@@ -114,3 +114,60 @@ fn candidate(suspect: &Suspect<f64>, windows: usize) -> Candidate {
         tied: suspect.is_tied,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Noise;
+    use shared::bank::findings::look;
+    use shared::bank::refit::Releases;
+    use shared::model::Model;
+    use shared::parameters::Parameters;
+
+    /// What the bank finds in a swing with a drag that the model lacks.
+    fn found() -> Findings<f64> {
+        let mut truth = Parameters::paper();
+        truth.set(10, &[2e-4]).unwrap();
+        let (model, mut noise) = (Model::new(&truth), Noise::new(7));
+        let mut state = model.release(1.4, 0.0);
+        let mut reading = || {
+            (0..4).for_each(|_| model.step(&mut state, 1e-3));
+            state.angle_rad + 5e-4 * noise.normal()
+        };
+        let readings: Vec<f64> = (0..6250).map(|_| reading()).collect();
+        look(&Parameters::paper(), &Releases::new(&[readings.as_slice()], 1.0 / RATE_HZ), 1e-3)
+    }
+
+    #[test]
+    fn a_look_says_of_each_suspect_what_the_bank_found() {
+        let findings = found();
+        let told = said(&findings, 3);
+        assert_eq!((told.named, told.swings, told.watched), (vec!["quadratic-drag"], 3, 3));
+        // Put right, the rig's own numbers leave less.
+        assert!(told.excess[0] > told.excess[1] && told.left.unwrap() < told.excess[1], "{:?}", told.excess);
+        assert_eq!(told.candidates.len(), findings.suspects.len());
+        for (candidate, suspect) in told.candidates.iter().zip(&findings.suspects) {
+            assert_eq!((candidate.name, candidate.tied), (suspect.effect.name, suspect.is_tied));
+            for (place, strength) in suspect.strengths.iter().enumerate() {
+                let value = &candidate.values[usize::from(*strength)];
+                assert_eq!(value.std, Some(suspect.evidence.stds[place]), "{candidate:?}");
+            }
+        }
+        assert!(findings.suspects.iter().any(|suspect| suspect.strengths.len() > 1));
+    }
+
+    #[test]
+    fn wrong_numbers_and_friction_about_rest_ask_for_a_fit_and_nothing_else_does() {
+        let mut told = said(&found(), 1);
+        let mut asks = |reason| {
+            told.reason = Some(of_reason(reason));
+            told.asks_for_a_fit()
+        };
+        assert!(asks(Reason::WrongNumbers) && asks(Reason::FrictionAboutRest));
+        assert!(
+            ![Reason::TooFewSwings, Reason::NotThisPendulum, Reason::Unexplained, Reason::NothingMissing]
+                .map(asks)
+                .contains(&true)
+        );
+    }
+}

@@ -399,3 +399,20 @@ const FIRST_SWING: f64 = 1.3;
 
 /// Fewer would not tell noise from velocity.
 const MIN_START_SAMPLES: usize = 5;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_part_begins_as_long_after_the_release_as_its_first_sample() {
+        let times_s: Vec<f64> = (0..2000).map(|i| f64::from(i) * 5e-3).collect();
+        let angles_rad: Vec<f64> = times_s.iter().map(|t| (6.0 * t).cos()).collect();
+        let whole = Swing::new("one", &times_s, &angles_rad, 1e-4);
+        let part = whole.part(400..1600).part(200..900);
+        assert!((part.begins_s - 3.0).abs() < 1e-9 && part.times_s[0] == 0.0, "{}", part.begins_s);
+        assert_eq!(part.angles_rad, angles_rad[600..1300]);
+        // So does it with fewer samples.
+        assert_eq!(part.decimated().begins_s, part.begins_s);
+    }
+}

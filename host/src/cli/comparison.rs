@@ -103,6 +103,20 @@ mod tests {
             table.contains("noise") && cells(&table, "swing.csv") == ["swing.csv", "1.00", "4.00", "3.00", "2.00"],
             "{table}"
         );
+        comparison.recordings[0].predictions.step_ahead_rad = None;
+        let table = recordings(&comparison);
+        assert_eq!(cells(&table, "swing.csv"), ["swing.csv", "1.00", "4.00", "3.00", "–"], "{table}");
+    }
+
+    #[test]
+    fn a_note_says_whose_it_is_where_there_are_several_recordings() {
+        let mut comparison = comparison();
+        comparison.limits.clear();
+        comparison.recordings[0].notes = vec!["it was touched".to_owned()];
+        assert_eq!(notes(&comparison), ["it was touched"]);
+        let other = comparison.recordings[0].clone();
+        comparison.held_out.push(other);
+        assert_eq!(notes(&comparison), ["swing.csv: it was touched"; 2]);
     }
 
     #[test]

@@ -451,6 +451,11 @@ mod tests {
         assert!(why(Standing::Slight).contains("fall to 2.00 mrad, but by less than a tenth of what is claimed"));
         assert!(why(Standing::OutOfRange).contains("but only as strong as it can be at most"));
         assert!(why(Standing::TooShort).contains("but there are only 14 windows of a few periods to check it on"));
+        assert!(why(Standing::Vague).contains("but all its numbers are within their own errors"));
+        let dropped =
+            |standing| unproven(&claim(standing, None), "mrad").split_whitespace().collect::<Vec<_>>().join(" ");
+        let vague = "Not claimed: quadratic-drag (to 2.00 mrad). It lowers the error, but all its numbers are within";
+        assert!(dropped(Standing::Vague).starts_with(vague), "{}", dropped(Standing::Vague));
     }
 
     fn suggestion(rmse: f64) -> Suggestion {

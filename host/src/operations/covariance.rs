@@ -31,3 +31,22 @@ impl Covariance {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::fit;
+
+    #[test]
+    fn an_entry_is_the_correlation_times_both_standard_deviations() {
+        let fit = fit();
+        let found = Covariance::of(&fit);
+        let of = |symbol: &str| found.symbols.iter().position(|other| *other == symbol).unwrap();
+        let (mw, mc) = (of("Mw"), of("Mc"));
+        let [std_mw, std_mc] = [mw, mc].map(|at| fit.identified[at].std.unwrap());
+        let both = fit.correlations[mw][mc].unwrap() * std_mw * std_mc;
+        assert!((found.matrix[mw][mc].unwrap() / both - 1.0).abs() < 1e-12);
+        assert!((found.matrix[mc][mc].unwrap() / (std_mc * std_mc) - 1.0).abs() < 1e-12);
+        assert_eq!((found.units[mw], found.units[mc]), ("N·m·s/rad", "N·m"));
+    }
+}

@@ -85,3 +85,27 @@ fn entry(effect: &Effect<f64>) -> Entry {
         parameters: effect.parameters.iter().map(number).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_effect_is_shown_as_the_list_has_it() {
+        for effect in Effect::<f64>::ALL {
+            let shown = serde_json::to_value(Shown::of(&[effect])).unwrap();
+            let entry = &shown["effects"][0];
+            let text = |key: &str| entry[key].as_str().unwrap().to_owned();
+            let told = ["name", "summary", "formula", "source", "experiment"].map(text);
+            assert_eq!(told, [effect.name, effect.summary, effect.formula, effect.source, effect.experiment]);
+            for (shown, parameter) in entry["parameters"].as_array().unwrap().iter().zip(effect.parameters) {
+                assert_eq!((&shown["symbol"], &shown["unit"]), (&parameter.symbol.into(), &parameter.unit.into()));
+                assert_eq!((&shown["low"], &shown["high"]), (&parameter.low.into(), &parameter.high.into()));
+            }
+        }
+        let on = |name: &str| acts_on(chosen(Some(name)).unwrap()[0]);
+        assert_eq!(["coulomb", "quadratic-drag", "angle-offset"].map(on), ["base model", "torque", "sensor"]);
+        assert_eq!(["presliding", "resonant-support"].map(on), ["torque with memory", "something that swings with it"]);
+        assert!(chosen(Some("drag")).unwrap_err().next_step().unwrap().contains("quadratic-drag"));
+    }
+}

@@ -232,3 +232,38 @@ fn refit(swings: &[Swing], held_out: &[Swing], found: KnownRig) -> Result<Fit, F
     let settings = identify::Options { method: identify::Method::LeastSquares, ranges: Vec::new() };
     identify::fit(swings, held_out, found, &settings, &|_| {}).map_err(Failure::failed)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::{self, swing};
+
+    #[test]
+    fn the_fields_say_what_was_found_and_the_method_that_was_asked_for() {
+        let mut fit = examples::fit();
+        (fit.rmse_rad, fit.noise_rad, fit.held_out_rmse_rad) = (2e-3, 1e-3, Some(3e-3));
+        let outcome = Outcome { fit, stages: Vec::new(), discovery: None };
+        let told = |method| serde_json::to_value(outcome.fields(&[], Vec::new(), method, None)).unwrap();
+        let found = told(identify::Method::Rsm);
+        assert_eq!(
+            (&found["rmse"], &found["noise"], &found["held_out_rmse"]),
+            (&2e-3.into(), &1e-3.into(), &3e-3.into())
+        );
+        let responses = |responses: &Responses| serde_json::to_value(responses).unwrap();
+        assert_eq!(found["responses"], responses(&outcome.fit.responses));
+        assert_eq!(found["responses_before"], responses(&outcome.fit.responses_before));
+        assert_ne!(found["responses"], found["responses_before"]);
+        let methods = [identify::Method::Rsm, identify::Method::LeastSquares, identify::Method::Both];
+        let names = ["response surfaces", "least squares", "response surfaces, least squares"];
+        assert_eq!(methods.map(|method| told(method)["method"].as_str().unwrap().to_owned()), names);
+    }
+
+    #[test]
+    fn a_zero_that_is_off_is_in_the_readings_of_the_model() {
+        let swing = swing();
+        let start = |offset_rad| Start { angle_rad: 1.2, velocity_rad_s: 0.0, offset_rad };
+        let [off, right] = [0.1, 0.0].map(|offset_rad| modelled(&swing, &start(offset_rad), &Parameters::paper()));
+        assert!(off.iter().zip(&right).all(|(off, right)| (off - right - 0.1).abs() < 1e-12));
+        assert!((right[0] - 1.2).abs() < 1e-12);
+    }
+}

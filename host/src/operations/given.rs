@@ -67,4 +67,21 @@ mod tests {
         assert!(told.len() == 1 && told[0].starts_with("doubtful: c.csv: its period"), "{told:?}");
         assert_eq!(two.map(|swing| swing.doubts.len()), [0, 0, 1]);
     }
+
+    #[test]
+    fn a_recording_counts_once_and_one_that_was_fitted_confirms_nothing() {
+        let times_s: Vec<f64> = (0..400).map(|idx| f64::from(idx) * 5e-3).collect();
+        let angles_rad: Vec<f64> = times_s.iter().map(|t| 0.2 * (6.0 * t).cos()).collect();
+        let swing = |name: &str| Swing::new(name, &times_s, &angles_rad, 1e-4);
+        let slower_s: Vec<f64> = times_s.iter().map(|t| 2.0 * t).collect();
+        let other = Swing::new("other.csv", &slower_s, &angles_rad, 1e-4);
+        let refused =
+            |fitted: &[Swing], held_out: &[Swing]| refuse_doubles(fitted, held_out).unwrap_err().what().to_owned();
+        // At other times it is another recording.
+        assert!(refuse_doubles(&[swing("a.csv")], &[other]).is_ok());
+        let held_out = refused(&[swing("a.csv")], &[swing("b.csv")]);
+        assert!(held_out.starts_with("b.csv is fitted (as a.csv) and held out at once"), "{held_out}");
+        let twice = refused(&[swing("a.csv"), swing("b.csv")], &[]);
+        assert!(twice.starts_with("b.csv holds the same recording as a.csv"), "{twice}");
+    }
 }

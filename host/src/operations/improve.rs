@@ -86,3 +86,20 @@ pub fn effect_named(
         Failure::wrong_use(format!("there is no effect called {name}")).next("see the names with `host effects`")
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formula;
+
+    #[test]
+    fn a_custom_effect_is_the_one_that_was_typed_now_else_that_of_the_model() {
+        let [typed, own] = ["-k*omega; k in 0..1", "-k*theta; k in 0..1"].map(|text| formula::read(text).unwrap());
+        let mut rig = Parameters::paper();
+        assert!(effect_named(CUSTOM_FORMULA_NAME, None, &rig).is_err());
+        formula::add(&mut rig, own, &[0.5]).unwrap();
+        let named = |typed| effect_named(CUSTOM_FORMULA_NAME, typed, &rig).unwrap().formula;
+        assert_eq!((named(Some(typed)), named(None)), (typed.formula, own.formula));
+        assert_eq!(effect_named("eddy-brake", None, &rig).unwrap().name, "eddy-brake");
+    }
+}

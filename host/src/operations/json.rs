@@ -46,3 +46,16 @@ pub fn doubts(swings: &[Swing]) -> Vec<Doubt<'_>> {
 pub fn all_named(swings: &[Swing]) -> Vec<String> {
     swings.iter().map(|swing| swing.name.clone()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_doubt_is_told_with_the_recording_that_it_is_of() {
+        let mut swing = crate::examples::swing();
+        swing.doubts = vec!["its period is another one".to_owned()];
+        let told = serde_json::to_value(doubts(&[swing])).unwrap();
+        assert_eq!(told, serde_json::json!([{ "recording": "swing.csv", "words": "its period is another one" }]));
+    }
+}

@@ -62,4 +62,33 @@ mod tests {
         assert!((planned.left.1 - 1.0).abs() < 0.1, "{:?}", planned.left);
         assert_eq!((planned.models, planned.experiments.len()), (vec![NOTHING.to_owned()], 0));
     }
+
+    #[test]
+    fn a_pendulum_of_which_only_the_motion_is_known_is_not_changed() {
+        let mut truth = Parameters::paper();
+        truth.set(10, &[2e-4]).unwrap();
+        let model = shared::model::Model::new(&truth);
+        let mut state = model.release(1.2, 0.0);
+        let times_s: Vec<f64> = (0..600).map(|i| f64::from(i) / 50.0).collect();
+        let mut angles_rad = Vec::new();
+        for k in 0..times_s.len() {
+            angles_rad.push(state.angle_rad + 1e-3 * [1.0, -1.0, -1.0, 1.0][k % 4]);
+            (0..10).for_each(|_| model.step(&mut state, 2e-3));
+        }
+        let swings = [Swing::new("drag.csv", &times_s, &angles_rad, 1e-3)];
+        let changes = |rig: &RigFile| {
+            let planned = Planned::new(&[], &swings, rig);
+            let is_changed = |it: &Prospect| (it.experiment.mass_factor, it.experiment.length_factor) != (1.0, 1.0);
+            assert!(planned.models.len() > 1 && !planned.experiments.is_empty(), "{:?}", planned.models);
+            planned.experiments.iter().any(is_changed)
+        };
+        assert!(changes(&RigFile::new(Parameters::paper().pendulum).unwrap()));
+        assert!(!changes(&RigFile::normalised(9.81).unwrap()));
+    }
+
+    #[test]
+    fn effects_of_one_explanation_are_added() {
+        assert_eq!(named(&["quadratic-drag", "eddy-brake"]), "quadratic-drag + eddy-brake");
+        assert_eq!(named(&[]), NOTHING);
+    }
 }

@@ -73,3 +73,20 @@ impl Reading {
             .map_err(|error| Failure::failed(format!("{name}: {error}")))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_swing_that_would_end_before_it_begins_is_refused_with_the_limits_the_other_way_round() {
+        let check = |from_s, to_s| {
+            let segment = SegmentOptions { from_s: Some(from_s), to_s: Some(to_s) };
+            Reading { segment, ..Reading::default() }.check()
+        };
+        assert!(check(2.0, 3.0).is_ok() && check(2.0, 2.0).is_err());
+        let refused = check(3.0, 2.0).unwrap_err();
+        assert_eq!(refused.what(), "--from 3 s is not before --to 2 s");
+        assert_eq!(refused.next_step(), Some("write --from 2 --to 3, or leave one out"));
+    }
+}

@@ -77,3 +77,43 @@ fn ended(end: &End) -> &'static str {
         End::Lost(_) => "link lost",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::LinkError;
+    use shared::sensor::{Potentiometer, Sensor};
+
+    #[test]
+    fn what_was_recorded_is_told_with_what_ended_it() {
+        let told = |end| {
+            let (path, n_samples, release_rad, n_passages) = ("a/swing.csv".into(), 1234, -0.5, 9);
+            let (swing_s, frames_lost, samples_lost) = (20.5, 2, 7);
+            let taken = Taken { path, n_samples, release_rad, n_passages, swing_s, frames_lost, samples_lost, end };
+            serde_json::to_value(Recorded::new(&taken, 500.0)).unwrap()
+        };
+        let rest = told(End::AtRest);
+        let expected = serde_json::json!({
+            "file": "a/swing.csv", "rate_hz": 500.0, "n_samples": 1234, "release_rad": -0.5, "n_passages": 9,
+            "swing_s": 20.5, "frames_lost": 2, "samples_lost": 7, "ended": "at rest",
+        });
+        assert_eq!(rest, expected);
+        let sensor = Sensor::Potentiometer(Potentiometer::nominal(4095));
+        let lost = End::Lost(LinkError::StreamStopped { port: "COM3".to_owned() });
+        let ends = [End::TimeLimit, End::Stopped, End::Disconnected { code: 0, sensor }, lost];
+        assert_eq!(
+            ends.map(|end| told(end)["ended"].as_str().unwrap().to_owned()),
+            ["time limit", "stopped", "disconnected", "link lost"]
+        );
+    }
+
+    #[test]
+    fn after_a_swing_at_another_rate_the_rig_samples_as_before() {
+        let mut session = crate::link::connect("sim").unwrap();
+        let before_hz = session.settings().unwrap().rate_hz;
+        let rate = |session: &mut Session| Ok(session.settings()?.rate_hz);
+        let (meanwhile_hz, told_hz) = at_rate(&mut session, Some(250.0), &|_| (), rate).unwrap();
+        assert_eq!((meanwhile_hz, told_hz), (250.0, 250.0));
+        assert!(before_hz != 250.0 && session.settings().unwrap().rate_hz == before_hz, "{before_hz}");
+    }
+}

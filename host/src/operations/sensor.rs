@@ -26,3 +26,22 @@ pub fn as_json<S: Serializer>(sensor: &Sensor, serializer: S) -> Result<S::Ok, S
     }
     map.end()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::sensor::{Encoder, Potentiometer};
+
+    #[derive(serde::Serialize)]
+    struct Told(#[serde(serialize_with = "as_json")] Sensor);
+
+    #[test]
+    fn a_potentiometer_is_told_by_its_line_and_an_encoder_by_its_kind_too() {
+        let potentiometer = Sensor::Potentiometer(Potentiometer::nominal(4095));
+        let (line, told) = (potentiometer.line(), serde_json::to_value(Told(potentiometer)).unwrap());
+        assert_eq!((&told["zero_code"], &told["full_scale"]), (&line.zero_code.into(), &4095.into()));
+        assert_eq!((&told["radian_per_code"], told.get("kind")), (&line.radian_per_code.into(), None));
+        let told = serde_json::to_value(Told(Sensor::Encoder(Encoder::new(4096)))).unwrap();
+        assert_eq!(told["kind"], "encoder");
+    }
+}

@@ -199,4 +199,32 @@ mod tests {
             assert!(off_rad.abs() < 1e-4, "{rate_hz} Hz: {off_rad}");
         }
     }
+
+    #[test]
+    fn a_reading_is_the_nearest_code_and_the_file_says_how_it_was_made() {
+        let sensor = Sensor::Potentiometer(shared::sensor::Potentiometer::nominal(4095));
+        let converter = Some(sensor);
+        let (parameters, start_rad, seconds) = (Parameters::paper(), 0.5, 1.0);
+        let swing = Simulation { parameters, start_rad, seconds, noise_rad: 0.002, seed: 7, rate_hz: 100.0, converter };
+        let Calibration { zero_code, radians_per_code } = Calibration::of(&sensor);
+        for k in 0..20 {
+            let angle_rad = 0.013 * f64::from(k);
+            let (read_rad, code) = convert(&sensor, angle_rad);
+            assert!((read_rad - angle_rad).abs() <= 0.5 * radians_per_code.abs() + 1e-12, "{angle_rad}");
+            assert!((f64::from(code.unwrap()) - zero_code - read_rad / radians_per_code).abs() < 1e-9);
+        }
+        assert_eq!(swing.header().comment.as_deref(), Some("simulated, noise 0.002 rad, seed 7"));
+        let end = swing.run(|_, _, _| Ok::<(), ()>(())).unwrap();
+        assert!(!end.rests && end.n_samples == 151, "{end:?}");
+        let end = Simulation { seconds: 60.0, ..swing }.run(|_, _, _| Ok::<(), ()>(())).unwrap();
+        assert!(end.rests, "{end:?}");
+    }
+
+    #[test]
+    fn what_makes_files_that_nobody_wants_is_refused() {
+        assert!(check_size(LONGEST_S, HIGHEST_RATE_HZ).is_ok());
+        assert!(check_size(LONGEST_S + 0.5, 100.0).is_err());
+        let refused = check_size(10.0, 200_000.0).unwrap_err();
+        assert_eq!(refused.what(), "10 s at 200000 Hz is too much");
+    }
 }

@@ -53,3 +53,40 @@ fn values_after(design: &Stage, problem: &Problem) -> Vec<f64> {
     };
     problem.unknowns.iter().zip(problem.template_values()).map(value).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::examples::{self, swing};
+    use crate::fit::identify::{self, Options};
+    use shared::parameters::Parameters;
+
+    #[test]
+    fn the_first_guess_stands_before_what_the_fit_made_of_it() {
+        let fit = examples::fit();
+        let told = stages(&fit, Method::LeastSquares, &[swing()]);
+        let [first, last] = [&told[0], &told[1]];
+        assert_eq!((first.stage, first.responses), ("first guess", fit.responses_before));
+        assert_eq!((last.stage, last.responses), ("least squares", fit.responses));
+    }
+
+    #[test]
+    fn response_surfaces_end_where_their_last_design_does() {
+        let options = Options { method: Method::Both, ranges: Vec::new() };
+        let fit = identify::fit(&[swing()], &[], &Parameters::paper(), &options, &|_| {}).unwrap();
+        let told = stages(&fit, Method::Both, &[swing()]);
+        assert_eq!(
+            told.iter().map(|after| after.stage).collect::<Vec<_>>(),
+            ["first guess", "response surfaces", "least squares"]
+        );
+        // The surfaces end at numbers of their own.
+        assert_ne!(told[1].responses, told[2].responses);
+        let (swings, count) = ([swing()], Tally::default());
+        let full = problem_of(&swings, fit.rig(), &count);
+        let last = fit.stages.last().unwrap();
+        let values = values_after(last, &full);
+        let at = full.unknowns.iter().position(|unknown| unknown.symbol == "Mw").unwrap();
+        let design = last.ranges.iter().position(|(symbol, _, _)| *symbol == "Mw").unwrap();
+        assert_eq!(values[at], last.values[design]);
+    }
+}

@@ -58,3 +58,14 @@ fn is_last(end: &End) -> Result<bool, Failure> {
         End::Disconnected { code, sensor } => Err(disconnected(*code, sensor)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_simulated_pendulum_lets_go_by_itself() {
+        assert!(["sim", "sim:drag"].into_iter().all(is_simulated));
+        assert!(!["simple", "/dev/ttyACM0", "COM3"].into_iter().any(is_simulated));
+    }
+}

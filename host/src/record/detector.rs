@@ -283,6 +283,12 @@ mod tests {
     #[test]
     fn what_never_stands_still_never_starts() {
         assert_eq!(stages(20.0, 1e-3, |time_s| 0.5 * (8.0 * time_s).sin()), []);
+        // Over a whole period a sine spreads by its amplitude over √2.
+        let mut detector = Detector::new(RATE_HZ, STEP_RAD);
+        (0..2000).for_each(|sample| {
+            detector.push(0.5 * (4.0 * std::f64::consts::PI * f64::from(sample) / RATE_HZ).sin());
+        });
+        assert!((detector.spread_rad() - 0.5 / 2f64.sqrt()).abs() < 1e-3, "{}", detector.spread_rad());
     }
 
     /// The swing without noise up to so long after the release.

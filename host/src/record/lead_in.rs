@@ -36,3 +36,18 @@ impl LeadIn {
         self.samples.pop_front()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_samples_are_kept_until_all_are_to_be() {
+        let sample = |number: u64| Sample { number, angle_rad: 0.0, code: 0 };
+        let mut lead_in = LeadIn::new(3);
+        (0..5).for_each(|number| lead_in.push(sample(number), false));
+        (5..7).for_each(|number| lead_in.push(sample(number), true));
+        let kept: Vec<u64> = std::iter::from_fn(|| lead_in.pop()).map(|sample| sample.number).collect();
+        assert_eq!(kept, [2, 3, 4, 5, 6]);
+    }
+}

@@ -61,6 +61,13 @@ mod tests {
         assert!(matches!(LIMITS.patience(&detector, 1.9), Ok(None)));
         let given_up = LIMITS.patience(&detector, 2.5);
         assert!(matches!(given_up, Err(RecordError::NeverStill { seconds: 2.0, .. })), "{given_up:?}");
+        let mut still = detector;
+        (0..600).for_each(|_| {
+            still.push(0.5);
+        });
+        assert!(still.stage() == Stage::Waiting && matches!(LIMITS.patience(&still, 1.9), Ok(None)));
+        let given_up = LIMITS.patience(&still, 2.5);
+        assert!(matches!(given_up, Err(RecordError::NoRelease { seconds: 2.0 })), "{given_up:?}");
     }
 
     #[test]

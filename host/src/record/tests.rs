@@ -29,6 +29,9 @@ fn a_swing_of_the_simulated_rig_is_recorded_from_the_held_angle_to_rest() {
     assert!((taken.release_rad - 1.5).abs() < 0.01, "{}", taken.release_rad);
     assert_eq!((taken.frames_lost, taken.samples_lost, taken.n_samples), (0, 0, read.len()));
     assert!(read.gaps().is_empty() && (read.rate_hz() - 1000.0).abs() < 1e-6);
+    // The file begins before the release is noticed, with the end of the hold.
+    let before_s = read.duration_s() - taken.swing_s;
+    assert!((1.2..3.0).contains(&before_s), "{before_s}");
     assert!(read.header().firmware.as_ref().unwrap().starts_with("simulated-rig"));
     let segments = recording::segment::segment(&read, &Default::default()).unwrap();
     let released = segments.release_s;
@@ -82,11 +85,16 @@ fn an_existing_file_is_left_alone() {
 #[test]
 fn swings_that_begin_in_the_same_second_have_files_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
+    let mut names: Vec<String> = Vec::new();
     for _ in 0..3 {
         let path = unused_path(folder.path(), "-a");
         let name = path.file_name().unwrap().to_str().unwrap();
         assert!(path.starts_with(folder.path()) && !path.exists());
         assert!(name.starts_with("swing-20") && name.contains("-a") && name.ends_with(".csv"), "{name}");
+        // Where the second was over meanwhile, no number is needed.
+        let same = names.iter().filter(|other| name.starts_with(&other[..22])).count();
+        assert!(same == 0 || name.ends_with(&format!("-a-{}.csv", same + 1)), "{name} {names:?}");
+        names.push(name.to_owned());
         std::fs::write(&path, "").unwrap();
     }
 }
@@ -194,4 +202,57 @@ fn a_file_says_how_it_was_taken() {
     // 4096 steps a turn.
     let step_rad = header.calibration.unwrap().radians_per_code;
     assert!((step_rad - std::f64::consts::TAU / 4096.0).abs() < 1e-9, "{step_rad}");
+}
+
+/// The first things that a person may see while it swings.
+#[derive(Default)]
+struct Seen {
+    stage: Option<Stage>,
+    swinging: Vec<Live>,
+}
+
+impl Watch for Seen {
+    fn stage(&mut self, stage: Stage) {
+        self.stage = Some(stage);
+    }
+    fn live(&mut self, live: &Live) {
+        if self.stage == Some(Stage::Swinging) {
+            self.swinging.push(*live);
+        }
+    }
+}
+
+#[test]
+fn while_it_swings_a_person_sees_its_amplitude_and_the_seconds_since_the_release() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("swing.csv");
+    let plan = Plan { limit_s: 3.0, ..plan(&path) };
+    let mut seen = Seen::default();
+    record(&mut link::connect("sim").unwrap(), &plan, &mut seen, &AtomicBool::new(false)).unwrap();
+    let (first, last) = (seen.swinging.first().unwrap(), seen.swinging.last().unwrap());
+    assert!(first.elapsed_s < 0.2 && (2.5..3.1).contains(&last.elapsed_s), "{first:?} {last:?}");
+    assert!(seen.swinging.iter().all(|live| live.amplitude_rad > 0.5 && live.amplitude_rad < 1.6), "{last:?}");
+    assert!(seen.swinging.iter().any(|live| live.angle_rad < -0.5));
+}
+
+#[test]
+fn what_leaves_no_recording_is_told_with_what_to_do_next() {
+    use crate::error::Failure;
+    use shared::sensor::Potentiometer;
+    let told = |error: RecordError| {
+        let failure = Failure::from(error);
+        (failure.what().to_owned(), failure.next_step().unwrap_or_default().to_owned())
+    };
+    let (what, next) = told(RecordError::NoRelease { seconds: 60.0 });
+    assert!(what == "no release was seen within 60 s" && next.contains("lift the pendulum"), "{what}; {next}");
+    let (what, next) = told(RecordError::NeverStill { seconds: 60.0, spread_rad: 0.25 });
+    assert!(what.contains("varies by 0.250 rad") && next.contains("by hand"), "{what}; {next}");
+    let (what, next) = told(RecordError::StoppedEarly);
+    assert!(what.contains("nothing was recorded") && next == "repeat the command", "{what}; {next}");
+    let (what, next) = told(RecordError::Write(WriteError::Exists { path: "swing.csv".into() }));
+    assert!(what.contains("swing.csv") && next.contains("--force"), "{what}; {next}");
+    let sensor = Sensor::Potentiometer(Potentiometer::nominal(4095));
+    let (what, next) = told(RecordError::Disconnected { code: 7, sensor });
+    assert!(what.contains("reads code 7 of 0 … 4095"), "{what}");
+    assert!(next.contains("hangs in the middle of its travel"), "{next}");
 }

@@ -124,4 +124,16 @@ mod tests {
         comparison.measured = Measured::Rate;
         assert!(swings(&comparison).into_string().contains("<th>residual, mrad/s rms</th>"));
     }
+
+    #[test]
+    fn a_step_ahead_that_can_not_be_told_is_a_dash_in_its_column() {
+        let mut comparison = comparison();
+        let predictions = &mut comparison.recordings[0].predictions;
+        (predictions.free_run_rad, predictions.swing_ahead_rad, predictions.step_ahead_rad) = (4e-3, Some(3e-3), None);
+        let table = recordings(&comparison).into_string();
+        assert!(table.contains("<td>4.00</td><td>3.00</td><td>–</td>"), "{table}");
+        comparison.recordings[0].predictions.step_ahead_rad = Some(2e-3);
+        let table = recordings(&comparison).into_string();
+        assert!(table.contains("<td>4.00</td><td>3.00</td><td>2.00</td>"), "{table}");
+    }
 }

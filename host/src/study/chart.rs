@@ -359,4 +359,14 @@ mod tests {
         // The 97.5 % point of Student's distribution with 10 degrees of freedom is 2.228.
         assert!((normal_of(2.228_138_852, 10.0) - 1.959_964).abs() < 1e-5);
     }
+
+    #[test]
+    fn a_change_is_as_uncertain_as_the_wider_of_both_scatters_makes_it() {
+        let before = [0.9, 1.0, 1.1];
+        let of_three = 0.1 * (2.0_f64 / 3.0).sqrt();
+        let (share, std) = change(&before, &[2.0, 2.0, 2.0]).unwrap();
+        assert!((share - 1.0).abs() < 1e-12 && (std - of_three).abs() < 1e-12, "{share} ± {std}");
+        let (share, std) = change(&before, &[1.6, 2.0, 2.4]).unwrap();
+        assert!((share - 1.0).abs() < 1e-12 && (std - 4.0 * of_three).abs() < 1e-12, "{share} ± {std}");
+    }
 }

@@ -207,3 +207,21 @@ fn how_to_read() -> Markup {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::rig::tests::row;
+    use super::*;
+
+    #[test]
+    fn an_error_is_told_in_times_the_noise_and_what_failed_with_dashes() {
+        let mut rows = vec![row("1.csv", 0.9, 0.5), row("2.csv", 1.0, 0.5)];
+        let found = rows[0].outcome.as_mut().unwrap();
+        (found.error_rad, found.noise_rad) = (3e-3, 2e-3);
+        rows[1].outcome = Err("broken".to_owned());
+        let shown = swings(&RigView::new("rig", rows)).into_string();
+        let cells = |name: &str| shown.split_once(name).unwrap().1.split("</tr>").next().unwrap().to_owned();
+        assert!(cells("1.csv").ends_with("<td>1.50</td>"), "{shown}");
+        assert!(cells("2.csv").ends_with("<td>–</td><td>–</td><td>–</td>"), "{shown}");
+    }
+}

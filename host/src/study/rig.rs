@@ -455,6 +455,20 @@ pub(crate) mod tests {
             words[0].contains("has risen since day-11.csv") && words[0].contains("up to day-20.csv by "),
             "{words:?}"
         );
-        assert!(words[1].contains("has fallen since day-21.csv"), "{words:?}");
+        // From 1.1 back to 1: by a eleventh of what it was.
+        let back = words[1].split_once("in the last 5 swings by 9.").map(|(begin, _)| begin);
+        assert!(back.is_some_and(|begin| begin.contains("has fallen since day-21.csv")), "{words:?}");
+    }
+
+    #[test]
+    fn one_swing_that_is_off_does_not_tell_how_far_a_change_has_come() {
+        let wiggle = |idx: usize| [0.0, 0.9, -1.1, 0.4, -0.2, 1.0, -0.8][idx % 7] * 1e-3;
+        let level = |idx: usize| if idx < 10 { 1.0 } else { 1.1 };
+        let mut values: Vec<f64> = (0..30).map(|idx| 7e-4 * (level(idx) + wiggle(idx))).collect();
+        values[27] *= 1.5;
+        let view = rig(&values, &[1e-7; 30]);
+        let rise = view.findings.iter().find(|finding| finding.kind == FindingKind::Wears).unwrap();
+        let by = rise.words.split_once("in the last 5 swings by ").unwrap().1;
+        assert!(by.starts_with("9.9") || by.starts_with("10.0"), "{rise:?}");
     }
 }

@@ -150,6 +150,14 @@ mod tests {
         let look = look_of(&said(&[&known, &unknown], 14));
         assert_eq!((look.named.as_slice(), look.candidates.len()), (&["quadratic-drag"][..], 1));
         assert!(look.candidates[0].p < 1e-9 && look.candidates[0].values[0].std.is_some());
+        // Of fourteen parts one tells the number.
+        let weak = Suspected { f: 4.0, is_tied: true, ..known.clone() };
+        let second = &look_of(&Suspects { noise_rad: 2e-3, ..said(&[&known, &weak], 14) });
+        assert_eq!((second.candidates[0].tied, second.candidates[1].tied), (false, true));
+        // F of 1 and 13 degrees of freedom exceeds 4.667 with 5 % (tables).
+        let five = look_of(&said(&[&Suspected { f: 4.667, ..known.clone() }], 14)).candidates[0].p;
+        assert!((five - 0.05).abs() < 1e-4, "{five}");
+        assert!((second.noise_rad - 2e-3).abs() < 1e-9, "{}", second.noise_rad);
         let nonsense = look_of(&said(&[&Suspected { n_tested: 0, f: f32::NAN, ..known.clone() }], 0));
         assert_eq!(nonsense.candidates.len(), 1);
         assert!(look_of(&said(&[], 14)).named.is_empty());

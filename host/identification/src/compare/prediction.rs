@@ -125,4 +125,13 @@ mod tests {
         let why = slow.why_no_step(&swing).unwrap();
         assert!(why.contains("12 readings a second"), "{why}");
     }
+
+    #[test]
+    fn a_step_ahead_that_is_off_by_its_noise_is_told_beside_a_free_run_that_is_off_by_less() {
+        let (swing, rig) = (swing("one", 1e-4, 1), rig(VISCOUS));
+        let mut followed = follow(&swing, &rig);
+        followed.residuals_rad.iter_mut().for_each(|residual| *residual *= 1e-3);
+        let found = predictions(&swing, &followed, &[], &rig);
+        assert!(found.step_ahead_rad.is_some_and(|step_rad| step_rad > LOST * found.free_run_rad), "{found:?}");
+    }
 }

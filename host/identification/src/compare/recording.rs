@@ -250,6 +250,7 @@ pub fn explained(angles_rad: &[f64], residuals_rad: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compare::tests::measurement;
 
     #[test]
     fn explained_is_the_share_of_the_motion_about_its_mean() {
@@ -268,5 +269,13 @@ mod tests {
         let followed = Followed { start, angles_rad: stopping(-0.02), residuals_rad: vec![0.0; 600] };
         let (measured_rad, modelled_rad) = stop_angles(&swing, &followed);
         assert!((measured_rad - 0.01).abs() < 1e-12 && (modelled_rad + 0.02).abs() < 1e-12);
+    }
+
+    #[test]
+    fn that_an_observer_does_not_follow_is_noted() {
+        let measurement = measurement("one.csv", 1);
+        let told = |step_ahead_rad| notes(&measurement, 0.0, &Predictions { step_ahead_rad, ..Predictions::default() });
+        assert!(told(None).last().unwrap().starts_with("a step ahead can't be told"), "{:?}", told(None));
+        assert_eq!(told(Some(1e-3)), measurement.notes);
     }
 }

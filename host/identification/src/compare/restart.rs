@@ -210,5 +210,7 @@ mod tests {
         let found = restarts(&swing, &truth, 0.0, &cuts(&swing, 0.0).unwrap(), 0.05);
         let largest = |errors: &[f64]| errors.iter().fold(0.0_f64, |largest, error| largest.max(error.abs()));
         assert!(found.len() > 5 && found.iter().all(|restart| largest(&restart.ahead_rad) < 1e-4));
+        let zero_rad = zero_of_swings(&swing, &truth, 1e-3, &cuts(&swing, 0.0).unwrap());
+        assert!(zero_rad.abs() < 1e-6, "{zero_rad}");
     }
 }

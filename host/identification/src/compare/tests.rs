@@ -51,7 +51,7 @@ pub(super) fn swing(name: &str, noise_rad: f64, seed: u64) -> Swing {
     Swing::new(name, &times_s, &angles_rad, noise_rad.max(1e-7))
 }
 
-fn measurement(name: &str, seed: u64) -> Measurement {
+pub(super) fn measurement(name: &str, seed: u64) -> Measurement {
     Measurement::of_swing(swing(name, NOISE_RAD, seed))
 }
 

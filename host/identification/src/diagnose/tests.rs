@@ -7,10 +7,10 @@ use super::holds::{Holding, Standing};
 use super::models::excess;
 use super::replacement::Replacements;
 use super::score::predictions;
-use super::search::Found;
+use super::search::{Found, search};
 use super::summary::{Diagnosis, Summary};
 use super::verdict::{INDISTINGUISHABLE, Judge};
-use super::widening::narrowed;
+use super::widening::{exchanged, narrowed};
 use super::{base_problem, diagnose, levels, zero};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::{Fitted, Stiction};
@@ -23,7 +23,7 @@ use crate::improve::{Bench, Change, ChangeError};
 use crate::random::Noise;
 use crate::swing::{Swing, Window};
 use crate::verdict::Left;
-use shared::effect::Effect;
+use shared::effect::{Effect, MAX_VALUES};
 use shared::model::Model;
 use shared::parameters::Parameters;
 use std::time::Instant;
@@ -457,6 +457,7 @@ fn the_zero_that_is_missing_has_a_value() {
     assert_eq!(found.verdict, ["angle-offset"]);
     let zero = found.values.iter().find(|value| value.effect == "angle-offset").unwrap();
     assert!((zero.value - 5e-3).abs() < 4.0 * zero.std.unwrap() && zero.std.unwrap() < 1e-4, "{zero:?}");
+    assert_eq!((zero.symbol, zero.unit, zero.upper), ("off", "rad", None));
     let bench = Bench { swings: &swings, held_out: &[], tolerances: Tolerances::default(), count: &Tally::default() };
     let added = bench.changed(&bench.fitted(&rig()).0, Change::Add(effect("angle-offset")));
     assert_eq!(added.unwrap_err(), ChangeError::Free { name: "angle-offset" });
@@ -473,6 +474,16 @@ fn one_release_cant_tell_a_friction_that_fades_from_a_drag() {
 }
 
 #[test]
+fn where_nothing_is_left_either_one_release_cant_tell_them_apart() {
+    let truth = rig_with("drifting-friction", &[0.0, 2e-4, 6.0]);
+    let one = [simulated("one", &truth, 12.0, 1)];
+    let found = diagnose(&one, &[], &rig());
+    assert_eq!(found.left, Left::Noise);
+    assert!(!found.verdict.is_empty() && !found.verdict.contains(&"drifting-friction"), "{:?}", found.verdict);
+    assert!(found.undecided.contains(&"drifting-friction"), "{:?}, {:?}", found.verdict, found.undecided);
+}
+
+#[test]
 fn a_wider_law_is_tried_in_its_usual_form_too() {
     let swings = with_drag();
     let count = Tally::default();
@@ -480,7 +491,37 @@ fn a_wider_law_is_tried_in_its_usual_form_too() {
     let wide = fitted(&problem, &rig_with("power-law-drag", &[DRAG, 2.0]));
     let names = |level: &[Fitted]| narrowed(&problem, level).iter().map(Fitted::name).collect::<Vec<_>>();
     assert_eq!(names(std::slice::from_ref(&wide)), ["quadratic-drag"]);
-    assert_eq!(names(&[wide, drag(&problem, 1.0)]), [""; 0]);
+    assert_eq!(names(&[wide.clone(), drag(&problem, 1.0)]), [""; 0]);
+    let spring = |model: &Fitted| model.with(effect("torsional-spring"), &[1e-3, 0.0]).unwrap();
+    // The usual form alone is not the usual form beside a spring.
+    let beside = Fitted { cost: wide.cost, ..spring(&wide) };
+    assert_eq!(names(&[beside, drag(&problem, 1.0)]), ["torsional-spring+quadratic-drag"]);
+    // What is far from the best is not tried, nor what has both forms already.
+    assert_eq!(names(&[with_excess(&problem, &rig(), 1.0), Fitted { cost: 1e3 * wide.cost, ..wide.clone() }]), [""; 0]);
+    let both = wide.with(effect("quadratic-drag"), &[DRAG]).unwrap();
+    assert_eq!(names(&[Fitted { cost: wide.cost, ..both }]), [""; 0]);
+}
+
+#[test]
+fn a_usual_form_is_begun_from_the_numbers_of_the_wider_one() {
+    let (swings, count) = (with_drag(), Tally::default());
+    let problem = base_problem(&swings, (&rig()).into(), &count);
+    let wide = fitted(&problem, &rig_with("power-law-drag", &[DRAG, 2.0]));
+    let usual = exchanged(&wide, effect("power-law-drag"), effect("quadratic-drag"), [0.0; MAX_VALUES]).unwrap();
+    let values = |model: &Fitted, name: &str| model.parameters.values(effect(name).id).map(|values| values[0]);
+    assert_eq!(values(&usual, "quadratic-drag"), values(&wide, "power-law-drag"));
+    assert_eq!(values(&usual, "power-law-drag"), None);
+}
+
+#[test]
+fn a_search_that_has_a_wider_law_only_finds_its_usual_form() {
+    let (swings, count) = (with_drag(), Tally::default());
+    let problem = base_problem(&swings, (&rig()).into(), &count);
+    let decimated = problem.decimated();
+    let base = fitted(&problem, &rig());
+    let found = search(&problem, &problem.on(&decimated), &base, &[effect("power-law-drag")], &Budget::new(&count));
+    let names: Vec<String> = found.levels[0].iter().map(Fitted::name).collect();
+    assert!(names.contains(&"quadratic-drag".to_owned()), "{names:?}");
 }
 
 /// Where swings stay too large for a band to be seen in them, it still changes their period.

@@ -86,7 +86,7 @@ pub(super) fn in_usual_form(rough: &Problem, model: &Fitted, wide: &'static Effe
 
 /// A model with another law in place of one of its own, not fitted yet: with the numbers of that one, and `values` beyond
 /// them.
-fn exchanged(
+pub(super) fn exchanged(
     model: &Fitted,
     own: &Effect<f64>,
     other: &'static Effect<f64>,

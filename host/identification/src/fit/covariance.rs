@@ -189,6 +189,11 @@ fn score_covariance(linear: &Linear, block: usize) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::linear::{Steps, linearise};
+    use crate::fit::problem::Point;
+    use crate::fit::tally::Tally;
+    use crate::fit::tests::{PENDULUM, RELEASE_RAD, at_rest, times_s, viscous_problem, viscous_rad};
+    use crate::swing::{Swing, Window};
 
     #[test]
     fn what_one_cluster_alone_tells_is_no_surer_than_what_it_is_correlated_with() {
@@ -197,5 +202,52 @@ mod tests {
         // The first is ten times as uncertain, and 1 of it moves the second by 1.9/4.
         assert!((by_the_others(&covariance, &least, 1) - (1.9_f64 / 4.0).powi(2) * 400.0).abs() < 1e-9);
         assert_eq!(by_the_others(&covariance, &DMatrix::zeros(2, 2), 1), 0.0);
+    }
+
+    /// Standard deviations of Mw, I, start angle, start velocity and zero of a viscous swing with these angles, where the
+    /// model is beside it.
+    fn stds(angle: impl Fn(f64) -> f64, beside: impl Fn(&mut Point)) -> Vec<f64> {
+        let (times_s, count) = (times_s(20.0), Tally::default());
+        let angles_rad: Vec<f64> = times_s.iter().map(|t| angle(*t)).collect();
+        let swings = [Swing::new("one", &times_s, &angles_rad, 1e-8)];
+        let problem = viscous_problem(&swings, VISCOUS, &count);
+        let mut point = Point { values: problem.template_values(), starts: at_rest(RELEASE_RAD) };
+        let mut steps = Steps::found(&problem, &point);
+        beside(&mut point);
+        let linear = linearise(&problem, &point, Window::Whole, &mut steps);
+        let found = with_model_error(&problem, &linear, &point.starts).unwrap();
+        (0..5).map(|j| found.std(j).unwrap()).collect()
+    }
+
+    const VISCOUS: f64 = 4e-5;
+
+    fn swinging(inertia_kg_m2: f64) -> impl Fn(f64) -> f64 {
+        move |time_s| viscous_rad(VISCOUS, inertia_kg_m2, time_s)
+    }
+
+    #[test]
+    fn a_number_is_no_surer_than_what_the_clusters_would_move_it_by() {
+        let inertia = PENDULUM.inertia_kg_m2;
+        // Each cluster wants the true inertia, and all of them the same.
+        let off_kg_m2 = 1e-6;
+        let found = stds(swinging(inertia), |point| point.values[1] += off_kg_m2);
+        assert!((found[1] / off_kg_m2 - 1.0).abs() < 0.1, "{found:?}");
+    }
+
+    #[test]
+    fn a_number_is_no_surer_than_the_clusters_scatter() {
+        // The pendulum is lighter for ten seconds and heavier afterwards; the model is in the middle.
+        let (inertia, off_kg_m2) = (PENDULUM.inertia_kg_m2, 1e-6);
+        let [light, heavy] = [-off_kg_m2, off_kg_m2].map(|off| swinging(inertia + off));
+        let angular = |off: f64| {
+            let pivot = PENDULUM.pivot_inertia_kg_m2() + off;
+            (PENDULUM.gravity_torque_nm() / pivot).sqrt()
+        };
+        // The later swing has the phase that the earlier one left.
+        let later_s = |time_s: f64| 10.0 * angular(-off_kg_m2) / angular(off_kg_m2) + time_s - 10.0;
+        let found = stds(|t| if t < 10.0 { light(t) } else { heavy(later_s(t)) }, |_| ());
+        // Seven clusters of +1 and seven of −1: partial sums 1, 2, … 7, … 1, 0, whose squares sum to 231.
+        let wandering = off_kg_m2 * (2.0 * 231.0 / 14.0_f64.powi(3)).sqrt() * 4.771 / 1.96;
+        assert!((found[1] / wandering - 1.0).abs() < 0.3, "{found:?} {wandering}");
     }
 }

@@ -206,7 +206,9 @@ fn alike(
 mod tests {
     use super::*;
     use crate::fit::identify::problem_of;
+    use crate::fit::problem::{Point, Start};
     use crate::fit::tally::Tally;
+    use shared::model::Model;
     use shared::parameters::Parameters;
 
     #[test]
@@ -218,5 +220,35 @@ mod tests {
         let all = problem_of(&swings, &Parameters::paper(), &count);
         let few = [swings[0].thinned(50.0)];
         assert_eq!(share_of_samples(&all.on(&few), &all), 0.25);
+    }
+
+    #[test]
+    fn a_bound_from_the_fewer_samples_of_a_rough_look_is_that_of_all() {
+        let count = Tally::default();
+        let mut truth = Parameters::paper();
+        truth.set_friction(2e-4, 2e-4, 2.4e-4, 0.0);
+        let model = Model::new(&truth);
+        let mut state = model.release(0.6, 0.0);
+        let times_s: Vec<f64> = (0..3200).map(|i| f64::from(i) / 400.0).collect();
+        let mut angles_rad = Vec::new();
+        for i in 0..times_s.len() {
+            let noise_rad = 2e-4 * if i % 2 == 0 { 1.0 } else { -1.0 };
+            angles_rad.push(state.angle_rad + noise_rad);
+            model.step(&mut state, 2.5e-3);
+        }
+        let swings = [Swing::new("one", &times_s, &angles_rad, 2e-4)];
+        let on = problem_of(&swings, &truth, &count);
+        let starts = vec![Start { angle_rad: 0.6, velocity_rad_s: 0.0, offset_rad: 0.0 }];
+        let model =
+            Fitted::at(&on, &Point { values: on.template_values(), starts }).with_stiction(Stiction::level(2.4e-4));
+        let found = uncertainty(&on, &model);
+        let band = found.numbers.last().unwrap();
+        let allowed = likely_rise(&on, &model.linearised(&on));
+        let wider = |more: f64, at: Stiction| Stiction { velocity_band: at.velocity_band + more, ..at };
+        let all = profile_bound(&on, &model, allowed, band.unknown.scale, wider).unwrap().velocity_band;
+        assert!(share_of_samples(&on.on(&on.decimated()), &on) < 0.3);
+        // Two steps of the profile beside each other are neighbours.
+        let ratio = band.upper.unwrap() / all;
+        assert!((1.0 / PROFILE_GROWTH - 0.01..PROFILE_GROWTH + 0.01).contains(&ratio), "{ratio} {band:?}");
     }
 }

@@ -30,3 +30,79 @@ pub(super) fn with_unseen_band(covariance: Covariance, on: &Problem, model: &Fit
         None => covariance,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::covariance::covariance;
+    use crate::fit::identify::problem_of;
+    use crate::fit::problem::{Point, Start};
+    use crate::fit::tally::Tally;
+    use crate::swing::Swing;
+    use nalgebra::DMatrix;
+    use shared::model::Model;
+    use shared::parameters::Parameters;
+    use std::f64::consts::PI;
+
+    const RELEASE_RAD: f64 = 0.2;
+
+    const COULOMB_NM: f64 = 1e-4;
+
+    /// Dry friction alone, on a pendulum that swings so many times slower.
+    fn rig(slower: f64) -> Parameters<f64> {
+        let mut pendulum = Parameters::paper().pendulum;
+        pendulum.gravity_m_s2 /= slower * slower;
+        let mut rig = Parameters::frictionless(pendulum);
+        rig.set_friction(0.0, COULOMB_NM / (slower * slower), 0.0, 0.0);
+        rig
+    }
+
+    /// What an unseen band adds to the covariance of the inertia and of the start; seen from an inertia that is off.
+    fn added(slower: f64) -> DMatrix<f64> {
+        let model = Model::new(&rig(slower));
+        let mut state = model.release(RELEASE_RAD, 0.0);
+        let times_s: Vec<f64> = (0..800).map(|i| slower * f64::from(i) / 100.0).collect();
+        let mut angles_rad = Vec::new();
+        for _ in &times_s {
+            angles_rad.push(state.angle_rad);
+            (0..10).for_each(|_| model.step(&mut state, slower * 1e-3));
+        }
+        let (swings, count) = ([Swing::new("one", &times_s, &angles_rad, 1e-2)], Tally::default());
+        let mut off = rig(slower);
+        off.pendulum.inertia_kg_m2 *= 1.001;
+        let mut problem = problem_of(&swings, &off, &count);
+        problem.unknowns.retain(|unknown| unknown.symbol == "I");
+        let starts = vec![Start { angle_rad: RELEASE_RAD, velocity_rad_s: 0.0, offset_rad: 0.0 }];
+        let model =
+            Fitted::at(&problem, &Point { values: problem.template_values(), starts }).with_stiction(Stiction::NONE);
+        let linear = model.linearised(&problem);
+        let before = covariance(&linear).unwrap();
+        with_unseen_band(before.clone(), &problem, &model, &linear).matrix - before.matrix
+    }
+
+    #[test]
+    fn a_band_as_wide_as_can_be_lengthens_every_turn_as_a_larger_inertia_does() {
+        let added = added(1.0);
+        let pendulum = rig(1.0).pendulum;
+        let (gravity_nm, pivot) = (pendulum.gravity_torque_nm(), pendulum.pivot_inertia_kg_m2());
+        // Each half swing loses 2·Mc/mgl: halfway through the fifteen the amplitude is so much.
+        let amplitude_rad = RELEASE_RAD - 15.0 * COULOMB_NM / gravity_nm;
+        let turning = gravity_nm * amplitude_rad.sin() / pivot;
+        let longer_s = 2.0 * WIDEST_BAND * COULOMB_NM / (pivot * turning * turning);
+        // A period is as the root of the inertia; any share of the band is as likely.
+        let moved = 2.0 * pivot * longer_s / (PI * (pivot / gravity_nm).sqrt());
+        let expected = moved / 3.0_f64.sqrt();
+        assert!((added[(0, 0)].sqrt() / expected - 1.0).abs() < 0.2, "{} {expected}", added[(0, 0)].sqrt());
+        // It moves all numbers at once.
+        for j in 1..4 {
+            let alone = added[(0, 0)] * added[(j, j)];
+            assert!(alone > 0.0 && (added[(0, j)].powi(2) / alone - 1.0).abs() < 1e-6, "{added}");
+        }
+    }
+
+    #[test]
+    fn of_a_pendulum_that_is_twice_as_slow_the_inertia_is_as_uncertain() {
+        let ratio = (added(2.0)[(0, 0)] / added(1.0)[(0, 0)]).sqrt();
+        assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+    }
+}

@@ -1,6 +1,6 @@
 use super::read;
 use shared::effect::{Action, MAX_VALUES};
-use shared::formula::Program;
+use shared::formula::{MAX_TEXT, Program};
 use shared::motion::{Motion, Pendulum};
 
 fn motion(angle_rad: f64, velocity_rad_s: f64, time_s: f64) -> Motion<f64> {
@@ -40,7 +40,7 @@ fn close(got: f64, expected: f64) {
 
 #[test]
 fn formulas_mean_what_they_say() {
-    let cases: [(&str, f64); 16] = [
+    let cases: [(&str, f64); 17] = [
         ("torque = 1 + 2 * 3", 7.0),
         ("-2^2", -4.0),
         ("-theta^2", -0.25),
@@ -52,6 +52,7 @@ fn formulas_mean_what_they_say() {
         ("8 - 3 - 2", 3.0),
         ("-omega * abs(omega)", 4.0),
         ("sgn(omega) * 0.5", -0.5),
+        ("sign(omega) × 0.5", -0.5),
         ("sqrt(abs(omega)) * sin(pi * theta)", 2.0_f64.sqrt()),
         ("tanh(omega) + 2 − cos(θ·2)", (-2.0_f64).tanh() + 2.0 - 1.0_f64.cos()),
         ("exp(-(omega/1.5)^2)", (-(2.0_f64 / 1.5).powi(2)).exp()),
@@ -128,6 +129,10 @@ fn errors_say_what_and_mark_where() {
         assert!(said.contains(problem), "{text}: {said}");
         assert_eq!(under.trim(), marked.trim(), "{text}: {said}");
     }
+    let ends = complaint("k*omega; k in 2..1").0;
+    assert!(ends.contains("its low end 2 is not below its high end 1"), "{ends}");
+    let known = complaint("-k * omga; k in 0..1").0;
+    assert!(known.contains("there are theta, omega, load, t, k and the functions"), "{known}");
     let shown = read("-k * omga; k in 0..1").unwrap_err().to_string();
     let lines: Vec<&str> = shown.lines().collect();
     assert_eq!((lines[1], lines[2]), ("  -k * omga; k in 0..1", "       ^^^^"));
@@ -145,6 +150,12 @@ fn formulas_without_a_number_somewhere_are_refused_with_the_place() {
         let (said, _) = complaint(text);
         assert!(said.contains("no finite value at") && said.contains(place), "{text}: {said}");
     }
+    let told = |text: &str| complaint(text).0;
+    // The first instant at which it has none, with the parameter as it was there.
+    let divided = told("k / theta; k in 1..2");
+    assert!(divided.contains("t = 0, k = 1; a division by zero or an overflow"), "{divided}");
+    let broken = told("-k*omega^p; k in 0..1; p in 0.5..3");
+    assert!(broken.contains("0/0, or a broken power") && broken.contains("abs(omega)^p"), "{broken}");
 }
 
 #[test]
@@ -182,4 +193,18 @@ proptest::proptest! {
             proptest::prop_assert!(torque.is_finite());
         }
     }
+}
+
+#[test]
+fn a_strength_that_can_not_be_zero_begins_within_its_range() {
+    let product = read("-a * omega; a in 1..3").unwrap();
+    assert_eq!(product.starts.iter().map(|start| start[0]).collect::<Vec<_>>(), [2.0, 1.4, 2.6]);
+}
+
+#[test]
+fn a_formula_as_long_as_the_rig_has_room_for_is_read() {
+    let long = |n_bytes: usize| format!("omega + {}", "0".repeat(n_bytes - 8));
+    assert!(read(&long(MAX_TEXT)).is_ok());
+    let problem = complaint(&long(MAX_TEXT + 1)).0;
+    assert!(problem.contains(&format!("{} bytes, and the rig has room for {MAX_TEXT}", MAX_TEXT + 1)), "{problem}");
 }

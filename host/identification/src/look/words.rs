@@ -102,4 +102,39 @@ mod tests {
         let told = sentence(&look(1, 1, Reason::WrongNumbers));
         assert!(told.contains("numbers are wrong") && !told.contains("no physics is missing"), "{told}");
     }
+
+    fn suspect(name: &'static str, tied: bool) -> Candidate {
+        let value = |name, value, std, unit| Value { name, value, std, unit };
+        let values = vec![value("k", 2.5e-4, Some(1e-5), "N·m"), value("p", -1.5, None, "1")];
+        Candidate { name, values, f: 50.0, p: 1e-9, windows: 12, tied }
+    }
+
+    /// A look that names the first of three, of which the last is tied to it.
+    fn naming(judge: Judge, left: f64) -> Look {
+        let candidates =
+            vec![suspect("quadratic-drag", false), suspect("eddy-brake", false), suspect("power-law-drag", true)];
+        let look = look(2, 2, Reason::Unexplained);
+        Look { named: vec!["quadratic-drag"], candidates, reason: None, left: Some(left), judge, ..look }
+    }
+
+    #[test]
+    fn what_is_named_is_told_with_its_numbers_what_it_is_tied_to_and_who_says_so() {
+        let numbers = "quadratic-drag (k = (2.50 ± 0.10)e-4 N·m, p about -1.5), after 2 releases.";
+        let tied = " These swings can't tell it from power-law-drag.";
+        assert_eq!(sentence(&naming(Judge::Program, 0.0)), format!("Missing: {numbers}{tied}"));
+        let rig = format!("The rig itself names what is missing: {numbers}{tied} More than noise is left with it.");
+        assert_eq!(sentence(&naming(Judge::Rig, 0.2)), rig);
+        assert_eq!(at_first_look(&naming(Judge::Program, 0.0)), "missing is quadratic-drag or power-law-drag");
+    }
+
+    #[test]
+    fn every_reason_has_words_of_its_own() {
+        let told = |reason| at_first_look(&look(1, 1, reason));
+        assert!(told(Reason::TooFewSwings).contains("let it go again"));
+        assert!(told(Reason::NotThisPendulum).contains("check mass, length and calibration"));
+        assert!(told(Reason::WrongNumbers).starts_with("numbers are wrong"));
+        assert!(told(Reason::FrictionAboutRest).starts_with("friction about rest"));
+        assert!(told(Reason::Unexplained).contains("no effect explains it"));
+        assert!(told(Reason::NothingMissing).starts_with("nothing is missing"));
+    }
 }

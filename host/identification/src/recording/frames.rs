@@ -313,4 +313,44 @@ mod tests {
         assert!(said.contains("6.00, … s), of which one is left out"), "{said}");
         assert!(said.contains("frames that are missing: 1 (at 9.00 s), where what follows is a frame later"), "{said}");
     }
+
+    /// The same with one reading that is off where it is fast, so that a glance tells nothing.
+    fn found_behind_a_glance(frames: impl Iterator<Item = usize>, spoilt: impl Fn(&mut [f64])) -> Vec<(usize, isize)> {
+        let (times_s, mut readings) = seen(frames);
+        readings[200] += 0.04;
+        spoilt(&mut readings);
+        slips(&times_s, &readings).iter().map(|slip| (slip.idx, slip.n_samples)).collect()
+    }
+
+    #[test]
+    fn one_reading_that_is_off_hides_no_slip_and_makes_none() {
+        assert_eq!(found_behind_a_glance(0..1200, |_| ()), []);
+        assert_eq!(found_behind_a_glance((0..FAST_AT).chain(FAST_AT - 1..1200), |_| ()), [(FAST_AT, -1)]);
+    }
+
+    #[test]
+    fn a_delay_where_it_is_slow_is_none_though_a_reading_elsewhere_is_off() {
+        // Where it turns, and where it has two fifths of its speed.
+        for at in [TURN_AT, TURN_AT + 3] {
+            assert_eq!(found_behind_a_glance((0..at).chain(at - 1..1200), |_| ()), [], "{at}");
+        }
+    }
+
+    #[test]
+    fn a_slip_one_way_is_no_witness_for_one_the_other_way() {
+        let turned: Vec<usize> = (0..TURN_AT).chain(TURN_AT - 1..1600).collect();
+        let fast = turned.iter().position(|frame| *frame == FAST_AT + 181).unwrap();
+        let both = turned[..fast].iter().chain(&turned[fast + 1..]).copied();
+        assert_eq!(found(both), [(fast, 1)]);
+    }
+
+    #[test]
+    fn a_slip_beside_which_something_else_happens_is_none() {
+        let doubled = || (0..FAST_AT).chain(FAST_AT - 1..1200);
+        // A push, and a reading that neither stands there twice nor moves on.
+        let pushed = |readings: &mut [f64]| readings[FAST_AT..].iter_mut().for_each(|reading| *reading *= 1.01);
+        assert_eq!(found_behind_a_glance(doubled(), pushed), []);
+        let moved = |readings: &mut [f64]| readings[FAST_AT] -= 0.02;
+        assert_eq!(found_behind_a_glance(doubled(), moved), []);
+    }
 }

@@ -225,6 +225,7 @@ mod tests {
             assert!((groups - regression).abs() < 1e-12 * total);
             assert!((regression + table.residual.sequential_sum_of_squares - total).abs() < 1e-12 * total);
             assert_eq!(table.regression.dof, table.groups.iter().map(|row| row.dof).sum::<usize>());
+            assert_eq!(table.total.dof, table.regression.dof + table.residual.dof);
         }
     }
 
@@ -276,5 +277,7 @@ mod tests {
         let responses: Vec<f64> = design.coded_runs().iter().zip(wiggle).map(|(run, w)| 5.0 * run[0] + w).collect();
         let rows = factor_effects(&Surface::fit(&design, &responses).unwrap());
         assert!(rows[0].p.unwrap() < 0.01 && rows[1].p.unwrap() > 0.1);
+        // Its linear, its square and its interaction.
+        assert_eq!([rows[0].dof, rows[1].dof], [3, 3]);
     }
 }

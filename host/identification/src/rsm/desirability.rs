@@ -209,6 +209,8 @@ mod tests {
         // d = 0.5 and 0.1 with importance 1 and 3: (0.5·0.1³)^(1/4).
         assert!((composite.of(&[0.5, 0.9]) - 0.0005f64.powf(0.25)).abs() < 1e-15);
         assert_eq!(composite.of(&[0.5, 1.0]), 0.0);
+        let each = composite.each(&[0.25, 0.9]);
+        assert!((each[0] - 0.75).abs() < 1e-12 && (each[1] - 0.1).abs() < 1e-12, "{each:?}");
     }
 
     #[test]

@@ -118,4 +118,16 @@ mod tests {
         assert_eq!(figures.r_squared, Some(1.0));
         assert_eq!((figures.r_squared_adjusted, figures.press, figures.residual_standard_error), (None, None, None));
     }
+
+    #[test]
+    fn the_figures_of_a_line_of_hills_are_those_worked_by_hand() {
+        // A parabola through (−1, 0, 1, 2) misses 0, 0, 0, 6 by 6/20·(−1, 3, −3, 1): 1.8 of 27 are left.
+        let runs = [-1.0, 0.0, 1.0, 2.0].map(|x| vec![x]).to_vec();
+        let design = Design::from_coded(vec![Factor::new("x", 0.0, 1.0).unwrap()], runs).unwrap();
+        let figures = goodness(&Surface::fit(&design, &[0.0, 0.0, 0.0, 6.0]).unwrap());
+        assert!((figures.r_squared.unwrap() - (1.0 - 1.8 / 27.0)).abs() < 1e-12);
+        assert!((figures.r_squared_adjusted.unwrap() - (1.0 - 1.8 / 9.0)).abs() < 1e-12);
+        // What the parabola can't follow is the third polynomial, of length √20: the ends have 1/20 of it.
+        assert!((figures.largest_leverage - 0.95).abs() < 1e-12, "{figures:?}");
+    }
 }

@@ -173,6 +173,10 @@ mod tests {
     fn rounded_digits_are_no_misprints_but_a_wrong_digit_or_sign_is() {
         assert!(flagged("term,y\n1,3.00\nu,2\nu^2,0.13\n", 0.0).is_empty());
         assert_eq!(flagged("term,y\n1,3.00\nu,-2\nu^2,0.14\n", 0.0), ["u", "u^2"]);
+        let equation = read_equations("term,y\nu,-2\n".as_bytes()).unwrap().remove(0);
+        let found = misprints(&equation, &surface(), 0.0).unwrap().remove(0);
+        assert!(found.printed == "-2" && (found.refitted - 2.0).abs() < 1e-9, "{found:?}");
+        assert!((found.allowance - 0.5).abs() < 1e-9, "{found:?}");
     }
 
     #[test]

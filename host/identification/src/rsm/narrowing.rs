@@ -141,7 +141,8 @@ mod tests {
         assert!(matches!(refused(0.0, NO_LIMITS, f64::NAN), NarrowingError::Shrink { .. }));
         assert!(matches!(refused(0.0, 15.0..=15.0, 0.5), NarrowingError::Range(_)));
         assert!(matches!(refused(0.0, RangeInclusive::new(30.0, 0.0), 0.5), NarrowingError::Range(_)));
-        assert!(matches!(narrow(&factor, &[], &[], 0.5), Err(NarrowingError::Count { .. })));
+        let counted = narrow(&factor, &[0.0, 0.0], &[], 0.5).unwrap_err().to_string();
+        assert!(counted.starts_with("1 factors, but 2 values and 0 pairs of limits"), "{counted}");
     }
 
     proptest! {

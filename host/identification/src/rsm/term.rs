@@ -97,4 +97,11 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn terms_are_named_by_their_factors_in_their_order() {
+        let factors = ["Mw", "Mc"].map(|name| Factor::new(name, 0.0, 1.0).unwrap());
+        let names: Vec<String> = Term::full_quadratic(2).into_iter().map(|term| term.name(&factors)).collect();
+        assert_eq!(names, ["1", "Mw", "Mc", "Mw^2", "Mc^2", "Mw*Mc"]);
+    }
 }

@@ -240,4 +240,13 @@ mod tests {
         let size = values[39] - values[2];
         assert!(low <= values[2] && high >= values[39] && high - low < 2.1 * size, "{low} … {high}");
     }
+
+    #[test]
+    fn values_that_are_all_alike_are_drawn_with_their_usual_error_around_them() {
+        let values = [7e-4; 6];
+        let mut stds = [1e-6; 6];
+        stds[3] = 1e-4;
+        let [low, high] = extent(&rig(&values, &stds).friction[0], 0..6);
+        assert!((low - 6.99e-4).abs() < 1e-9 && (high - 7.01e-4).abs() < 1e-9, "{low} … {high}");
+    }
 }

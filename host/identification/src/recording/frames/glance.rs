@@ -100,4 +100,25 @@ mod tests {
         readings.remove(255);
         assert!(!is_seen(&times_s, &readings));
     }
+
+    #[test]
+    fn a_small_swing_is_measured_by_its_own_speed_and_a_push_where_it_turns_is_no_slip() {
+        let (times_s, readings) = swing();
+        // Late it moves by 10 a reading, a quarter of what it did in the beginning.
+        let missing: Vec<f64> = readings[..855].iter().chain(&readings[856..]).copied().collect();
+        assert!(is_seen(&times_s[..2999], &missing));
+        let mut pushed = readings;
+        pushed[270] += 20.0;
+        assert!(!is_seen(&times_s, &pushed));
+    }
+
+    #[test]
+    fn of_a_dozen_readings_a_period_one_that_is_missing_is_seen_beside_its_neighbours() {
+        let times_s: Vec<f64> = (0..300).map(f64::from).collect();
+        let readings: Vec<f64> = times_s.iter().map(|idx| 100.0 * (idx * std::f64::consts::TAU / 13.0).cos()).collect();
+        assert!(!may_slip(&times_s, &readings, 0.1, 1.0, 13.0));
+        // It hangs at 3.25 + 6.5·k: 101 lies a quarter of a reading beside it.
+        let missing: Vec<f64> = readings[..101].iter().chain(&readings[102..]).copied().collect();
+        assert!(may_slip(&times_s[..299], &missing, 0.1, 1.0, 13.0));
+    }
 }

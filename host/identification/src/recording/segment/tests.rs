@@ -322,3 +322,10 @@ fn limits_outside_the_recording_are_refused_with_its_times() {
     let error = segment(&recording, &options).unwrap_err().to_string();
     assert!(error.contains("from 0 s to 11.995 s"), "{error}");
 }
+
+#[test]
+fn one_turning_point_is_told_as_one() {
+    let told = |n_turning_points| SegmentError::TooFewSwings { n_turning_points, duration_s: 1.25 }.to_string();
+    assert!(told(1).starts_with("only one turning point of free swing in 1.25 s"), "{}", told(1));
+    assert!(told(2).starts_with("only 2 turning points of free swing in 1.25 s"), "{}", told(2));
+}
