@@ -243,7 +243,7 @@ mod tests {
         let mut fit = examples::fit();
         (fit.rmse_rad, fit.noise_rad, fit.held_out_rmse_rad) = (2e-3, 1e-3, Some(3e-3));
         let outcome = Outcome { fit, stages: Vec::new(), discovery: None };
-        let told = |method| serde_json::to_value(outcome.fields(&[], Vec::new(), method, None)).unwrap();
+        let told = |method| serde_json::to_value(outcome.fields(&[], &[], method, None)).unwrap();
         let found = told(identify::Method::Rsm);
         assert_eq!(
             (&found["rmse"], &found["noise"], &found["held_out_rmse"]),
