@@ -57,8 +57,8 @@ fn of_recording(measurement: &Measurement, judged: &Judged) -> Vec<String> {
         ));
     } else if measurement.noise.colour.is_some() {
         limits.push(format!(
-            "{name}: the sensor's own noise is coloured (it wanders while the pendulum hangs still): a remainder below \
-             1.3 times the noise can't be told from it."
+            "{name}: the sensor's own noise is coloured (neighbouring readings depend on each other while it hangs \
+             still): a remainder below 1.3 times the noise can't be told from it."
         ));
     }
     limits

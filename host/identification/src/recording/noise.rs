@@ -55,7 +55,7 @@ pub struct Noise {
     pub white_rms: f64,
     /// Scatter of the stillest still stretch.
     pub still_rms: Option<f64>,
-    /// Present if it wanders while the pendulum hangs still: then neighbours alone say too little.
+    /// Present if neighbours are not independent while the pendulum hangs still: then they say too little or too much.
     #[serde(rename = "is_coloured", serialize_with = "is_there")]
     pub colour: Option<Colour>,
     /// Does it wander while the pendulum is held, and is there no rest to tell the sensor from a hand?
@@ -70,7 +70,7 @@ impl Noise {
     /// What a perfect model leaves, rad.
     pub fn level_rad(&self) -> f64 {
         match self.still_rms {
-            Some(still_rms) if self.colour.is_some() => self.total_rms.max(still_rms),
+            Some(still_rms) if self.colour.is_some() => still_rms,
             _ => self.total_rms,
         }
     }

@@ -1,7 +1,7 @@
 //! What still stretches tell of the noise: its whole size and its colour. Neighbours tell only the part of it that changes
 //! from sample to sample; a filter in the sensor, hum or a wandering zero have less of that than of the rest.
 
-use super::{Noise, of_still};
+use super::{Noise, of_part, of_still};
 use crate::recording::{Recording, median_step_s};
 use crate::verdict::Colour;
 use nalgebra::{DMatrix, DVector};
@@ -84,7 +84,7 @@ impl Noise {
             let wanders_where_held = held.as_ref().is_some_and(|held| held.is_beyond(self.total_rms));
             return Self { still_rms: held.map(|held| held.rms), wanders_where_held, ..self };
         };
-        let is_coloured = still.is_beyond(self.total_rms);
+        let is_coloured = still.is_beyond(self.total_rms) || still.alternates_in(self.total_rms);
         Self { still_rms: Some(still.rms), colour: is_coloured.then_some(still.colour), ..self }
     }
 }
@@ -92,16 +92,22 @@ impl Noise {
 /// The scatter of a still stretch.
 struct Still {
     rms: f64,
+    /// What its neighbours say.
+    of_neighbours_rms: f64,
+    /// The sensor's step, 0 without.
+    step: f64,
     colour: Colour,
 }
 
 impl Still {
     fn of(recording: &Recording, range: Range<usize>) -> Option<Self> {
-        let rms = of_still(recording, range.clone()).filter(|_| range.len() >= MIN_STILL)?.total_rms;
+        let noise = of_still(recording, range.clone()).filter(|_| range.len() >= MIN_STILL)?;
+        let of_neighbours_rms = of_part(recording, range.clone()).total_rms;
         let angles_rad = &recording.angles_rad()[range];
         let mean = angles_rad.iter().sum::<f64>() / angles_rad.len() as f64;
         let scatter: Vec<f64> = angles_rad.iter().map(|angle| angle - mean).collect();
-        Some(Self { rms, colour: Colour::of(&scatter) })
+        let (rms, step) = (noise.total_rms, noise.lsb.unwrap_or(0.0));
+        Some(Self { rms, of_neighbours_rms, step, colour: Colour::of(&scatter) })
     }
 
     /// Relative standard error of the scatter.
@@ -112,6 +118,13 @@ impl Still {
     /// Does it scatter more than white noise of this rms would?
     fn is_beyond(&self, rms: f64) -> bool {
         self.rms > (COLOURED_RATIO + SURE * self.chance()) * rms
+    }
+
+    /// Do neighbours differ more than independent ones would, here as in the whole recording, which this rms says of it? Hum of
+    /// half the sampling rate does so. Within a step of the sensor it can't be told.
+    fn alternates_in(&self, rms: f64) -> bool {
+        let is_seen = self.rms > self.step && rms < COLOURED_RATIO * self.of_neighbours_rms;
+        is_seen && (COLOURED_RATIO + SURE * self.chance()) * self.rms < self.of_neighbours_rms
     }
 
     /// With its standard error.

@@ -85,10 +85,10 @@ fn what_jumps_before_the_release_is_no_noise_of_the_swing() {
     assert!((segments.noise.total_rms / 1e-3 - 1.0).abs() < 0.05, "{segments:?}");
 }
 
-/// A hold, a swing and a rest with noise of 1 mrad rms whose neighbours are alike: by a first-order filter of 50 ms,
-/// a mean over four samples, and hum.
+/// A hold, a swing and a rest with noise of 1 mrad rms whose neighbours are alike, by a first-order filter of 50 ms, a
+/// mean over four samples or hum, or alternate, by hum of half the sampling rate.
 #[test]
-fn where_noise_is_alike_in_neighbours_hold_and_rest_are_found_and_its_whole_size_is_known() {
+fn where_noise_is_not_white_hold_and_rest_are_found_and_its_whole_size_is_known() {
     let whole = [vec![0.8; 100], swing(0.8, 60.0)].concat();
     let unit: Vec<f64> = noisy(&vec![0.0; whole.len() + 3]).angles_rad().to_vec();
     let filtered = |rho: f64| {
@@ -101,7 +101,16 @@ fn where_noise_is_alike_in_neighbours_hold_and_rest_are_found_and_its_whole_size
     };
     let mean_of_four = unit.windows(4).map(|four| four.iter().sum::<f64>() / 2.0).collect();
     let hum = unit.iter().enumerate().map(|(i, x)| 0.6 * x + 0.8e-3 * 2f64.sqrt() * (0.23 * i as f64).sin()).collect();
-    for (kind, noise) in [("filter", filtered(0.9)), ("weaker", filtered(0.5)), ("mean", mean_of_four), ("hum", hum)] {
+    // Of half the sampling rate.
+    let alternating = unit.iter().enumerate().map(|(i, x)| 0.6 * x + 0.8e-3 * f64::from(1 - 2 * (i as i32 % 2)));
+    let of_kind: [(&str, Vec<f64>); 5] = [
+        ("filter", filtered(0.9)),
+        ("weaker", filtered(0.5)),
+        ("mean", mean_of_four),
+        ("hum", hum),
+        ("alternating", alternating.collect()),
+    ];
+    for (kind, noise) in of_kind {
         let angles_rad = whole.iter().zip(&noise).map(|(angle, noise)| angle + noise).collect();
         let recording = Recording::uniform(1.0 / STEP_S, angles_rad).unwrap();
         let segments = segment(&recording, &SegmentOptions::default()).unwrap();
