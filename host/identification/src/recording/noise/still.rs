@@ -115,9 +115,10 @@ impl Still {
         (2.0 * self.colour.n_independent).sqrt().recip()
     }
 
-    /// Does it scatter more than white noise of this rms would?
+    /// Does it scatter more than white noise of this rms would? Between two codes it toggles by half a step, however small the
+    /// noise.
     fn is_beyond(&self, rms: f64) -> bool {
-        self.rms > (COLOURED_RATIO + SURE * self.chance()) * rms
+        self.rms > (COLOURED_RATIO + SURE * self.chance()) * rms.max(self.step / 2.0)
     }
 
     /// Do neighbours differ more than independent ones would, here as in the whole recording, which this rms says of it? Hum of

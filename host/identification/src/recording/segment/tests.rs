@@ -123,6 +123,19 @@ fn where_noise_is_not_white_hold_and_rest_are_found_and_its_whole_size_is_known(
     }
 }
 
+/// White noise of a fifth of a step: at rest on the edge between two codes it scatters by half a step, at 1.2 times what it does
+/// across many.
+#[test]
+fn a_rest_between_two_codes_is_no_coloured_noise() {
+    let whole = swing(0.8, 60.0);
+    let (step_rad, rest_rad) = (5e-3, whole[whole.len() - 1]);
+    let code = |angle: &f64| ((angle - rest_rad) / step_rad).floor() + 0.5;
+    let angles_rad = noisy(&whole).angles_rad().iter().map(|angle| step_rad * code(angle)).collect();
+    let segments = segment(&Recording::uniform(1.0 / STEP_S, angles_rad).unwrap(), &SegmentOptions::default()).unwrap();
+    let noise = &segments.noise;
+    assert!(noise.still_rms.unwrap() > 1.3 * noise.total_rms && noise.colour.is_none(), "{noise:?}");
+}
+
 /// Only where it hangs by itself a wandering angle is the sensor's.
 #[test]
 fn a_hand_that_trembles_is_no_noise_of_the_sensor() {
