@@ -17,6 +17,9 @@ use std::collections::VecDeque;
 /// How many lines are looked at to find the layout.
 const N_LINES_LOOKED_AT: usize = 200;
 
+/// A line that the file of a model has, and no recording.
+const MODEL_FILE: &str = "[pendulum]";
+
 /// A table has fewer columns; in a file of more lines they would be something else.
 const MOST_COLUMNS: usize = 1000;
 
@@ -70,6 +73,9 @@ impl<'a> Table<'a> {
     /// Finds the layout of a file.
     pub(super) fn new(mut lines: Lines<'a>) -> Result<Self, Fault> {
         let mut held = first_lines(&mut lines)?;
+        if held.iter().any(|line| line.text.trim() == MODEL_FILE) {
+            return Err(Fault::ModelFile);
+        }
         let dress = undressed(&mut held);
         if held.iter().all(|line| line.text.trim().is_empty()) {
             return Err(Fault::Empty);
@@ -308,6 +314,15 @@ mod tests {
 
     fn names(names: &[&str]) -> Option<Vec<String>> {
         Some(names.iter().map(|name| (*name).to_owned()).collect())
+    }
+
+    #[test]
+    fn a_model_file_is_known_as_such() {
+        let fault = |text: &str| table(text.as_bytes()).err();
+        let model =
+            "# a model\nformat = 1\n\n[pendulum]\nmass = 0.1466 # kg\nlength = 0.1562\n\n[effect.viscous]\nMw = 5e-4\n";
+        assert!(matches!(fault(model), Some(Fault::ModelFile)));
+        assert!(matches!(fault("not a number\nin any line\n"), Some(Fault::NoNumbers { .. })));
     }
 
     #[test]

@@ -37,6 +37,9 @@ pub enum Fault {
         /// Its place, counted from 0.
         position: usize,
     },
+    /// A model in place of a recording.
+    #[error("this is the file of a model, no recording; give it with --rig, and recordings in its place")]
+    ModelFile,
     /// No row of numbers.
     #[error("no row of numbers in {n_lines} lines; expected rows such as 0.005,1.234 for time and angle")]
     NoNumbers {
