@@ -1,8 +1,5 @@
-//! Is what remains white? Autocorrelation, spectrum, and a test that sees a slow remainder far below the noise.
-//!
-//! The mean of a block of `m` white residuals has the variance σ²/m. A slow remainder of variance s² adds nearly all of
-//! s² to it, so the blocks' variance is σ²/m + s²: with blocks of 20 samples a remainder of 2 % of σ² stands out by
-//! 40 %, while the total variance could not tell it from an error in σ.
+//! Is what remains white? Autocorrelation and spectrum; a slow remainder far below the noise is seen by means over blocks
+//! (`recording/noise/still.rs`).
 
 use serde::Serialize;
 

@@ -58,6 +58,10 @@ impl SlowExcess {
 }
 
 /// Looks for a slow remainder in residuals whose white noise is known, by means over `block` samples.
+///
+/// The mean of a block of `m` white residuals has the variance σ²/m. A slow remainder of variance s² adds nearly all of
+/// s² to it, so the blocks' variance is σ²/m + s²: with blocks of 20 samples a remainder of 2 % of σ² stands out by
+/// 40 %, while the total variance could not tell it from an error in σ.
 pub fn slow_excess(residuals: &[f64], noise_rad: f64, block: usize) -> SlowExcess {
     let block = block.max(2);
     let means = means(residuals, block);
