@@ -33,6 +33,10 @@ const AGREEMENT: f64 = 0.01;
 /// A window across a step longer than this many median steps is left out.
 const GAP_STEPS: f64 = 1.5;
 
+/// A step that is off the median by less than this share is even: so little are numbers rounded, and 10 rad/s then leak less
+/// than a nanoradian.
+const EVEN: f64 = 1e-9;
+
 /// Samples of a block that is tested for being frozen.
 const BLOCK: usize = 32;
 
@@ -172,14 +176,25 @@ impl Differences {
     }
 
     fn of_order(order: usize, times_s: &[f64], angles_rad: &[f64], frozen: &[bool]) -> Self {
-        let longest_s = GAP_STEPS * median_step_s(times_s);
+        let step_s = median_step_s(times_s);
+        let of_even = weights(&(0..=order).map(|idx| idx as f64 * step_s).collect::<Vec<f64>>());
+        // How many steps in a row, up to here, are no gap, and even.
+        let (mut n_whole, mut n_even) = (0, 0);
         let mut differences = Self::default();
-        for start in 0..times_s.len().saturating_sub(order) {
-            let window = start..start + order + 1;
-            if frozen[start] || times_s[window.clone()].windows(2).any(|pair| pair[1] - pair[0] > longest_s) {
+        for end in 1..times_s.len() {
+            let this_s = times_s[end] - times_s[end - 1];
+            n_whole = if this_s > GAP_STEPS * step_s { 0 } else { n_whole + 1 };
+            n_even = if (this_s - step_s).abs() > EVEN * step_s { 0 } else { n_even + 1 };
+            if n_whole < order || frozen[end - order] {
                 continue;
             }
-            differences.sum_of_squares += difference(&times_s[window.clone()], &angles_rad[window]).powi(2);
+            let window = end - order..end + 1;
+            let difference = if n_even < order {
+                difference(&times_s[window.clone()], &angles_rad[window])
+            } else {
+                weighted(&of_even, &angles_rad[window])
+            };
+            differences.sum_of_squares += difference.powi(2);
             differences.n_windows += 1;
         }
         differences
@@ -195,16 +210,24 @@ pub(crate) fn robust_spread(values: &[f64]) -> f64 {
 
 /// The divided difference of a window, scaled so that white noise keeps its variance.
 fn difference(times_s: &[f64], angles_rad: &[f64]) -> f64 {
+    weighted(&weights(times_s), angles_rad)
+}
+
+fn weighted(weights: &[f64], angles_rad: &[f64]) -> f64 {
+    weights.iter().zip(angles_rad).map(|(weight, angle_rad)| weight * angle_rad).sum()
+}
+
+/// Of the divided difference over these times, scaled so that their squares add up to 1.
+fn weights(times_s: &[f64]) -> Vec<f64> {
     let span_s = times_s[times_s.len() - 1] - times_s[0];
-    let (mut sum, mut squares) = (0.0, 0.0);
-    for (j, time_s) in times_s.iter().enumerate() {
-        let distances =
-            times_s.iter().enumerate().filter(|(i, _)| *i != j).map(|(_, other_s)| (time_s - other_s) / span_s);
-        let weight = distances.product::<f64>().recip();
-        sum += weight * angles_rad[j];
-        squares += weight * weight;
-    }
-    sum / squares.sqrt()
+    let of_one = |(j, time_s): (usize, &f64)| {
+        let others = times_s.iter().enumerate().filter(|(i, _)| *i != j);
+        others.map(|(_, other_s)| (time_s - other_s) / span_s).product::<f64>().recip()
+    };
+    let mut weights: Vec<f64> = times_s.iter().enumerate().map(of_one).collect();
+    let size = weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
+    weights.iter_mut().for_each(|weight| *weight /= size);
+    weights
 }
 
 /// The lowest order that the next two confirm; the highest when none is.
@@ -307,6 +330,22 @@ mod tests {
             .map(|angle_rad| if lsb > 0.0 { (angle_rad / lsb).round() * lsb } else { angle_rad })
             .collect();
         Recording::uniform(rate_hz, angles_rad).unwrap()
+    }
+
+    #[test]
+    fn weights_of_even_times_are_binomial_and_even_times_are_a_matter_of_rounding() {
+        let binomial = [1.0, -4.0, 6.0, -4.0, 1.0].map(|weight: f64| weight / 70.0_f64.sqrt());
+        let found = weights(&[0.0, 0.01, 0.02, 0.03, 0.04]);
+        assert!(found.iter().zip(binomial).all(|(found, weight)| (found - weight).abs() < 1e-12), "{found:?}");
+        // A cubic leaves nothing, whatever the times; taken for even ones, these leave 4e-6.
+        let even_s: Vec<f64> = (0..40).map(|idx| f64::from(idx) / 100.0).collect();
+        let mut uneven_s = even_s.clone();
+        (0..40).step_by(3).for_each(|idx| uneven_s[idx] += 1e-6);
+        for times_s in [even_s, uneven_s] {
+            let cubic: Vec<f64> = times_s.iter().map(|time_s| 5.0 * time_s - 30.0 * time_s.powi(3)).collect();
+            let found = Differences::of_order(4, &times_s, &cubic, &[false; 40]);
+            assert!(found.rms() < 1e-12 && found.n_windows == 36, "{found:?}");
+        }
     }
 
     #[test]
