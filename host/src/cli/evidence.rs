@@ -256,16 +256,7 @@ fn verdict(diagnosis: &Diagnosis) -> String {
                 [] => String::new(),
                 names => format!(" With the sensor's zero put right ({}) it leaves {after}.", names.join(" and ")),
             };
-            let is_told_by_parts = diagnosis.unproven.iter().any(|claim| claim.standing != Standing::OutOfRange);
-            let why = match is_told_by_parts {
-                false => "brings it down to the noise",
-                true => "holds on every part of the swings",
-            };
-            let words = format!(
-                "The base model leaves {before}.{zero} More than noise is left, but no effect of the list {why}: none of \
-                 these. Look where it fails with `host compare`."
-            );
-            wrapped(&words, 0)
+            wrapped(&format!("The base model leaves {before}.{zero} More than noise is left{}", unnamed(diagnosis)), 0)
         }
         (names, is_unexplained) => {
             let it = if names.len() == 1 { "it" } else { "them" };
@@ -273,6 +264,16 @@ fn verdict(diagnosis: &Diagnosis) -> String {
             format!("Missing: {}. With {it} the error falls from {before},\nto {after}.{rest}", names.join(" and "))
         }
     }
+}
+
+/// How a sentence ends that says that something is missing, where no law is named: who is suspected is told next.
+fn unnamed(diagnosis: &Diagnosis) -> String {
+    if diagnosis.suspect.is_some() {
+        return ".".to_owned();
+    }
+    let is_told_by_parts = diagnosis.unproven.iter().any(|claim| claim.standing != Standing::OutOfRange);
+    let why = if is_told_by_parts { "holds on every part of the swings" } else { "brings it down to the noise" };
+    format!(", but no effect of the list {why}: none of these. Look where it fails with `host compare`.")
 }
 
 /// One claimed effect: what it is, its numbers, and what it does.
@@ -456,6 +457,21 @@ mod tests {
             |standing| unproven(&claim(standing, None), "mrad").split_whitespace().collect::<Vec<_>>().join(" ");
         let vague = "Not claimed: quadratic-drag (to 2.00 mrad). It lowers the error, but all its numbers are within";
         assert!(dropped(Standing::Vague).starts_with(vague), "{}", dropped(Standing::Vague));
+    }
+
+    #[test]
+    fn where_somebody_is_suspected_nobody_says_that_it_is_none_of_the_list() {
+        let told = |diagnosis: Diagnosis| {
+            let words = verdict(&told(Diagnosis { unexplained: true, ..diagnosis }));
+            words.split_whitespace().collect::<Vec<_>>().join(" ")
+        };
+        let unproven = || vec![claim(Standing::Partly, Some(0.2))];
+        let suspected = told(Diagnosis { suspect: Some("quadratic-drag"), unproven: unproven(), ..diagnosis() });
+        assert!(suspected.ends_with("5.00 times the noise. More than noise is left."), "{suspected}");
+        let partly = told(Diagnosis { unproven: unproven(), ..diagnosis() });
+        assert!(partly.contains("no effect of the list holds on every part of the swings: none of these."), "{partly}");
+        let nothing = told(diagnosis());
+        assert!(nothing.contains("no effect of the list brings it down to the noise: none of these."), "{nothing}");
     }
 
     fn suggestion(rmse: f64) -> Suggestion {

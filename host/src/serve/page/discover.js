@@ -66,7 +66,7 @@ function showWords() {
   const levels = found.levels ? `${found.levels.words}. ` : '';
   const isSilent = lost && !found.unexplained && found.verdict.length === 0;
   words.textContent = driven + lost + levels + (isSilent ? '' : hasNoLaw && found.unexplained
-    ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left, but no effect of the list brings it down to the noise.${dropped}${split}`
+    ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left${found.suspect ? '' : ', but no effect of the list brings it down to the noise'}.${dropped}${split}`
     : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `Missing: ${names}.${state.zero_words ? ` ${state.zero_words}` : ''} With ${found.verdict.length > 1 ? 'them' : 'it'} the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
 }
 
