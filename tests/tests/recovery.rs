@@ -9,6 +9,7 @@
 mod physics_reference;
 
 use host::fit::identify::{Fit, Method, Options, fit};
+use host::recording::Recording;
 use host::recording::segment::SegmentOptions;
 use host::swing::Swing;
 use physics_reference::Reference;
@@ -52,9 +53,35 @@ impl Rig {
         Self { seed, truth, start_rad, chance }
     }
 
+    /// One on so light a bearing that it swings on for longer than it is recorded, with a narrow velocity band.
+    fn light(seed: u64) -> Self {
+        let mut rig = Self::random(seed);
+        let pendulum = rig.truth.pendulum;
+        let (gravity_nm, pivot) = (pendulum.gravity_torque_nm(), pendulum.pivot_inertia_kg_m2());
+        let pace_rad_s = (gravity_nm / pivot).sqrt();
+        let mut between = |low: f64, high: f64| rig.chance.within(low.ln()..high.ln()).exp();
+        let viscous = 2.0 * between(2e-4, 1e-3) * pace_rad_s * pivot;
+        let coulomb_nm = gravity_nm * between(1e-3, 3e-3);
+        let (level_nm, velocity_band) = (coulomb_nm * between(1.05, 1.8), between(2e-2, 6e-2));
+        rig.truth.set_friction(viscous, coulomb_nm, level_nm, velocity_band);
+        rig
+    }
+
     fn swing(&self) -> Result<Swing, String> {
+        self.recorded(|chance, advance| measured::recording(self.start_rad, chance, advance))
+    }
+
+    /// Its recording, which ends before it rests.
+    fn cut_off(&self) -> Result<Swing, String> {
+        self.recorded(|chance, advance| measured::cut_off(self.start_rad, chance, CUT_OFF_S, advance))
+    }
+
+    fn recorded(
+        &self,
+        record: impl FnOnce(&mut Chance, &mut dyn FnMut(f64) -> (f64, f64)) -> Recording,
+    ) -> Result<Swing, String> {
         let mut pendulum = Reference::release(&self.truth, None, self.start_rad, 0.0);
-        let recording = measured::recording(self.start_rad, &mut self.chance.clone(), |seconds| {
+        let recording = record(&mut self.chance.clone(), &mut |seconds| {
             pendulum.advance(seconds);
             (pendulum.angle_rad, pendulum.velocity_rad_s)
         });
@@ -183,6 +210,33 @@ fn the_rest_shows_which_stiction_stops_a_swing() {
             assert!((found.value - truth).abs() < 4.0 * std, "seed {seed}: {symbol} {} ± {std}, {truth}", found.value);
         }
     }
+}
+
+/// Recorded so long, s.
+const CUT_OFF_S: f64 = 40.0;
+
+/// How many light rigs, and how many of them may be outside: more than these are once in a thousand times where 5 % are.
+const N_LIGHT: u64 = 60;
+const OUTSIDE: usize = 9;
+
+/// A swing that is cut off before it rests leaves open whether there is a band, and the inertia makes up for it. With half as
+/// many bands tried, and Ms no more than Mc, 14 intervals of I missed the truth.
+#[test]
+fn intervals_of_swings_that_never_rest_hold_what_an_unknown_band_leaves_open() {
+    let mut outside = [0; JUDGED.len()];
+    for seed in 1..=N_LIGHT {
+        let rig = Rig::light(seed);
+        let options = Options { method: Method::LeastSquares, ranges: Vec::new() };
+        let fit = fit(&[rig.cut_off().unwrap()], &[], &drawing(), &options, &|_| {}).unwrap();
+        assert!(in_noises(&fit) < 1.05, "seed {seed}: {} noises", in_noises(&fit));
+        for (symbol, outside) in JUDGED.into_iter().zip(&mut outside) {
+            let found = fit.identified.iter().find(|found| found.symbol == symbol).unwrap();
+            let stds = (rig.true_value(symbol) - found.value) / found.std.unwrap();
+            *outside += usize::from(stds.abs() > INTERVAL_STDS);
+            println!("seed {seed}: {symbol} {stds:+.1} σ");
+        }
+    }
+    assert!(outside.iter().all(|outside| *outside <= OUTSIDE), "{JUDGED:?}: {outside:?} of {N_LIGHT}");
 }
 
 /// Of 1,000 rigs the intervals of Mw held the truth in 939, of Mc in 944 and of I in 932: in 461 of the first 500, in 471 of

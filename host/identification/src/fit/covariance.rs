@@ -34,9 +34,18 @@ impl Covariance {
     }
 
     /// With moves of all columns in it that are as likely to any share of themselves.
-    pub(super) fn with_any_share_of(mut self, moves: &DVector<f64>) -> Self {
+    pub(super) fn with_any_share_of(self, moves: &DVector<f64>) -> Self {
+        self.with_square(moves, 1.0 / 3.0)
+    }
+
+    /// With moves of all columns in it that are one of so many.
+    pub(super) fn with_share(self, moves: &DVector<f64>, n: usize) -> Self {
+        self.with_square(moves, 1.0 / n as f64)
+    }
+
+    fn with_square(mut self, moves: &DVector<f64>, share: f64) -> Self {
         for (i, j) in (0..moves.len()).flat_map(|i| (0..moves.len()).map(move |j| (i, j))) {
-            self.matrix[(i, j)] += moves[i] * moves[j] / 3.0;
+            self.matrix[(i, j)] += share * moves[i] * moves[j];
         }
         self
     }

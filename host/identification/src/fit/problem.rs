@@ -194,6 +194,11 @@ impl Unknown {
     pub fn is_stiction(&self) -> bool {
         matches!(self.quantity, Quantity::Effect { id: base::STICTION, .. })
     }
+
+    /// Is it DV?
+    pub fn is_band(&self) -> bool {
+        matches!(self.quantity, Quantity::Effect { id: base::STICTION, index: 1 })
+    }
 }
 
 /// The effects' ranges are meant for a pendulum of about this m·g·l.

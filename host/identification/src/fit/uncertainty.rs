@@ -69,8 +69,9 @@ fn of_numbers<'a>(on: &Problem<'a>, model: &Fitted, is_free: impl Fn(&Unknown) -
     let has_stiction = model.has_band() && on.swings.iter().any(Swing::comes_to_rest);
     let value = |unknown: &Unknown| unknown.get(&model.parameters);
     let is_inside = |unknown: &Unknown| value(unknown) > unknown.low && value(unknown) < unknown.high;
-    let takes_part =
-        |unknown: &Unknown| (is_inside(unknown) || is_free(unknown)) && (has_stiction || !unknown.is_stiction());
+    // Without a rest, Ms and DV make up for each other; DV takes part for both of them.
+    let is_told = |unknown: &Unknown| !unknown.is_stiction() || has_stiction || (model.has_band() && unknown.is_band());
+    let takes_part = |unknown: &Unknown| (is_inside(unknown) || is_free(unknown)) && is_told(unknown);
     let known: Vec<usize> = (0..unknowns.len()).filter(|j| takes_part(&unknowns[*j])).collect();
     let part = Fitted { unknowns: known.iter().map(|j| unknowns[*j].clone()).collect(), steps: None, ..model.clone() };
     let linear = part.linearised(on);
@@ -80,7 +81,8 @@ fn of_numbers<'a>(on: &Problem<'a>, model: &Fitted, is_free: impl Fn(&Unknown) -
     let column = |j: usize| known.iter().position(|k| *k == j);
     let correlation = |i: usize, j: usize| covariance.as_ref()?.correlation(column(i)?, column(j)?);
     let number = |(j, unknown): (usize, &Unknown)| {
-        let std = column(j).and_then(|k| covariance.as_ref()?.std(k));
+        let is_told = has_stiction || !unknown.is_stiction();
+        let std = column(j).filter(|_| is_told).and_then(|k| covariance.as_ref()?.std(k));
         let status = match std.map(|std| std / size(unknown, model)) {
             _ if !is_inside(unknown) => Status::AtBound,
             Some(relative) if relative < UNKNOWN_SHARE => Status::Identified,
