@@ -243,7 +243,8 @@ fn row(recording: &Real) -> String {
         Some((rmse(&diagnosis.base_parameters)?, rmse(&diagnosis.parameters)?))
     });
     let words = |list: Vec<String>, none: &str| if list.is_empty() { none.to_owned() } else { list.join("; ") };
-    let mut named = words(diagnosis.holds_on.iter().map(claim).collect(), "nothing");
+    let nothing = diagnosis.suspect.map_or("nothing".to_owned(), |suspect| format!("nothing proven, {suspect} likely"));
+    let mut named = words(diagnosis.holds_on.iter().map(claim).collect(), &nothing);
     if diagnosis.verdict.contains(&"angle-offset") {
         named += "; angle-offset";
     }

@@ -112,10 +112,10 @@ pub fn diagnose_counted<'r>(
     let budget = Budget::new(count);
     let bench = Bench { problem: &problem, rough: &rough, candidates: &candidates, budget: &budget, held_out, count };
     let alone = bench.concluded(&base);
+    let (concluded, curve) = bench.with_curve(bench.with_levels(&base, &alone).unwrap_or(alone));
     let Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others } =
-        bench.with_levels(&base, &alone).unwrap_or(alone);
+        concluded;
     let judge = bench.judge(&found);
-    let curve = judge.friction_curve(&claimed);
     let of_state = judge.of_state(&claimed, curve.as_ref());
     let carries = judge.carries(&claimed, held_out, count);
     let parts = Summary {

@@ -1,6 +1,7 @@
 //! From a base model to what may be claimed beside it, the steps of a diagnosis in their order.
 
 use super::budget::Budget;
+use super::curve::FrictionCurve;
 use super::extension::grown;
 use super::holds::{Holding, Standing};
 use super::levels;
@@ -58,7 +59,12 @@ impl<'a, 'b> Bench<'a, 'b> {
     /// Every effect is tried beside a base model, and judged.
     pub(super) fn concluded(&self, base: &Fitted) -> Conclusion {
         let Self { problem, rough, candidates, budget, .. } = *self;
-        let found = search(problem, rough, base, candidates, budget);
+        self.judged(search(problem, rough, base, candidates, budget))
+    }
+
+    /// What a search found, judged.
+    fn judged(&self, found: Found) -> Conclusion {
+        let problem = self.problem;
         let judge = self.judge(&found);
         let (claimed, mut others) = judge.refined(judge.claimed());
         let mut undecided = judge.undecided(&claimed, &others);
@@ -105,6 +111,19 @@ impl<'a, 'b> Bench<'a, 'b> {
             offset_is_missing = offset_is_missing && zero::is_missing(problem, &claimed);
         }
         Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others }
+    }
+
+    /// Friction left free, where no named model reaches the noise. If the law that it resembles is fitted far better from
+    /// there than the search had it, all is judged once more with that.
+    pub(super) fn with_curve(&self, concluded: Conclusion) -> (Conclusion, Option<FrictionCurve>) {
+        let judge = self.judge(&concluded.found);
+        let curve = judge.friction_curve(&concluded.claimed);
+        let Some(law) = curve.as_ref().and_then(|curve| judge.law_of(curve)) else { return (concluded, curve) };
+        let mut found = concluded.found;
+        found.add(law);
+        let again = self.judged(found);
+        let curve = self.judge(&again.found).friction_curve(&again.claimed);
+        (again, curve)
     }
 
     /// What one release can't tell from a law of speed or angle, in place of what is claimed: it does as well, or it is none.

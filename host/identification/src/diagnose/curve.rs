@@ -7,14 +7,17 @@
 
 use super::budget::Budget;
 use super::models::{MOST_LEFT, excess};
-use super::resemblance::{Resemblance, of_model};
+use super::physical::is_sound;
+use super::resemblance::{Numbers, Resemblance, of_model};
 use super::score::{Prediction, predictions};
 use super::verdict::Judge;
 use crate::fit::curve::KnownCurve;
 use crate::fit::curve::{Curved, built_up_nm, curved, extended};
 use crate::fit::curve_parts::{Known, known};
+use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
+use crate::fit::refine::{Band, levels, on_all};
 use crate::verdict::Left;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -104,6 +107,22 @@ impl Judge<'_, '_> {
         let is_noise = |model: &Fitted| self.problem.chi_square(model.cost).left() != Left::Missing;
         let is_explained = self.found.levels.iter().flatten().chain([claimed]).any(is_noise);
         if is_explained { None } else { self.best_curve_for(claimed) }
+    }
+
+    /// The law that a curve resembles, fitted from where the curve lies: far from a fast decay's friction, what a law
+    /// promises to first order leads nowhere. `None` unless it leaves far less than what the search found of as many effects.
+    pub(super) fn law_of(&self, curve: &FrictionCurve) -> Option<Fitted> {
+        let Self { problem, rough, found, .. } = self;
+        let closest = curve.closest()?;
+        let effect = Effect::<f64>::by_name(closest.effect)?;
+        let Numbers { coulomb_nm, viscous, law } = &closest.numbers;
+        let coulomb_nm = (coulomb_nm - curve.built_up).max(0.0);
+        let begun = curve.model.with_straight_friction(&found.base, *viscous, coulomb_nm)?.with(effect, law)?;
+        let fitted = begun.evaluated(rough).refined(rough, Band::Held, Tolerance::ROUGH);
+        let law = on_all(problem, &levels(rough, &fitted));
+        let others = found.levels.get(law.effects.len().checked_sub(1)?)?;
+        let least = others.iter().map(|model| excess(problem, model)).fold(f64::INFINITY, f64::min);
+        (is_sound(problem, &law) && excess(problem, &law) < MOST_LEFT * least).then_some(law)
     }
 
     /// Of the base model, unless the claimed effects are needed beside the curve: what a law was claimed for may be

@@ -94,6 +94,7 @@ fn contradicted(found: &Contradiction) -> String {
 mod tests {
     use super::*;
     use crate::diagnose::diagnose;
+    use crate::diagnose::resemblance::Numbers;
     use crate::diagnose::resemblance::Resemblance;
     use crate::diagnose::tests::{fitted, rig, simulated};
     use crate::fit::identify::problem_of;
@@ -104,7 +105,8 @@ mod tests {
         let (swings, count) = ([simulated("one", &rig(), 6.0, 3)], Tally::default());
         let mut diagnosis = diagnose(&swings, &[], &rig());
         (diagnosis.rmse_before, diagnosis.rmse_after, diagnosis.noise) = (9e-3, 4e-3, 1e-3);
-        let resembles = vec![Resemblance { effect: "quadratic-drag", share: 0.012, torques: Vec::new() }];
+        let (torques, numbers) = (Vec::new(), Numbers::default());
+        let resembles = vec![Resemblance { effect: "quadratic-drag", share: 0.012, torques, numbers }];
         let mut curve = FrictionCurve {
             speeds: Vec::new(),
             torques: Vec::new(),

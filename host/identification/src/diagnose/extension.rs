@@ -71,7 +71,8 @@ pub(super) fn extensions(
         let rivals: Vec<&str> = near_the_best(&level).iter().filter_map(|rival| rival.names().pop()).collect();
         others.retain(|prediction| rivals.contains(&prediction.effect.name) || prediction.effect.generalises.is_some());
     } else {
-        keep_first_of_each(&mut others);
+        let leading: Vec<&str> = near_the_best(&level).iter().filter_map(|leader| leader.names().pop()).collect();
+        keep_first_of_each_but(&mut others, &leading);
     }
     level.extend(fit(others));
     sort(&mut level);
@@ -114,12 +115,13 @@ fn is_support(effect: &Effect<f64>) -> bool {
     matches!(effect.action, Action::Support(_))
 }
 
-fn keep_first_of_each(predictions: &mut Vec<Prediction>) {
+/// All starts of the effects that lead, and the best of each other one.
+fn keep_first_of_each_but(predictions: &mut Vec<Prediction>, leading: &[&str]) {
     let mut seen = Vec::new();
     predictions.retain(|prediction| {
         let new = !seen.contains(&prediction.effect.id);
         seen.push(prediction.effect.id);
-        new
+        new || leading.contains(&prediction.effect.name)
     });
 }
 
@@ -153,4 +155,30 @@ fn fitted(on: &Problem, model: &Fitted, prediction: &Prediction, best_reduction:
     let is_large = prediction.reduction > LARGE_PREDICTION * best_reduction;
     let came_true = model.cost - fitted.cost > KEPT_PREDICTION * prediction.reduction;
     if is_large && !came_true { levels(on, &fitted).swap_remove(0) } else { fitted }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{effect, rig};
+    use crate::fit::identify::problem_of;
+    use crate::fit::problem::Point;
+    use crate::fit::tally::Tally;
+
+    #[test]
+    fn all_starts_of_a_leading_effect_are_fitted_and_one_more_of_each_other() {
+        let count = Tally::default();
+        let problem = problem_of(&[], &rig(), &count);
+        let model = Fitted::at(&problem, &Point { values: problem.template_values(), starts: Vec::new() });
+        let of = |name: &str| {
+            let effect = effect(name);
+            let prediction = |start| Prediction { effect, start, reduction: 1.0, model: model.clone() };
+            effect.starts.iter().copied().map(prediction).collect::<Vec<_>>()
+        };
+        let mut all = [of("stribeck"), of("detent")].concat();
+        keep_first_of_each_but(&mut all, &["detent"]);
+        let starts = |name: &str| all.iter().filter(|prediction| prediction.effect.name == name).count();
+        assert!(effect("stribeck").starts.len() > 1);
+        assert_eq!((starts("stribeck"), starts("detent")), (1, effect("detent").starts.len()));
+    }
 }

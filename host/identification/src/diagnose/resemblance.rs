@@ -24,6 +24,20 @@ pub struct Resemblance {
     pub share: f64,
     /// The law at the speeds of the knots, N·m.
     pub torques: Vec<f64>,
+    /// The numbers of all of it.
+    #[serde(skip)]
+    pub numbers: Numbers,
+}
+
+/// Friction that is laid through a curve.
+#[derive(Clone, Debug, Default)]
+pub struct Numbers {
+    /// Mc, N·m.
+    pub coulomb_nm: f64,
+    /// Mw, N·m·s/rad.
+    pub viscous: f64,
+    /// Those of the law.
+    pub law: Vec<f64>,
 }
 
 /// So many laws are kept beside the curve.
@@ -57,7 +71,19 @@ pub fn resemblances(pendulum: &Pendulum<f64>, speeds_rad_s: &[f64], curve: impl 
 }
 
 /// A law of speed at strength one.
-type Law = Box<dyn Fn(f64) -> f64>;
+struct Law {
+    friction: Box<dyn Fn(f64) -> f64>,
+    values: Vec<f64>,
+    is_strength: Vec<bool>,
+}
+
+impl Law {
+    /// Its numbers at another strength.
+    fn of_strength(&self, strength: f64) -> Vec<f64> {
+        let number = |(value, is_strength): (&f64, &bool)| if *is_strength { value * strength } else { *value };
+        self.values.iter().zip(&self.is_strength).map(number).collect()
+    }
+}
 
 /// An effect at strength one with each of the shapes; empty unless it is a law of speed alone.
 fn laws(pendulum: &Pendulum<f64>, effect: &'static Effect<f64>) -> Vec<Law> {
@@ -76,7 +102,8 @@ fn laws(pendulum: &Pendulum<f64>, effect: &'static Effect<f64>) -> Vec<Law> {
         only.set(effect.id, &values(k)).ok()?;
         is_of_speed_alone(&only, effect.id).then(|| {
             let model = Model::new(&only);
-            Box::new(move |speed: f64| -model.friction_of_sliding_nm(0.0, speed, 1.0, 0.0)) as Law
+            let friction = Box::new(move |speed: f64| -model.friction_of_sliding_nm(0.0, speed, 1.0, 0.0));
+            Law { friction, values: values(k), is_strength: (0..effect.parameters.len()).map(is_strength).collect() }
         })
     };
     (0..if shape.is_some() { SHAPES } else { 1 }).filter_map(law).collect()
@@ -92,11 +119,13 @@ fn shape_at(parameter: &Parameter, k: usize) -> f64 {
 struct Fit {
     square: f64,
     torques: Vec<f64>,
+    numbers: Numbers,
 }
 
 impl Fit {
     fn named(self, effect: &'static str, mean: f64) -> Resemblance {
-        Resemblance { effect, share: self.square.sqrt() / mean.max(f64::MIN_POSITIVE), torques: self.torques }
+        let share = self.square.sqrt() / mean.max(f64::MIN_POSITIVE);
+        Resemblance { effect, share, torques: self.torques, numbers: self.numbers }
     }
 }
 
@@ -110,7 +139,7 @@ fn fit(points: &[f64], wanted: &[f64], speeds: &[f64], law: Option<&Law>) -> Opt
     let column = |j: usize, speed: f64| match j {
         0 => 1.0,
         1 => speed,
-        _ => law.map_or(0.0, |law| law(speed)),
+        _ => law.map_or(0.0, |law| (law.friction)(speed)),
     };
     let mut chosen: Vec<usize> = (0..if law.is_some() { 3 } else { 2 }).collect();
     loop {
@@ -124,10 +153,12 @@ fn fit(points: &[f64], wanted: &[f64], speeds: &[f64], law: Option<&Law>) -> Opt
             continue;
         }
         let square = (scaled * &found - DVector::from_column_slice(wanted)).norm_squared() / points.len() as f64;
-        let torque = |speed: f64| -> f64 {
-            chosen.iter().enumerate().map(|(j, which)| found[j] / lengths[j].max(1e-300) * column(*which, speed)).sum()
-        };
-        return Some(Fit { square, torques: speeds.iter().map(|speed| torque(*speed)).collect() });
+        let mut strengths = [0.0; 3];
+        chosen.iter().enumerate().for_each(|(j, which)| strengths[*which] = found[j] / lengths[j].max(1e-300));
+        let torque = |speed: &f64| (0..3).map(|which| strengths[which] * column(which, *speed)).sum();
+        let [coulomb_nm, viscous, strength] = strengths;
+        let numbers = Numbers { coulomb_nm, viscous, law: law.map_or(Vec::new(), |law| law.of_strength(strength)) };
+        return Some(Fit { square, torques: speeds.iter().map(torque).collect(), numbers });
     }
 }
 

@@ -12,7 +12,9 @@ use crate::fit::descent::Tolerance;
 use crate::fit::fitted::{Fitted, Stiction};
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels, on_all};
-use crate::fit::stiction::lowest_with_band;
+use crate::fit::stiction::{GAIN_WORTH_A_BAND, lowest_with_band};
+use crate::swing::Swing;
+use crate::verdict::Left;
 use rayon::prelude::*;
 use shared::effect::{CUSTOM_FORMULA_NAME, Effect};
 
@@ -58,6 +60,14 @@ impl Found {
     /// The model with the lowest cost at a level; level 0 is the base.
     pub fn best(&self, level: usize) -> &Fitted {
         if level == 0 { &self.base } else { &self.levels[level - 1][0] }
+    }
+
+    /// One more model of as many effects as those of a level, or in place of one that has the same and costs more.
+    pub(super) fn add(&mut self, model: Fitted) {
+        let Some(level) = model.effects.len().checked_sub(1).and_then(|idx| self.levels.get_mut(idx)) else { return };
+        level.push(model);
+        sort(level);
+        drop_doubles(level);
     }
 }
 
@@ -160,7 +170,25 @@ fn next_level(
     level.par_extend(rest.par_iter().map(left));
     level.retain(|model| is_sound(problem, model));
     sort(&mut level);
+    with_the_bands_they_lack(problem, rough, &mut level);
     level
+}
+
+/// Where a model explains the swings, those of no more numbers that nearly do get a velocity band too, if one is worth it: a law
+/// of many numbers imitates a band that is there, and would be claimed in place of the one that lacks it. Of swings that never
+/// rest, whose period alone shows a band, first-order answers tell too little.
+fn with_the_bands_they_lack(problem: &Problem, rough: &Problem, level: &mut [Fitted]) {
+    let Some(n_most) = level.first().filter(|best| is_explained(problem, best)).map(Fitted::n_added) else { return };
+    let least_gain = GAIN_WORTH_A_BAND * problem.noise_rad().powi(2);
+    let never_rests = !problem.swings.iter().any(Swing::comes_to_rest);
+    let may_lack = |model: &Fitted| {
+        let is_near = problem.chi_square(model.cost).left() != Left::Missing;
+        let promised = || model.evaluated(rough).cost - lowest_with_band(rough, model);
+        is_near && !model.has_band() && model.n_added() <= n_most && (never_rests || promised() > least_gain)
+    };
+    let lacking = level.par_iter_mut().filter(|model| may_lack(model));
+    lacking.for_each(|model| *model = model.refined(problem, Band::Searched, Tolerance::JUDGE).better(model.clone()));
+    sort(level);
 }
 
 /// Those of a sorted level that may be the best, fitted to all samples until nothing moves, the lowest cost first; and
@@ -280,7 +308,6 @@ mod tests {
     use crate::fit::identify::problem_of;
     use crate::fit::problem::Point;
     use crate::fit::tally::Tally;
-    use crate::swing::Swing;
     use shared::effect::Action;
 
     /// Models with these effects and costs, not fitted.
@@ -349,5 +376,40 @@ mod tests {
         let (best, rest) = best_on_all(&problem, &rough, vec![model.clone()], &Budget::new(&count));
         assert!(rest.is_empty() && best[0].has_band() && !model.has_band());
         assert!(best[0].cost < 0.5 * model.evaluated(&problem).cost, "{} {}", best[0].cost, model.cost);
+    }
+
+    #[test]
+    fn a_law_that_lacks_a_band_gets_one_before_another_with_more_numbers_stands_for_both() {
+        let (swings, count) = (with_stiction(9e-3, 0.3), Tally::default());
+        let problem = problem_of(&swings, &rig(), &count);
+        let decimated = problem.decimated();
+        let rough = problem.on(&decimated);
+        let with = |name: &str, cost: f64| {
+            let model = fitted(&problem, &rig()).with(effect(name), &effect(name).starts[0]).unwrap();
+            Fitted { cost, ..model }
+        };
+        let (noise, lacking) = (problem.noise_cost(), with("torsional-spring", 1.02 * problem.noise_cost()));
+        let banded = |mut level: Vec<Fitted>| {
+            with_the_bands_they_lack(&problem, &rough, &mut level);
+            level.iter().filter(|model| model.has_band()).map(Fitted::name).collect::<Vec<_>>()
+        };
+        let lowest = with("general-stribeck", 1.001 * noise);
+        assert_eq!(banded(vec![lowest.clone(), lacking.clone()]), ["torsional-spring"]);
+        // One with more numbers, one far from the noise, or where nothing explains the swings.
+        let simple = with("quadratic-drag", 1.001 * noise);
+        let far = Fitted { cost: 2.0 * noise, ..lacking.clone() };
+        for level in [vec![simple, lacking], vec![lowest, far.clone()], vec![far]] {
+            assert!(banded(level.clone()).is_empty(), "{level:?}");
+        }
+    }
+
+    #[test]
+    fn one_more_model_takes_the_place_of_a_worse_one_with_the_same_effects() {
+        let [base, worse, other, better] =
+            models(&[(&[], 9.0), (&["stribeck"], 5.0), (&["detent"], 4.0), (&["stribeck"], 1.0)]).try_into().unwrap();
+        let mut found = Found { base, levels: vec![vec![other, worse]] };
+        found.add(better);
+        let level: Vec<(String, f64)> = found.levels[0].iter().map(|model| (model.name(), model.cost)).collect();
+        assert_eq!(level, [("stribeck".to_owned(), 1.0), ("detent".to_owned(), 4.0)]);
     }
 }

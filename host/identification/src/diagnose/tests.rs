@@ -535,3 +535,30 @@ fn a_band_beside_a_drag_is_no_second_effect() {
     assert_eq!(found.verdict, ["quadratic-drag"], "{:?}", found.undecided);
     assert!(found.rmse_after < 1.05 * NOISE_RAD, "{}", found.rmse_after);
 }
+
+/// Friction that falls with the speed, on a swing that comes to rest.
+fn with_stribeck() -> [Swing; 1] {
+    [simulated("stribeck", &rig_with("stribeck", &STRIBECK), 14.0, 4)]
+}
+
+const STRIBECK: [f64; 2] = [4e-3, 1.5];
+
+#[test]
+fn a_law_that_a_friction_curve_resembles_is_fitted_from_the_curve() {
+    let swings = with_stribeck();
+    let law_beside = |reduced: f64| {
+        let levels = |on: &Problem| {
+            let base = fitted(on, &rig());
+            let level = vec![with_excess(on, &rig_with("stribeck", &[0.0, 4.0]), reduced)];
+            (base, vec![level])
+        };
+        judged(&swings, levels, |judge| {
+            let curve = judge.friction_curve(&judge.found.base);
+            curve.and_then(|curve| judge.law_of(&curve)).map(|law| (excess(judge.problem, &law), law))
+        })
+    };
+    let (left, law) = law_beside(60.0).unwrap();
+    let values = law.parameters.values(effect("stribeck").id).unwrap();
+    assert!(law.names() == ["stribeck"] && left < 0.1, "{} {left}", law.name());
+    assert!(values.iter().zip(STRIBECK).all(|(value, truth)| (value / truth - 1.0).abs() < 0.1), "{values:?}");
+}

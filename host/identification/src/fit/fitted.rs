@@ -159,6 +159,18 @@ impl Fitted {
         Some(other)
     }
 
+    /// The same with viscous (N·m·s/rad) and Coulomb friction (N·m) in place of a friction curve, as another model has them
+    /// to be identified, not fitted yet; `None` if the parameters have no place for them.
+    pub fn with_straight_friction(&self, like: &Self, viscous: f64, coulomb_nm: f64) -> Option<Self> {
+        let mut other = self.without(CURVE_ID);
+        other.parameters.set(base::VISCOUS, &[viscous]).ok()?;
+        other.parameters.set(base::COULOMB, &[coulomb_nm]).ok()?;
+        let is_straight = |id: u16| id == base::VISCOUS || id == base::COULOMB;
+        let is_it = |unknown: &&Unknown| matches!(unknown.quantity, Quantity::Effect { id, .. } if is_straight(id));
+        other.unknowns.extend(like.unknowns.iter().filter(is_it).cloned());
+        Some(other)
+    }
+
     /// The same without an effect, not fitted yet.
     pub fn without(&self, id: u16) -> Self {
         let mut smaller = Self { cost: f64::INFINITY, termination: None, steps: None, ..self.clone() };
