@@ -104,7 +104,7 @@ fn a_wire_that_comes_off_keeps_what_was_recorded() {
 fn no_such_port_and_no_such_scenario() {
     let folder = tempfile::tempdir().unwrap();
     host(folder.path(), "statistics --port /dev/ttyNONE").failed(1, &["no port /dev/ttyNONE", "--port sim"]);
-    host(folder.path(), "statistics --port sim:none").failed(1, &["no simulated rig none", "plain, drag"]);
+    host(folder.path(), "statistics --port sim:none").failed(2, &["no simulated rig none", "plain, drag"]);
 }
 
 #[test]

@@ -225,6 +225,10 @@ fn by_whom(users: &[String]) -> String {
 
 impl From<LinkError> for Failure {
     fn from(error: LinkError) -> Self {
-        Self::failed(&error).next(error.next_step())
+        let failure = match error {
+            LinkError::NoSuchScenario { .. } => Self::wrong_use(&error),
+            _ => Self::failed(&error),
+        };
+        failure.next(error.next_step())
     }
 }
