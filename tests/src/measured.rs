@@ -23,20 +23,24 @@ pub fn noise_rad() -> f64 {
 /// Records a release from an angle until some time after it rests; `advance` moves the pendulum by seconds and gives its angle
 /// and velocity. The release falls between two samples.
 pub fn recording(start_rad: f64, chance: &mut Chance, advance: impl FnMut(f64) -> (f64, f64)) -> Recording {
-    let mut angles_rad = released(start_rad, chance, advance, usize::MAX);
-    let last_rad = angles_rad[angles_rad.len() - 1];
+    let (mut angles_rad, last_rad) = released(start_rad, chance, advance, usize::MAX);
     angles_rad.extend(std::iter::repeat_n(last_rad, (REST_S * RATE_HZ) as usize));
     read(&angles_rad, chance)
 }
 
 /// The same, cut off so many seconds after the release.
 pub fn cut_off(start_rad: f64, chance: &mut Chance, seconds: f64, advance: impl FnMut(f64) -> (f64, f64)) -> Recording {
-    let angles_rad = released(start_rad, chance, advance, (seconds * RATE_HZ) as usize);
+    let (angles_rad, _) = released(start_rad, chance, advance, (seconds * RATE_HZ) as usize);
     read(&angles_rad, chance)
 }
 
-/// Angles until it rests, or until there are so many after the release.
-fn released(start_rad: f64, chance: &mut Chance, mut advance: impl FnMut(f64) -> (f64, f64), most: usize) -> Vec<f64> {
+/// Angles until it rests, or until there are so many after the release; and the next one.
+fn released(
+    start_rad: f64,
+    chance: &mut Chance,
+    mut advance: impl FnMut(f64) -> (f64, f64),
+    most: usize,
+) -> (Vec<f64>, f64) {
     let step_s = RATE_HZ.recip();
     let mut angles_rad = vec![start_rad; (LEAD_IN_S * RATE_HZ) as usize];
     let most = angles_rad.len().saturating_add(most);
@@ -46,8 +50,7 @@ fn released(start_rad: f64, chance: &mut Chance, mut advance: impl FnMut(f64) ->
         angles_rad.push(angle_rad);
         (angle_rad, velocity_rad_s) = advance(step_s);
     }
-    angles_rad.push(angle_rad);
-    angles_rad
+    (angles_rad, angle_rad)
 }
 
 /// As the converter has them.
