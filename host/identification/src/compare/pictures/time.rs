@@ -10,6 +10,13 @@ use crate::recording::Measured;
 /// Points of a line; zooming still shows every swing.
 const N_POINTS: usize = 6000;
 
+/// Points of as many lines as there are recordings: a report of fifty then has 8 MB, of which the script that draws takes
+/// more than half. Twice of it makes 11 MB.
+const N_POINTS_TOGETHER: usize = 36_000;
+
+/// A line keeps its shape with so many: nearly one for each pixel of a report.
+const LEAST_POINTS: usize = 700;
+
 /// The last swings are shown over so many half swings.
 const LAST_HALF_SWINGS: f64 = 10.0;
 
@@ -20,20 +27,36 @@ pub(super) fn pictures(comparison: &Comparison) -> Vec<Picture> {
         .map(|judged| (judged, String::new()))
         .chain(comparison.held_out.iter().map(|judged| (judged, ", held out".to_owned())))
         .collect();
+    let lines = Lines::of(all.len());
     let mut pictures = Vec::new();
     for (k, (judged, suffix)) in all.iter().enumerate() {
-        pictures.push(motion(judged, suffix, k + 1));
-        pictures.push(residual(judged, suffix, k + 1));
-        pictures.extend(last_swings(judged, suffix, k + 1));
+        pictures.push(motion(lines, judged, suffix, k + 1));
+        pictures.push(residual(lines, judged, suffix, k + 1));
+        pictures.extend(last_swings(lines, judged, suffix, k + 1));
     }
-    pictures.push(velocity(&all));
+    pictures.push(velocity(lines, &all));
     pictures.push(ahead(comparison));
     pictures
 }
 
-fn line(name: &str, style: Style, colour: usize, x: &[f64], y: &[f64]) -> Curve {
-    let (x, y) = decimated(x, y, N_POINTS);
-    Curve::new(name, style, colour, x.into_iter().zip(y))
+/// Lines of so many points each.
+#[derive(Clone, Copy)]
+struct Lines(usize);
+
+impl Lines {
+    fn of(n_recordings: usize) -> Self {
+        Self((N_POINTS_TOGETHER / n_recordings.max(1)).clamp(LEAST_POINTS, N_POINTS))
+    }
+
+    /// Of a few swings.
+    fn halved(self) -> Self {
+        Self(self.0 / 2)
+    }
+
+    fn line(self, name: &str, colour: usize, x: &[f64], y: &[f64]) -> Curve {
+        let (x, y) = decimated(x, y, self.0);
+        Curve::new(name, Style::Line, colour, x.into_iter().zip(y))
+    }
 }
 
 fn reading_label(kind: Measured) -> &'static str {
@@ -51,7 +74,7 @@ pub(super) fn residual_label(kind: Measured) -> &'static str {
     }
 }
 
-fn motion(judged: &Judged, suffix: &str, number: usize) -> Picture {
+fn motion(lines: Lines, judged: &Judged, suffix: &str, number: usize) -> Picture {
     Picture {
         key: format!("motion-{number}"),
         title: format!("Measured and modelled: {}{suffix}", short_name(&judged.name)),
@@ -61,13 +84,13 @@ fn motion(judged: &Judged, suffix: &str, number: usize) -> Picture {
         x: Axis::linear("time since the start of the free swing in s"),
         y: Axis::linear(reading_label(judged.kind)),
         content: Content::Curves(vec![
-            line("measured", Style::Line, 0, &judged.curves.times_s, &judged.curves.angles_rad),
-            line("modelled", Style::Line, 1, &judged.curves.times_s, &judged.curves.modelled_rad),
+            lines.line("measured", 0, &judged.curves.times_s, &judged.curves.angles_rad),
+            lines.line("modelled", 1, &judged.curves.times_s, &judged.curves.modelled_rad),
         ]),
     }
 }
 
-fn residual(judged: &Judged, suffix: &str, number: usize) -> Picture {
+fn residual(lines: Lines, judged: &Judged, suffix: &str, number: usize) -> Picture {
     let residuals: Vec<f64> = judged.curves.residuals_rad.iter().map(|r| milli(*r)).collect();
     let ends = [0.0, judged.duration_s];
     let noise = milli(2.0 * judged.noise.level_rad());
@@ -82,14 +105,14 @@ fn residual(judged: &Judged, suffix: &str, number: usize) -> Picture {
         x: Axis::linear("time since the start of the free swing in s"),
         y: Axis::linear(residual_label(judged.kind)),
         content: Content::Curves(vec![
-            line("residual", Style::Line, 0, &judged.curves.times_s, &residuals),
+            lines.line("residual", 0, &judged.curves.times_s, &residuals),
             limit("± 2 × noise", noise),
             limit("", -noise),
         ]),
     }
 }
 
-fn last_swings(judged: &Judged, suffix: &str, number: usize) -> Option<Picture> {
+fn last_swings(lines: Lines, judged: &Judged, suffix: &str, number: usize) -> Option<Picture> {
     let (measured_rad, modelled_rad) = judged.stop_angles_rad?;
     let from_s = judged.duration_s - LAST_HALF_SWINGS * judged.curves.half_swing_s?;
     let from = judged.curves.times_s.partition_point(|t| *t < from_s);
@@ -108,16 +131,16 @@ fn last_swings(judged: &Judged, suffix: &str, number: usize) -> Option<Picture> 
         x: Axis::linear("time since the start of the free swing in s"),
         y: Axis::linear("angle in mrad"),
         content: Content::Curves(vec![
-            line("measured", Style::Line, 0, times_s, &part(&judged.curves.angles_rad)),
-            line("modelled", Style::Line, 1, times_s, &part(&judged.curves.modelled_rad)),
+            lines.halved().line("measured", 0, times_s, &part(&judged.curves.angles_rad)),
+            lines.halved().line("modelled", 1, times_s, &part(&judged.curves.modelled_rad)),
         ]),
     })
 }
 
-fn velocity(all: &[(&Judged, String)]) -> Picture {
+fn velocity(lines: Lines, all: &[(&Judged, String)]) -> Picture {
     let curve = |(k, (judged, suffix)): (usize, &(&Judged, String))| {
         let name = format!("{}{suffix}", short_name(&judged.name));
-        line(&name, Style::Line, k, &judged.curves.times_s, &judged.curves.velocity_residuals_rad_s)
+        lines.line(&name, k, &judged.curves.times_s, &judged.curves.velocity_residuals_rad_s)
     };
     Picture {
         key: "residual-velocity-time".to_owned(),
@@ -166,6 +189,13 @@ mod tests {
     use crate::compare::tests::judged;
 
     #[test]
+    fn many_recordings_share_the_points_of_their_lines_down_to_one_a_pixel() {
+        assert_eq!([1, 8, 20, 50, 500].map(|n_recordings| Lines::of(n_recordings).0), [6000, 4500, 1800, 720, 700]);
+        let times_s: Vec<f64> = (0..20_000).map(f64::from).collect();
+        assert!((300..=724).contains(&Lines::of(50).line("", 0, &times_s, &times_s).x.len()));
+    }
+
+    #[test]
     fn the_last_swings_are_ten_half_swings_to_the_end() {
         let mut judged = judged();
         judged.stop_angles_rad = Some((1e-3, 2e-3));
@@ -174,11 +204,11 @@ mod tests {
         judged.curves.times_s = (0..=128).map(|i| f64::from(i) / 16.0).collect();
         judged.curves.angles_rad = judged.curves.times_s.clone();
         judged.curves.modelled_rad = vec![0.0; 129];
-        let picture = last_swings(&judged, "", 1).unwrap();
+        let picture = last_swings(Lines::of(1), &judged, "", 1).unwrap();
         let Content::Curves(curves) = picture.content else { panic!("no curves") };
         assert_eq!((curves[0].x.first(), curves[0].x.last(), curves[0].x.len()), (Some(&3.0), Some(&8.0), 81));
         assert_eq!(curves[0].y.first(), Some(&3000.0));
         judged.stop_angles_rad = None;
-        assert!(last_swings(&judged, "", 1).is_none());
+        assert!(last_swings(Lines::of(1), &judged, "", 1).is_none());
     }
 }
