@@ -114,6 +114,22 @@ fn a_file_is_no_port() {
 }
 
 #[test]
+fn what_is_for_the_rig_needs_a_port() {
+    let folder = with_file("swing.csv", swing(9999, "").as_bytes());
+    for option in ["--wait 5", "--limit 60", "--no-push"] {
+        host(folder.path(), &format!("fit swing.csv {option}")).failed(2, &["cannot be used with", "[RECORDING]"]);
+    }
+}
+
+/// Before anything is served: nobody can listen at this address.
+#[test]
+fn a_page_is_not_begun_with_a_recording_that_is_not_there() {
+    let folder = with_file("swing.csv", swing(9999, "").as_bytes());
+    let run = host(folder.path(), "serve swing.csv swimg.csv --no-open --listen 192.0.2.1:80");
+    run.failed(1, &["could not read recording swimg.csv", "no such file"]);
+}
+
+#[test]
 fn ranges_reversed() {
     let folder = with_file("swing.csv", swing(9999, "").as_bytes());
     let run = host(folder.path(), "fit swing.csv --range Mw=1e-3..1e-4");

@@ -60,7 +60,7 @@ pub use limits::{FORMAT_NAME, FORMAT_VERSION, MIN_SAMPLES};
 pub use look::{Look, look};
 pub use measured::Measured;
 pub use options::ReadOptions;
-pub use read::{Run, read, read_bytes, read_runs, read_runs_of_bytes};
+pub use read::{Run, check_readable, read, read_bytes, read_runs, read_runs_of_bytes};
 pub use told::Told;
 pub use units::{AngleUnit, RateUnit, TimeUnit};
 pub use write::{Writer, save};

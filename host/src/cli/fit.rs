@@ -28,9 +28,14 @@ use shared::observer::Observer;
 use shared::parameters::Parameters;
 use std::path::{Path, PathBuf};
 
+/// Than the rig.
+const OTHER_SOURCES: [&str; 2] = ["recordings", "paper"];
+
 /// Find friction and inertia from swings: recorded ones, or one that is recorded from the rig now.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLE, group(ArgGroup::new("source").required(true).args(["recordings", "port", "paper"])))]
+#[command(after_help = EXAMPLE, group(ArgGroup::new("source").required(true).args(["recordings", "port", "paper"])),
+    mut_arg("wait", |wait| wait.conflicts_with_all(OTHER_SOURCES)),
+    mut_arg("limit", |limit| limit.conflicts_with_all(OTHER_SOURCES)))]
 pub(super) struct Options {
     /// Recordings to fit, all at once
     #[arg(value_name = "RECORDING")]
@@ -66,7 +71,7 @@ pub(super) struct Options {
     #[arg(long)]
     discover: bool,
     /// Leave the rig as it is
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = OTHER_SOURCES)]
     no_push: bool,
     /// Replay the paper's three designs and compare its tables with ours; needs no recording
     #[arg(long, conflicts_with_all = ["range", "method", "rig", "hold_out", "output"])]

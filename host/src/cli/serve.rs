@@ -4,6 +4,7 @@ use super::columns::Reading;
 use super::values::positive;
 use super::{output, rig};
 use crate::error::Failure;
+use crate::recording::check_readable;
 use crate::rigfile::RigFile;
 use crate::serve::{self, Settings, Stop};
 use clap::Args;
@@ -48,6 +49,8 @@ that is printed; what they send is not encrypted. Ctrl-C ends the program.";
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     options.reading.check()?;
+    // A name that is misspelt is told here, not on the page alone, which reads them.
+    options.recordings.iter().try_for_each(|path| check_readable(path)).map_err(Failure::failed)?;
     let stop = Stop::default();
     let asked = stop.clone();
     ctrlc::set_handler(move || asked.now()).map_err(Failure::failed)?;

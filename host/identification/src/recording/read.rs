@@ -131,6 +131,14 @@ impl From<Fault> for Faulty {
     }
 }
 
+/// Can this file be opened?
+///
+/// # Errors
+/// It is not there, it is a folder, or the system refuses.
+pub fn check_readable(path: &Path) -> Result<(), ReadError> {
+    open(path).map(drop).map_err(|fault| ReadError { file: path.display().to_string(), fault })
+}
+
 pub(super) fn open(path: &Path) -> Result<File, Fault> {
     if path.is_dir() {
         return Err(Fault::Directory);
