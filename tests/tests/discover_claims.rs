@@ -33,6 +33,21 @@ fn two_laws_that_no_free_swing_can_tell_apart_are_both_told() {
     }
 }
 
+/// Where a spring relaxes a little beyond the swing its pull still changes along the way, so that it is no constant torque.
+/// Notches of three numbers, which imitate it, are not named in its place.
+#[test]
+fn a_spring_that_relaxes_beyond_the_swing_is_named() {
+    for relaxed_rad in [0.65, -0.6] {
+        let rig = Rig { noise_rad: 1e-3, rate_hz: 200.0, ..quick(11, &[0.5]) };
+        let size = 0.04 * rig.mass_kg * rig.gravity_m_s2 * rig.length_m;
+        let shape = [relaxed_rad, 0.0];
+        let spring = Hidden { name: "torsional-spring", size, shape, largest: size, is_listed: true };
+        let (bench, swings) = Workbench::with_recordings(&Rig { hidden: vec![spring], ..rig });
+        let found = bench.json(&format!("diagnose {swings}"));
+        assert!(texts(&found, "verdict").contains(&"torsional-spring"), "{relaxed_rad}: {}", found["verdict"]);
+    }
+}
+
 /// Friction at a state while the pendulum swings, N·m; positive where it drives.
 fn driving_nm(parameters: &Parameters<f64>, angle_rad: f64, velocity_rad_s: f64) -> f64 {
     let model = Model::new(parameters);

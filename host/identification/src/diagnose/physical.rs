@@ -1,15 +1,18 @@
 //! Models that fit but mean nothing are refused.
 //!
 //! Friction takes energy out of the swing: it must not drive the pendulum anywhere on its way. And a spring relaxes
-//! somewhere on that way: one that does not is a constant torque, which is what asymmetric friction does.
+//! somewhere on that way, or where is known from how it changes along it: else it is a constant torque, which is what
+//! asymmetric friction does.
 //!
 //! Effects that are added to Coulomb and viscous friction may be negative (less friction here than there), and each is
 //! within its own range; only their sum tells whether the bearing still brakes.
 
+use crate::fit::covariance::covariance;
 use crate::fit::fitted::Fitted;
-use crate::fit::problem::Problem;
+use crate::fit::problem::{Problem, Quantity, Unknown};
 use crate::formula::effect_of;
 use crate::swing::Swing;
+use crate::verdict::NO_CHANCE_STDS;
 use shared::effect::{Action, Effect, MAX_VALUES};
 use shared::formula::Program;
 use shared::motion::Motion;
@@ -25,15 +28,25 @@ const N_GRID: i32 = 6;
 pub fn is_sound(problem: &Problem, model: &Fitted) -> bool {
     let angles = problem.swings.iter().flat_map(Swing::sizes_rad);
     let amplitude_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
-    relaxes(model, amplitude_rad) && brakes_everywhere(problem, model, amplitude_rad)
+    relaxes(problem, model, amplitude_rad) && brakes_everywhere(problem, model, amplitude_rad)
 }
 
-fn relaxes(model: &Fitted, amplitude_rad: f64) -> bool {
-    let is_on_the_way = |effect: &Effect<f64>| {
-        let relaxed = effect.rules.relaxes_at.and_then(|at| model.parameters.values(effect.id)?.get(usize::from(at)));
-        relaxed.is_none_or(|angle| angle.abs() < amplitude_rad)
+fn relaxes(problem: &Problem, model: &Fitted, amplitude_rad: f64) -> bool {
+    let is_known = |effect: &Effect<f64>| {
+        let Some(index) = effect.rules.relaxes_at.map(usize::from) else { return true };
+        let angle_rad = model.parameters.values(effect.id).and_then(|values| values.get(index).copied());
+        angle_rad.is_none_or(|angle| angle.abs() < amplitude_rad || is_sure(problem, model, effect.id, index))
     };
-    model.effects.iter().all(|effect| is_on_the_way(effect))
+    model.effects.iter().all(|effect| is_known(effect))
+}
+
+/// Is a number of an effect far from zero by its own uncertainty, and within its bounds?
+fn is_sure(problem: &Problem, model: &Fitted, id: u16, index: usize) -> bool {
+    let is_it = |unknown: &Unknown| unknown.quantity == Quantity::Effect { id, index };
+    let Some(column) = model.unknowns.iter().position(is_it) else { return false };
+    let (unknown, value) = (&model.unknowns[column], model.unknowns[column].get(&model.parameters));
+    let std = covariance(&model.linearised(problem)).and_then(|known| known.std(column));
+    value > unknown.low && value < unknown.high && std.is_some_and(|std| value.abs() > NO_CHANCE_STDS * std)
 }
 
 /// Does friction brake everywhere on the way? Dry friction, which is all there is at low speed, must not hide behind
@@ -81,6 +94,7 @@ fn friction_nm(parameters: &Parameters<f64>, motion: &Motion<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::tests::{effect, fitted, rig, simulated};
     use crate::fit::identify::problem_of;
     use crate::fit::problem::Point;
     use crate::fit::start;
@@ -97,6 +111,22 @@ mod tests {
         let problem = problem_of(&swings, &rig, &count);
         let point = Point { values: problem.template_values(), starts: start::starts(&swings) };
         ask(&problem, &Fitted { parameters: rig.clone(), ..Fitted::at(&problem, &point) })
+    }
+
+    /// A spring of the paper's rig that relaxes beyond its swing of 1.4 rad, as what is left of it is known.
+    #[test]
+    fn a_spring_that_relaxes_beyond_the_swing_is_one_if_that_angle_is_known() {
+        let spring = effect("torsional-spring");
+        let is_sound_with = |stiffness: f64, relaxed_rad: f64| {
+            let (mut truth, count) = (rig(), Tally::default());
+            truth.set(spring.id, &[stiffness, relaxed_rad]).unwrap();
+            let swings = [simulated("spring", &truth, 12.0, 3)];
+            let model = fitted(&problem_of(&swings, &truth, &count), &truth);
+            is_sound(&problem_of(&swings, &truth, &count), &Fitted { effects: vec![spring], ..model })
+        };
+        assert!(is_sound_with(0.02, 1.8));
+        // So weak that it is a constant torque, if it is anything.
+        assert!(!is_sound_with(2e-5, 1.8) && is_sound_with(2e-5, 1.0));
     }
 
     #[test]

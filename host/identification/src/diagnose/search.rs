@@ -8,7 +8,7 @@ use super::models::{
 };
 use super::physical::is_sound;
 use super::widening::{narrowed, widened};
-use crate::fit::descent::Tolerance;
+use crate::fit::descent::{Termination, Tolerance};
 use crate::fit::fitted::{Fitted, Stiction};
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels, on_all};
@@ -205,6 +205,9 @@ fn best_on_all(
     let mut near: Vec<Vec<Fitted>> = level.par_iter().map(|model| levels(rough, model)).collect();
     near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
     if !is_well_explained(problem, &near[0][0]) && budget.allows_more() {
+        // Of laws that are nearly alike, one that ended on the way, at another turning point, is taken for a wrong one.
+        near.par_iter_mut().filter(|levels| !swings(&levels[0])).for_each(|model| begun_anew(rough, model));
+        near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
         let simplest = near.iter().rposition(|levels| is_usual_form_of(&levels[0], &near[0][0])).unwrap_or(0);
         // A support imitates a law and its band better than the law without it.
         let beside = near.iter().position(|levels| !swings(&levels[0])).filter(|_| swings(&near[0][0]));
@@ -212,11 +215,6 @@ fn best_on_all(
             seen_from_other_sides(problem, rough, &mut near[idx]);
         });
         near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
-        // What leaves a little may imitate one of the next, whose fit ended on the way.
-        if is_explained(rough, &near[0][0]) {
-            near[1..].par_iter_mut().for_each(|model| begun_anew(rough, model));
-            near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
-        }
     }
     let limit = worth_all_samples(rough, near[0][0].cost);
     let n_worth_it = near.iter().take_while(|levels| levels[0].cost <= limit).count().max(1);
@@ -239,9 +237,12 @@ fn is_usual_form_of(usual: &Fitted, model: &Fitted) -> bool {
     usual.effects.len() == model.effects.len() && model.effects.iter().all(has_form)
 }
 
-/// Begins a model anew with the first swings, then seeks a velocity band too, and keeps what is better.
+/// Begins one that swings beside the pendulum anew with the first swings, as the others have been, then seeks a velocity band
+/// for whatever it is, and keeps what is better.
 fn seen_from_other_sides(problem: &Problem, rough: &Problem, model: &mut Vec<Fitted>) {
-    begun_anew(rough, model);
+    if swings(&model[0]) {
+        begun_anew(rough, model);
+    }
     if !is_well_explained(problem, &model[0]) && band_is_promising(rough, &model[0]) {
         let with_band = model[0].refined(rough, Band::Searched, Tolerance::JUDGE);
         if with_band.cost < model[0].cost {
@@ -250,9 +251,11 @@ fn seen_from_other_sides(problem: &Problem, rough: &Problem, model: &mut Vec<Fit
     }
 }
 
-/// Begins a model anew with the first swings, if that is better.
+/// Begins a model anew with the first swings, if that is better; where it stops is found anew too.
 fn begun_anew(rough: &Problem, model: &mut Vec<Fitted>) {
-    let anew = levels(rough, &model[0].regrown(rough));
+    let best = &model[0];
+    let begin = if best.has_band() { best.clone() } else { best.with_stiction(Stiction::NONE) };
+    let anew = levels(rough, &begin.regrown(rough));
     if anew[0].cost < model[0].cost {
         *model = anew;
     }
@@ -292,11 +295,18 @@ fn with_the_stiction_of(rough: &Problem, stiction: Stiction, model: &Fitted) -> 
     model.evaluated(rough).better(model.with_stiction(stiction).refined(rough, Band::Held, Tolerance::LONG))
 }
 
-/// A few steps more for models that came within reach of the best, in their new order: the first fits end early.
+/// A few steps more for models that came within reach of the best, in their new order: the first fits end early; and along
+/// their curved valley for those that are not at its end by then.
 fn looked_at_again(problem: &Problem, mut level: Vec<Fitted>) -> Vec<Fitted> {
     let lowest = level.first().map_or(0.0, |best| best.cost);
     let n_near = level.iter().take(MAX_LOOKED_AT).take_while(|model| model.cost < WORTH_A_LOOK * lowest).count();
-    level[..n_near].par_iter_mut().for_each(|model| *model = model.refined(problem, Band::Held, Tolerance::ROUGH));
+    let looked_at = |model: &mut Fitted| {
+        *model = model.refined(problem, Band::Held, Tolerance::ROUGH);
+        if model.termination == Some(Termination::LostPatience) && !swings(model) {
+            *model = model.refined(problem, Band::Held, Tolerance::LAST);
+        }
+    };
+    level[..n_near].par_iter_mut().for_each(looked_at);
     sort(&mut level);
     level
 }

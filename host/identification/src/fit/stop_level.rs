@@ -40,8 +40,9 @@ impl Level {
     }
 }
 
-/// The level that a model has, so that the search never ends with a worse one; without any, the lowest range, of which
-/// swings that come to `rest` show the ends.
+/// The level that a model has, so that the search never ends with a worse one; without any, the lowest of all ranges, of
+/// which swings that come to `rest` show the ends: dry friction alone stops the pendulum there, wherever first-order answers
+/// point.
 fn own_level(own_nm: f64, ranges: &[Range], rest: bool) -> Level {
     let lowest = ranges.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((own_nm, own_nm));
     if own_nm == 0.0 {
@@ -59,10 +60,13 @@ pub(super) fn levels(decimated: &Problem, from: &Fitted) -> Vec<Fitted> {
     let (problem, point) = (free.problem(decimated), free.point());
     let mut steps = Steps::new(&problem);
     let linear = linearise(&problem, &point, Window::Whole, &mut steps);
-    let ranges = promising(&problem, &point, &linear);
     let rest = decimated.swings.iter().any(Swing::comes_to_rest);
-    let own = own_level(own_nm, &ranges, rest);
-    let first = ranges.first().copied().filter(|first| *first != own.range).map(Level::in_the_middle);
+    let own = own_level(own_nm, &ranges(&problem, &point), rest);
+    let first = promising(&problem, &point, &linear)
+        .first()
+        .copied()
+        .filter(|first| *first != own.range)
+        .map(Level::in_the_middle);
     let first_steps = steps.clone();
     let begin = Fitted { steps: Some(steps), ..free };
     let mut tried = in_earnest(decimated, &begin, [Some(own), first].into_iter().flatten().collect());
