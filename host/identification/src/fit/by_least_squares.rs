@@ -9,7 +9,7 @@ use super::refine::Band;
 use super::scouts::scouted;
 use super::start;
 use super::stiction::GAIN_WORTH_A_BAND;
-use crate::swing::Window;
+use crate::swing::{Swing, Window};
 use crate::verdict::Left;
 use shared::parameters::base;
 
@@ -47,18 +47,34 @@ pub(super) fn start_in_the_middle(problem: &Problem, model: &mut Fitted) {
 /// A model that begins anew may end in another valley than the one that was given, which may have been improved with
 /// care: then that one is fitted on from where it is, and the better one counts, to the end of its valley.
 pub(super) fn not_worse_than_given(problem: &Problem, found: Fitted) -> Fitted {
-    better_than_given(problem, found).settled(problem)
-}
-
-fn better_than_given(problem: &Problem, found: Fitted) -> Fitted {
-    let found = if follows(problem, &found) { found } else { found.better(from_the_period(problem)) };
     let point = Point { values: problem.template_values(), starts: start::starts(problem.swings) };
     let given = Fitted::at(problem, &point).started(problem);
+    let best = better_than_given(problem, found, &given);
+    without_a_band_unseen(problem, best, &given).settled(problem)
+}
+
+fn better_than_given(problem: &Problem, found: Fitted, given: &Fitted) -> Fitted {
+    let found = if follows(problem, &found) { found } else { found.better(from_the_period(problem)) };
     let nothing_to_gain = problem.chi_square(found.cost).left() == Left::Noise && found.cost <= given.cost;
     if nothing_to_gain || given.cost > WORTH_A_TRY * found.cost {
         return found;
     }
-    found.better(given.refined(problem, Band::Free, Tolerance::JUDGE).better(given))
+    found.better(given.refined(problem, Band::Free, Tolerance::JUDGE).better(given.clone()))
+}
+
+/// Where physics is missing and no swing rests, a velocity band only imitates what is missing: it would falsify the inertia, and
+/// hold a pendulum at 10° and more for ever. So it goes, unless the model that was given would be lost with it.
+fn without_a_band_unseen(problem: &Problem, model: Fitted, given: &Fitted) -> Fitted {
+    let is_seen = || {
+        let rests = problem.swings.iter().any(Swing::comes_to_rest);
+        rests || problem.chi_square(model.cost).left() != Left::Missing
+    };
+    if !model.has_band() || is_seen() {
+        return model;
+    }
+    let free = model.with_stiction(Stiction::NONE).lively(problem, Tolerance::ROUGH);
+    let free = free.refined(problem, Band::Level, Tolerance::JUDGE);
+    if free.cost <= given.cost { free } else { model }
 }
 
 /// Does a model follow the swings at least roughly?
@@ -98,4 +114,32 @@ pub(super) fn polish(
     let needless =
         !searched.has_band() && searched.cost < refined.cost + GAIN_WORTH_A_BAND * problem.noise_rad().powi(2);
     if needless { searched } else { searched.better(refined) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{effect, fitted, rig, simulated};
+    use crate::fit::identify::problem_of;
+    use crate::fit::tally::Tally;
+
+    /// Does a model keep a band that does not belong there, of a swing whose sensor has a gain?
+    fn keeps_its_band(seconds: f64, given_cost: f64) -> bool {
+        let (mut truth, base, count) = (rig(), rig(), Tally::default());
+        truth.set(effect("sensor-gain").id, &[0.05]).unwrap();
+        let swings = [simulated("gain", &truth, seconds, 5)];
+        let problem = problem_of(&swings, &base, &count);
+        let model = fitted(&problem, &base).with_stiction(Stiction { level_nm: 8e-3, velocity_band: 0.03 });
+        let given = Fitted { cost: given_cost, ..model.clone() };
+        without_a_band_unseen(&problem, model.evaluated(&problem), &given).has_band()
+    }
+
+    #[test]
+    fn a_band_that_no_rest_shows_goes_where_physics_is_missing() {
+        assert!(!keeps_its_band(8.0, f64::INFINITY));
+        // What was given would be lost.
+        assert!(keeps_its_band(8.0, 0.0));
+        // It rests in the end.
+        assert!(keeps_its_band(120.0, f64::INFINITY));
+    }
 }

@@ -50,9 +50,9 @@ impl Covariance {
         self
     }
 
-    /// Correlation of two columns.
+    /// Correlation of two columns, which their scatter over clusters may have left beyond one.
     pub fn correlation(&self, i: usize, j: usize) -> Option<f64> {
-        Some(self.matrix[(i, j)] / (self.std(i)? * self.std(j)?))
+        Some((self.matrix[(i, j)] / (self.std(i)? * self.std(j)?)).clamp(-1.0, 1.0))
     }
 }
 
