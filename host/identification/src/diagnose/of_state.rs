@@ -81,6 +81,9 @@ pub struct OfState {
     pub releases: usize,
     /// Are there releases of several sizes, so that a law of the motion differs from one of time?
     pub time_differs: bool,
+    /// Does a pendulum at rest tell how large the noise is?
+    #[serde(skip)]
+    pub(super) rest_is_seen: bool,
     /// What it is left of: the friction curve where there is one, else what is claimed.
     pub beside_curve: bool,
     /// What explains it if the readings come from pictures; `None` where nothing does.
@@ -109,6 +112,7 @@ impl OfState {
             blocks: found.n_blocks,
             releases: swings.len(),
             time_differs: sizes_differ(swings),
+            rest_is_seen: swings.iter().any(Swing::comes_to_rest),
             beside_curve,
             of_pictures: None,
         };
@@ -155,6 +159,16 @@ fn sizes_differ(swings: &[Swing]) -> bool {
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_rest_rules_noise_out_that_neighbours_share() {
+        let times_s: Vec<f64> = (0..2000).map(|i| 0.02 * f64::from(i)).collect();
+        let angles: Vec<f64> =
+            times_s.iter().map(|time_s| (1.0 - time_s / 20.0).max(0.0) * (6.0 * time_s).cos()).collect();
+        let found = FreeTorque { as_torque: -0.1, as_reading: -0.2, n_blocks: 20 };
+        let split = OfState::new(&found, &[Swing::new("", &times_s, &angles, 1e-3)], false);
+        assert!(split.rest_is_seen && !split.words.contains("neighbouring"), "{}", split.words);
+    }
+
     fn said(as_torque: f64, as_reading: f64, releases_rad: &[f64]) -> OfState {
         let times_s: Vec<f64> = (0..200).map(|i| 0.02 * f64::from(i)).collect();
         let swing = |size: &f64| {
@@ -194,6 +208,7 @@ mod tests {
             "{}",
             clock.words
         );
+        assert!(clock.words.contains("neighbouring readings share") && !scale.words.contains("neighbouring"));
         assert_eq!(said(0.6, 0.6, &[1.2]).kind, Kind::Undecided);
     }
 }

@@ -45,6 +45,10 @@ impl OfState {
                 in_percent(self.reading_removes)
             );
         }
+        if !self.rest_is_seen {
+            words += " Or it is noise that neighbouring readings share, as a filter or hum makes it: let the pendulum \
+                      hang still at the end of a recording, which tells its size.";
+        }
         words
     }
 

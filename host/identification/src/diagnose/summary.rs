@@ -347,7 +347,13 @@ impl Summary<'_, '_, '_> {
     fn staircase(&self, rmse_before: f64, held_out: &dyn Fn(&Parameters<f64>) -> Option<f64>) -> Vec<Step> {
         let found = self.judge.found;
         let n_samples = self.judge.problem.n_samples(Window::Whole) as f64;
-        let mut steps = vec![Step { added: "base", rmse: rmse_before, held_out: held_out(&found.base.parameters) }];
+        let of_base = |added, rmse| Step { added, rmse, held_out: held_out(&found.base.parameters) };
+        let mut steps = vec![of_base("base", rmse_before)];
+        // What a fit of the base model leaves, which always takes the zero off.
+        let with_zero = (found.base.cost / n_samples).sqrt();
+        let zero =
+            zero::offset().filter(|_| !self.claimed.effects.is_empty() && with_zero < VISIBLE_ZERO * rmse_before);
+        steps.extend(zero.map(|zero| of_base(zero.name, with_zero)));
         for n_added in 1..=self.claimed.effects.len() {
             let part = &self.claimed.effects[..n_added];
             let is_part =

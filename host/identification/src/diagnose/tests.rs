@@ -269,6 +269,20 @@ fn a_staircase_goes_down_from_the_base_to_the_claim_by_the_rms_of_each_model() {
 }
 
 #[test]
+fn a_zero_that_a_fit_of_the_base_takes_off_is_a_step_of_its_own() {
+    let mut swings = with_drag();
+    swings[0].angles_rad.iter_mut().for_each(|angle| *angle += 0.2);
+    let levels = |on: &Problem| (fitted(on, &rig()), vec![vec![fitted(on, &rig_with("quadratic-drag", &[DRAG]))]]);
+    judged(&swings, levels, |judge| {
+        let told = told(judge, &judge.found.levels[0][0], true, &[]);
+        let steps: Vec<&str> = told.staircase.iter().map(|step| step.added).collect();
+        assert_eq!(steps, ["base", "angle-offset", "quadratic-drag"]);
+        let [before, zero, after] = [0, 1, 2].map(|k| told.staircase[k].rmse);
+        assert!(before > 0.15 && zero < 0.1 && after < 1.1 * NOISE_RAD, "{before} {zero} {after}");
+    });
+}
+
+#[test]
 fn what_is_missing_promises_most_and_is_fitted_in_its_place() {
     let (swings, count) = (with_drag(), Tally::default());
     let problem = base_problem(&swings, (&rig()).into(), &count);
