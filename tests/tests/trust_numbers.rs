@@ -368,13 +368,13 @@ fn a_simulation_without_a_finite_swing_is_an_error() {
     let simulate =
         |options: &str| host(folder.path(), &format!("simulate --force -o swing.csv --seconds 10 {options}"));
     host(folder.path(), "init --mass 0.1466084 --length 0.1562177 --inertia 0.00284252").succeeded();
-    for good in ["--with Mc=0.3", "--with DV=300", "--with I=0", "--start 3.14159", "--start 1e3", "--with Mw=5"] {
+    for good in ["--with Mc=0.3", "--with DV=300", "--with I=0", "--start 3.14159", "--start -3.1", "--with Mw=5"] {
         simulate(good).succeeded();
         assert!(read(&folder.path().join("swing.csv"), &ReadOptions::default()).is_ok(), "{good}");
     }
     simulate("--with Mw1=-2 --exact").failed(1, &["runs away", "next"]);
-    for refused in ["--with Mw=NaN", "--with m=inf", "--with Mw=1e9", "--start NaN", "--with l=1e-310", "--with m=1e30"]
-    {
+    let beyond = ["--with l=1e-310", "--with m=1e30", "--start 1e3", "--start -1e308"];
+    for refused in ["--with Mw=NaN", "--with m=inf", "--with Mw=1e9", "--start NaN"].into_iter().chain(beyond) {
         let run = simulate(refused);
         assert_eq!(run.code, 2, "{refused}: {run:#?}");
         assert!(run.stderr.contains("next") || run.stderr.contains("--help"), "{refused}: {run:#?}");

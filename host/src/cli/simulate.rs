@@ -3,7 +3,7 @@
 use super::values::{custom_effect, finite, not_negative, positive};
 use super::{output, rig};
 use crate::error::Failure;
-use crate::operations::simulate::{Assignment, Simulation, check_size, runs_away, scenario, with};
+use crate::operations::simulate::{Assignment, Simulation, check_size, check_start, runs_away, scenario, with};
 use crate::recording::{Existing, WriteError, Writer};
 use crate::sim::Scenario;
 use clap::Args;
@@ -143,6 +143,7 @@ fn reveal(options: &Options, scenario: &'static Scenario) -> Result<(), Failure>
 
 fn check(options: &Options, path: &Path) -> Result<(), Failure> {
     check_size(options.seconds, options.rate)?;
+    check_start(options.start)?;
     let rig = rig::chosen_path(options.rig.as_deref()).filter(|_| options.scenario.is_none());
     output::check(&[path], &rig.as_deref().into_iter().collect::<Vec<_>>(), options.force)
 }

@@ -2,6 +2,7 @@
 
 use crate::error::Failure;
 use crate::formula::{self, effect_of};
+use crate::number::significant;
 use crate::random::Noise;
 use crate::recording::{Calibration, Header, sensor_name};
 use crate::rigfile::Quantity;
@@ -20,6 +21,9 @@ const HIGHEST_RATE_HZ: f64 = 100_000.0;
 
 /// Longer swings neither.
 const LONGEST_S: f64 = 36_000.0;
+
+/// Half a turn, as it is typed with a few digits, rad.
+const FARTHEST_RELEASE_RAD: f64 = 3.15;
 
 /// What is simulated.
 #[derive(Clone, Debug)]
@@ -97,6 +101,19 @@ pub fn check_size(seconds: f64, rate_hz: f64) -> Result<(), Failure> {
         return Err(Failure::wrong_use(what).next(format!("stay within {LONGEST_S} s and {HIGHEST_RATE_HZ} Hz")));
     }
     Ok(())
+}
+
+/// Refuses a release from beyond half a turn: whoever types 90 means degrees.
+///
+/// # Errors
+/// Beyond half a turn, with the same in radians.
+pub fn check_start(start_rad: f64) -> Result<(), Failure> {
+    if start_rad.abs() <= FARTHEST_RELEASE_RAD {
+        return Ok(());
+    }
+    let what = format!("the release at {start_rad} rad is more than half a turn from where the pendulum hangs");
+    let meant_rad = significant(start_rad.to_radians(), 4);
+    Err(Failure::wrong_use(what).next(format!("give radians: {start_rad} degrees are {meant_rad} rad")))
 }
 
 /// A swing that no recording can hold.
