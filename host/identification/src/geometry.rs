@@ -48,7 +48,7 @@ pub enum GeometryError {
     #[error(
         "{name}: it swings with a period of {period_s:.3} s, but with its centre of mass {length_m} m from the pivot it \
          would take at least {least_s:.3} s; the length must be in metres and at most {most_m:.3}: \
-         set `length = {proposed_m}` in rig.toml, or make the file anew with `host init --length {proposed_m}`"
+         set `length = {proposed_m}` in rig.toml, or give `host init` that length"
     )]
     Length {
         /// The recording.
@@ -68,7 +68,7 @@ pub enum GeometryError {
     #[error(
         "{name}: with a mass of {mass_kg} kg its period of {period_s:.3} s needs an inertia of {} kg·m², \
          {factor:.0} times the {inertia_kg_m2} given; if the mass is in grams, set `mass = {proposed_kg}` in rig.toml, or \
-         make the file anew with `host init --mass {proposed_kg}`; if it is right, correct `inertia`",
+         give `host init` that mass; if it is right, correct `inertia`",
         significant(*needed_kg_m2, 4)
     )]
     Mass {
@@ -91,7 +91,7 @@ pub enum GeometryError {
     #[error(
         "{name}: it swings with a period of {period_s:.3} s, but with an inertia of {inertia_kg_m2} kg·m² beside mass and \
          length it would take {predicted_s:.3} s; give the moment of inertia about the centre of mass in kg·m²: \
-         set `inertia = {needed_kg_m2:.2e}` in rig.toml, which fits the period, or make the file anew with `host init`"
+         set `inertia = {needed_kg_m2:.2e}` in rig.toml, which fits the period, or give `host init` that inertia"
     )]
     Inertia {
         /// The recording.
@@ -127,21 +127,42 @@ pub fn check(parameters: &Parameters<f64>, swings: &[Swing]) -> Result<Vec<Strin
 /// Swings among others of another period, by their place, with what is doubtful of them in words. A drive of the model may
 /// change the period with the amplitude; with one nothing is judged.
 pub fn other_periods(parameters: &Parameters<f64>, swings: &[Swing]) -> Vec<(usize, String)> {
+    let words = |(idx, period_s, usual_s): (usize, f64, f64)| {
+        let words = format!(
+            "its period of small swings is {period_s:.3} s, that of the others {usual_s:.3} s: is it of another pendulum? \
+             Fit those apart; of one pendulum, something beside gravity moves it"
+        );
+        (idx, words)
+    };
+    with_other_periods(parameters, swings, swings).into_iter().map(words).collect()
+}
+
+/// Held-out swings of another period than the fitted ones, by their place, with what is doubtful of them in words.
+pub fn held_out_of_other_periods(
+    parameters: &Parameters<f64>,
+    fitted: &[Swing],
+    held_out: &[Swing],
+) -> Vec<(usize, String)> {
+    let words = |(idx, period_s, usual_s): (usize, f64, f64)| {
+        let words = format!(
+            "its period of small swings is {period_s:.3} s, that of the fitted ones {usual_s:.3} s: is it of another \
+             pendulum? Then its error says nothing of this fit"
+        );
+        (idx, words)
+    };
+    with_other_periods(parameters, fitted, held_out).into_iter().map(words).collect()
+}
+
+/// Place, period and usual period (s) of the swings whose period is not that of the usual ones.
+fn with_other_periods(parameters: &Parameters<f64>, usual: &[Swing], swings: &[Swing]) -> Vec<(usize, f64, f64)> {
     if has_drive(parameters) {
         return Vec::new();
     }
     let period = |swing: &Swing| seen(swing).map(|seen| seen.small_period_s());
-    let periods: Vec<Option<f64>> = swings.iter().map(period).collect();
-    let usual_s = median(&mut periods.iter().copied().flatten().collect::<Vec<_>>());
+    let usual_s = median(&mut usual.iter().filter_map(period).collect::<Vec<_>>());
     let is_other = |period_s: &f64| (period_s / usual_s - 1.0).abs() > OTHER_PERIOD;
-    let others = periods.iter().enumerate().filter_map(|(idx, period_s)| Some((idx, period_s.filter(is_other)?)));
-    let words = |period_s: f64| {
-        format!(
-            "its period of small swings is {period_s:.3} s, that of the others {usual_s:.3} s: is it of another pendulum? \
-             Fit those apart; of one pendulum, something beside gravity moves it"
-        )
-    };
-    others.map(|(idx, period_s)| (idx, words(period_s))).collect()
+    let others = swings.iter().enumerate().filter_map(|(idx, swing)| Some((idx, period(swing).filter(is_other)?)));
+    others.map(|(idx, period_s)| (idx, period_s, usual_s)).collect()
 }
 
 /// Is nothing known but the motion, so that torques and inertia are per m·g·l?
@@ -151,6 +172,17 @@ pub fn is_unknown(pendulum: &Pendulum<f64>) -> bool {
 
 /// What the units of such a model mean.
 pub const PER_GRAVITY: &str = "The geometry is unknown: every torque and inertia is per m·g·l, whatever its unit says.";
+
+/// What of such a model the period tells: the inertia about the pivot, of which `I` lacks m·l².
+pub fn about_the_pivot(pendulum: &Pendulum<f64>) -> String {
+    let of_point = pendulum.mass_kg * pendulum.length_m.powi(2) / pendulum.gravity_torque_nm();
+    let whole = pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm();
+    format!(
+        "For a period T or for g take (m·l² + I)/(m·g·l) = (T/2π)² = {} s²: the I above and {} s² for m·l².",
+        significant(whole, 5),
+        significant(of_point, 3)
+    )
+}
 
 /// Is there a torque beside gravity that makes it swing?
 fn has_drive(parameters: &Parameters<f64>) -> bool {
@@ -306,6 +338,20 @@ mod tests {
         assert!(three.len() == 1 && three[0].0 == 2, "{three:?}");
         let told = "its period of small swings is 1.090 s, that of the others 1.047 s";
         assert!(three[0].1.starts_with(told), "{three:?}");
+    }
+
+    #[test]
+    fn a_held_out_swing_of_another_pendulum_is_doubted_by_the_fitted_ones() {
+        let doubted = |fitted_s: f64, held_out_s: f64| {
+            let (fitted, held_out) = (swings(0.1, fitted_s), swings(0.1, held_out_s));
+            held_out_of_other_periods(&paper_but(|_| ()), &fitted, &held_out)
+        };
+        assert_eq!(doubted(1.047, 1.049), []);
+        let told = doubted(1.047, 1.09);
+        let words =
+            "its period of small swings is 1.090 s, that of the fitted ones 1.047 s: is it of another pendulum?";
+        assert!(told.len() == 1 && told[0].1.starts_with(words), "{told:?}");
+        assert_eq!(held_out_of_other_periods(&paper_but(|_| ()), &[], &swings(0.1, 1.0)), []);
     }
 
     #[test]

@@ -13,12 +13,12 @@ use host::improve::Change;
 use host::operations::diagnose::Fields;
 use host::operations::effects::{Shown, chosen};
 use host::operations::fit::{self as fitting, Request, modelled};
-use host::operations::given::{doubts, refuse_doubles};
+use host::operations::given::{doubts, doubts_of_held_out, refuse_doubles};
 use host::operations::improve::{METHOD, effect_named, improve as improve_with};
 use host::operations::json;
 use host::operations::plan::Planned;
 use host::operations::reading::Reading;
-use host::operations::simulate::{Simulation, check_size, runs_away, scenario as scenario_named};
+use host::operations::simulate::{Simulation, check_size, check_start, runs_away, scenario as scenario_named};
 use host::recording::Recording;
 use host::rigfile::RigFile;
 use host::swing::Swing;
@@ -44,6 +44,7 @@ impl Asked {
         notes.extend(told);
         refuse_doubles(&swings, &held_out)?;
         notes.extend(doubts(rig.parameters(), &mut swings)?);
+        notes.extend(doubts_of_held_out(rig.parameters(), &swings, &held_out));
         Ok(Self { file: rig, names: json::all_named(&swings), swings, held_out, notes })
     }
 }
@@ -283,7 +284,7 @@ fn check_numbers(start_rad: f64, seconds: f64, noise_rad: f64, rate_hz: f64) -> 
             wrong("noise", noise_rad, "zero or a number above, in rad")
         }
         () if !(rate_hz.is_finite() && rate_hz > 0.0) => wrong("rate", rate_hz, "a number above zero, in Hz"),
-        () => check_size(seconds, rate_hz),
+        () => check_size(seconds, rate_hz).and_then(|()| check_start(start_rad)),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::columns::Reading;
 use super::{output, rig};
 use crate::error::Failure;
-use crate::operations::given::{doubts, refuse_doubles};
+use crate::operations::given::{doubts, doubts_of_held_out, refuse_doubles};
 use crate::rigfile::RigFile;
 use crate::swing::Swing;
 use clap::Args;
@@ -47,6 +47,7 @@ impl Given {
     pub(super) fn held_out(&self, model: &RigFile, paths: &[PathBuf], fitted: &[Swing]) -> Result<Vec<Swing>, Failure> {
         let held_out = self.reading.of(model).swings(paths)?;
         refuse_doubles(fitted, &held_out)?;
+        check_held_out(model.parameters(), fitted, &held_out);
         Ok(held_out)
     }
 
@@ -56,6 +57,11 @@ impl Given {
         let read: Vec<&Path> = self.recordings.iter().chain(held_out).chain(&rig).map(PathBuf::as_path).collect();
         output::check(new, &read, force)
     }
+}
+
+/// Can what is held out be of the fitted pendulum? Doubts are told.
+pub(super) fn check_held_out(parameters: &Parameters<f64>, fitted: &[Swing], held_out: &[Swing]) {
+    doubts_of_held_out(parameters, fitted, held_out).iter().for_each(|doubt| output::warn(doubt));
 }
 
 /// Can these be swings of this pendulum, and of one? Doubts are told, and kept with the swings.

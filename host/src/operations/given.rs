@@ -19,6 +19,12 @@ pub fn doubts(parameters: &Parameters<f64>, swings: &mut [Swing]) -> Result<Vec<
     Ok(doubts)
 }
 
+/// What speaks against held-out swings beside the fitted ones, in words.
+pub fn doubts_of_held_out(parameters: &Parameters<f64>, fitted: &[Swing], held_out: &[Swing]) -> Vec<String> {
+    let others = geometry::held_out_of_other_periods(parameters, fitted, held_out);
+    others.into_iter().map(|(idx, words)| format!("doubtful: {}: {words}", held_out[idx].name)).collect()
+}
+
 /// Refuses what would count twice.
 ///
 /// # Errors

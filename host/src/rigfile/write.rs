@@ -22,8 +22,9 @@ const HEAD: &str = "\
 ";
 
 const NORMALISED: &str = "\
-# The geometry is unknown: mass and length are chosen so that m·g·l = 1. Every torque below is per m·g·l,
-# and the inertia is (m·l² + I)/(m·g·l) of the real pendulum in s². Multiply by the real m·g·l to get SI units.
+# The geometry is unknown: mass and length are chosen so that m·g·l = 1. Every torque and inertia below is per m·g·l;
+# multiply by the real m·g·l to get SI units. What the period tells, (m·l² + I)/(m·g·l) of the real pendulum in s²,
+# is the inertia below and length/gravity together.
 ";
 
 /// A new file for parameters that passed their check.

@@ -15,7 +15,7 @@ use crate::fit::identify::{self, Fit, Method};
 use crate::fit::tally::Tally;
 use crate::fit::windows::windows_s;
 use crate::improve::{Bench, Change, Step};
-use crate::operations::given::doubts;
+use crate::operations::given::{doubts, doubts_of_held_out};
 use crate::rigfile::{RigFile, Source};
 use crate::swing::{Swing, kind, one_kind};
 use rayon::prelude::*;
@@ -58,7 +58,8 @@ impl Data {
         let next = "take one kind out of the list";
         one_kind(self.swings.iter().chain(&self.held_out)).map_err(|error| Failure::failed(error).next(next))?;
         let next = "correct the value in the model";
-        let doubts = doubts(self.model.parameters(), &mut self.swings).map_err(|failure| failure.next(next))?;
+        let mut doubts = doubts(self.model.parameters(), &mut self.swings).map_err(|failure| failure.next(next))?;
+        doubts.extend(doubts_of_held_out(self.model.parameters(), &self.swings, &self.held_out));
         if app.read(|state| self.is_current(state) && state.doubts != doubts) {
             app.change(|state| state.doubts = doubts);
         }
