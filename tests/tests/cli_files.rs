@@ -60,6 +60,46 @@ fn no_drawing_and_no_report_replaces_a_file_unasked() {
     assert!(fs::read_to_string(path.join("pages/host-fit.1")).unwrap().contains("host"));
 }
 
+/// The swing would be recorded and fitted for nothing.
+#[test]
+fn a_place_where_nothing_can_be_written_is_told_before_anything_is_done() {
+    let folder = folder();
+    let path = folder.path();
+    let before = listing(path);
+    for arguments in [
+        "fit swing.csv -o none/x.toml",
+        "fit swing.csv --plot none/x.svg",
+        "fit --port sim -o none/x.toml",
+        "improve swing.csv -o none/x.toml",
+        "diagnose swing.csv --report none/x.html",
+        "diagnose swing.csv --plot none/x.svg",
+        "compare swing.csv --report none/x.html",
+        "compare swing.csv --csv none/x.csv",
+        "compare swing.csv --plot mine.html/x",
+        "study . --report none/x.html",
+        "simulate -o none/x.csv",
+        "record --port sim -o none/x.csv",
+    ] {
+        let run = host(path, arguments);
+        run.failed(1, &["could not write", "folder", "space"]);
+        let is_early = ["…", "fitting", "released", "recordings"].iter().all(|word| !run.stderr.contains(word));
+        assert!(is_early && run.stdout.is_empty(), "{arguments}: {run:?}");
+        assert_eq!(listing(path), before, "{arguments}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_fit_that_can_not_be_written_is_shown_all_the_same() {
+    let folder = folder();
+    for arguments in ["fit swing.csv -o /dev/full --force", "fit swing.csv --plot /dev/full --force"] {
+        let run = host(folder.path(), arguments);
+        assert_eq!(run.code, 1, "{run:?}");
+        assert!(run.stderr.contains("could not write /dev/full: No space left"), "{}", run.stderr);
+        assert!(run.stdout.contains("identified") && !run.stdout.contains("/dev/full"), "{}", run.stdout);
+    }
+}
+
 #[test]
 fn what_is_read_is_never_replaced_by_any_name() {
     let folder = folder();
@@ -151,6 +191,18 @@ fn the_next_command_can_be_copied_whatever_the_names() {
     let text = host_with(path, &arguments.concat()).stdout;
     let next = text.lines().find(|line| line.starts_with("next")).unwrap_or_default();
     assert!(next.contains("copy0.csv") && next.contains("10 recordings") && !next.contains("copy9.csv"), "{text}");
+}
+
+#[test]
+fn a_name_that_begins_with_a_dash_is_no_option_in_the_next_command() {
+    let folder = folder();
+    fs::rename(folder.path().join("swing.csv"), folder.path().join("-dash.csv")).unwrap();
+    let run = host(folder.path(), "fit --method least-squares -o=-rig.toml -- -dash.csv");
+    assert!(run.succeeded().contains("host push --rig ./-rig.toml"), "{}", run.stdout);
+    let run = host(folder.path(), "fit --method least-squares -- -dash.csv");
+    let next = run.succeeded().lines().find_map(|line| line.strip_prefix("next       host ")).unwrap();
+    assert_eq!(next, "fit ./-dash.csv -o rig.toml");
+    host(folder.path(), &format!("{next} --method least-squares")).succeeded();
 }
 
 /// Every command that takes recordings takes the runs of a file as several of them.

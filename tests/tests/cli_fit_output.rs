@@ -221,6 +221,32 @@ fn recordings_of_two_pendulums_are_told_apart() {
 }
 
 #[test]
+fn a_held_out_recording_of_another_pendulum_is_doubted() {
+    let folder = folder();
+    let path = folder.path();
+    swing(path, "one.csv", 1.047, 0.03);
+    swing(path, "same.csv", 1.048, 0.03);
+    swing(path, "other.csv", 1.080, 0.03);
+    for command in ["fit one.csv --method least-squares", "compare one.csv", "diagnose one.csv"] {
+        let stderr = |held_out: &str| {
+            let run = host(path, &format!("{command} --quiet --hold-out {held_out}"));
+            run.succeeded();
+            run.stderr
+        };
+        assert!(!stderr("same.csv").contains("another pendulum"), "{command}");
+        let told = stderr("other.csv");
+        assert!(told.contains("other.csv: its period") && told.contains("of another pendulum"), "{command}: {told}");
+    }
+}
+
+#[test]
+fn where_physics_is_missing_the_next_step_of_a_fit_from_a_rig_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = host(folder.path(), "fit --port sim:drag").succeeded().to_owned();
+    assert!(text.contains("next       host fit --port sim:drag --discover -o rig.toml"), "{text}");
+}
+
+#[test]
 fn what_is_driven_is_to_be_recorded_anew_and_not_diagnosed() {
     let folder = folder();
     swing(folder.path(), "motor.csv", 1.047, 0.0);

@@ -35,6 +35,12 @@ fn every_help_has_an_example_and_fits_a_screen_or_two() {
 }
 
 #[test]
+fn a_range_is_no_promise_about_the_result() {
+    let help = host(Path::new("."), "fit --help").succeeded().to_owned();
+    assert!(help.contains("A --range is where the search begins"), "{help}");
+}
+
+#[test]
 fn exit_codes_are_documented_and_true() {
     let here = Path::new(".");
     assert!(host(here, "--help").succeeded().contains("Exit codes: 0 there is a result"));

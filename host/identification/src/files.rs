@@ -69,10 +69,11 @@ impl FileError {
     }
 }
 
-/// May these files be written by a command that reads those? Asked before anything is computed.
+/// May these files be written by a command that reads those, and can they be? Asked before anything is computed.
 ///
 /// # Errors
-/// A file that is read or named twice, whatever `existing` says; one that exists, if it is to be kept.
+/// A file that is read or named twice, whatever `existing` says; one that exists, if it is to be kept; a folder that is not
+/// there or in which nothing can be written.
 pub fn check(writes: &[&Path], reads: &[&Path], existing: Existing) -> Result<(), FileError> {
     for (idx, path) in writes.iter().enumerate() {
         let path = path.to_path_buf();
@@ -82,11 +83,34 @@ pub fn check(writes: &[&Path], reads: &[&Path], existing: Existing) -> Result<()
         if writes[..idx].iter().any(|other| are_one(&path, other)) {
             return Err(FileError::Twice { path });
         }
-        if existing == Existing::Keep && path.exists() {
-            return Err(FileError::Exists { path });
-        }
+        refuse_existing(&path, existing)?;
+        try_place(&path)?;
     }
     Ok(())
+}
+
+/// Can files be written into this folder, which is made if need be?
+///
+/// # Errors
+/// The system refuses.
+pub fn check_folder(path: &Path) -> Result<(), FileError> {
+    let there = path.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
+    tempfile::tempfile_in(there).map(drop).map_err(|source| why(path, source))
+}
+
+fn refuse_existing(path: &Path, existing: Existing) -> Result<(), FileError> {
+    if existing == Existing::Keep && path.exists() {
+        return Err(FileError::Exists { path: path.to_owned() });
+    }
+    Ok(())
+}
+
+/// Tries what writing the file will need, so that no work is done for nothing; a device is left alone.
+fn try_place(path: &Path) -> Result<(), FileError> {
+    if path.is_dir() {
+        return Err(why(path, io::ErrorKind::IsADirectory.into()));
+    }
+    if is_device(path) { Ok(()) } else { file_beside(path).map(drop) }
 }
 
 /// Do two names lead to one file, through links too? Devices may be named as often as one likes.
@@ -189,17 +213,8 @@ impl NewFile {
     }
 
     fn beside(path: &Path, existing: Existing) -> Result<Self, FileError> {
-        check(&[path], &[], existing)?;
-        // A link stays a link: what it leads to is replaced.
-        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut name = target.file_name().unwrap_or_default().to_owned();
-        name.push(".");
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(&name).suffix(".new");
-        set_permissions(&mut builder, &target);
-        let file = builder.tempfile_in(folder).map_err(|source| why(path, source))?;
-        Ok(Self { path: path.to_owned(), existing, place: Place::Beside(BufWriter::new(file)) })
+        refuse_existing(path, existing)?;
+        Ok(Self { path: path.to_owned(), existing, place: Place::Beside(BufWriter::new(file_beside(path)?)) })
     }
 
     /// Hands everything to the disk and, if it is beside its place, puts it there.
@@ -241,6 +256,19 @@ impl Write for NewFile {
             Place::Beside(file) => file.flush(),
         }
     }
+}
+
+/// An empty file beside the place of another; taken away again when it is dropped.
+fn file_beside(path: &Path) -> Result<NamedTempFile, FileError> {
+    // A link stays a link: what it leads to is replaced.
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut name = target.file_name().unwrap_or_default().to_owned();
+    name.push(".");
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&name).suffix(".new");
+    set_permissions(&mut builder, &target);
+    builder.tempfile_in(folder).map_err(|source| why(path, source))
 }
 
 /// A device or a pipe takes the text as it comes; a rename would put a file in its place.
@@ -326,6 +354,22 @@ mod tests {
         let told = error.to_string();
         assert!(told.contains("x.toml: ") && !told.contains(".new") && !told.contains("at path"), "{told}");
         assert!(error.next_step().contains("a folder that exists"), "{}", error.next_step());
+    }
+
+    #[test]
+    fn whether_a_file_can_be_written_is_known_before_and_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let asked = |name: &str, existing| check(&[&at(name)], &[], existing);
+        asked("new.toml", Existing::Keep).unwrap();
+        assert!(listing(folder.path()).is_empty());
+        assert!(matches!(asked("none/x.toml", Existing::Keep), Err(FileError::Io { .. })));
+        std::fs::create_dir(at("inside")).unwrap();
+        assert!(matches!(asked("inside", Existing::Overwrite), Err(FileError::Io { .. })));
+        check_folder(&at("inside/a/b")).unwrap();
+        assert!(listing(&at("inside")).is_empty());
+        std::fs::write(at("file"), "").unwrap();
+        assert!(matches!(check_folder(&at("file/a")), Err(FileError::Io { .. })));
     }
 
     #[test]

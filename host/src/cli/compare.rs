@@ -1,7 +1,7 @@
 //! `host compare`: show where a fitted model fails.
 
 use super::comparison::text;
-use super::given::{Given, check_geometry};
+use super::given::{Given, check_geometry, check_held_out};
 use super::output;
 use crate::compare::recording::Curves;
 use crate::compare::{self, Comparison, compare};
@@ -49,21 +49,28 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let held_out = reading.measurements(&options.hold_out)?;
     let mut swings: Vec<_> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
     check_geometry(model.parameters(), &mut swings)?;
+    let apart: Vec<_> = held_out.iter().map(|measurement| measurement.swing.clone()).collect();
+    check_held_out(model.parameters(), &swings, &apart);
     let settings = compare::Options { fit_first: model.is_fresh(), question_numbers: true };
     let comparison = compare(model.known(), &measurements, &held_out, &settings).map_err(Failure::failed)?;
-    if let Some(folder) = &options.plot {
-        draw(folder, &comparison, options.force)?;
-    }
-    if let Some(path) = &options.report {
-        output::write(path, &report(&comparison), options.force)?;
-    }
-    if let Some(path) = &options.csv {
-        output::write(path, &series(&comparison), options.force)?;
-    }
     if options.given.json {
         output::json("compare", &comparison)
     } else {
         output::result(&text(&comparison))
+    }
+    write(options, &comparison)
+}
+
+/// The files that were asked for, behind the result: a disk that is full costs no answer.
+fn write(options: &Options, comparison: &Comparison) -> Result<(), Failure> {
+    if let Some(folder) = &options.plot {
+        draw(folder, comparison, options.force)?;
+    }
+    if let Some(path) = &options.report {
+        output::write(path, &report(comparison), options.force)?;
+    }
+    if let Some(path) = &options.csv {
+        output::write(path, &series(comparison), options.force)?;
     }
     Ok(())
 }
@@ -73,6 +80,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 fn check_outputs(options: &Options) -> Result<(), Failure> {
     let new: Vec<&Path> = options.report.iter().chain(&options.csv).map(PathBuf::as_path).collect();
     options.given.check_outputs(&new, &options.hold_out, options.force)?;
+    options.plot.as_deref().map_or(Ok(()), output::check_folder)?;
     let inside = |folder: &PathBuf| folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
     let is_picture = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "svg");
     let earlier: Vec<PathBuf> = options.plot.iter().flat_map(inside).filter(is_picture).take(1).collect();

@@ -6,7 +6,7 @@ mod progress;
 mod result;
 
 use super::columns::Reading;
-use super::given::check_geometry;
+use super::given::{check_geometry, check_held_out};
 use super::record::{Patience, take};
 use super::values::{Range, custom_effect};
 use super::{output, port, rig};
@@ -22,7 +22,7 @@ use crate::rigfile::{RigFile, Source};
 use crate::swing::Swing;
 use clap::{ArgGroup, Args, ValueEnum};
 use progress::Screen;
-use result::Shown;
+use result::{Done, Shown};
 use shared::effect::Effect;
 use shared::observer::Observer;
 use shared::parameters::Parameters;
@@ -93,7 +93,8 @@ Example:
   host fit a.csv --effect 'torque = -k*omega*abs(omega)^p; k in 0..1e-3 N·m; p in 0..3' -o rig.toml
   host fit a.csv b.csv --hold-out c.csv --range Mw=1e-4..1e-3 --json
 
-With --port the rig gets the new model. From files: next `host push --rig rig.toml --port PORT`.";
+With --port the rig gets the new model. From files: next `host push --rig rig.toml --port PORT`.
+A --range is where the search begins: swings that ask for a value outside it get it, with a note.";
 
 /// `--method`; without words of their own, or the help would not fit a screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -138,23 +139,45 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let (held_out, _) = reading.swings_quietly(&options.hold_out)?;
     refuse_doubles(&swings, &held_out)?;
     check_geometry(model.parameters(), &mut swings)?;
+    check_held_out(model.parameters(), &swings, &held_out);
 
     let outcome = identify(options, &swings, &held_out, &model)?;
     let fit = &outcome.fit;
     let source = Source::of_swings(options.method.words(), &swings);
     model.adopt_fit(fit, &source)?;
+    // A disk that is full or a rig that is gone costs no result: it is shown with what was done, and then the error.
+    let mut done = Done::default();
+    let finished = hand_over(options, session.as_mut(), &model, &outcome, &swings, &mut done);
+    let shown = Shown { outcome: &outcome, swings: &swings, done: &done };
+    result::show(options, &recordings, &shown);
+    finished
+}
+
+/// Writes the model and the drawing, and gives the model to the rig.
+fn hand_over(
+    options: &Options,
+    session: Option<&mut Session>,
+    model: &RigFile,
+    outcome: &Outcome,
+    swings: &[Swing],
+    done: &mut Done,
+) -> Result<(), Failure> {
+    let fit = &outcome.fit;
     if let Some(path) = &options.output {
         model.save(path)?;
+        done.model = Some(path.clone());
     }
     if let Some(path) = &options.plot {
-        drawing::of_fit(path, fit, &swings, options.force)?;
+        drawing::of_fit(path, fit, swings, options.force)?;
+        done.drawing = Some(path.clone());
     }
-    let check = match session.as_mut() {
-        Some(session) if !options.no_push => Some(push_and_check(session, options, fit)?),
-        _ => None,
-    };
-    let shown = Shown { outcome: &outcome, swings: &swings, check: check.as_ref() };
-    result::show(options, &recordings, &shown);
+    if let Some(session) = session.filter(|_| !options.no_push) {
+        let before = session.parameters()?.map(f64::from);
+        session.push(&fit.parameters)?;
+        done.is_pushed = true;
+        output::say(&format!("saved in {} and read back the same; a second swing shows the gain", session.firmware()));
+        done.check = Some(check(session, options, &before, fit)?);
+    }
     Ok(())
 }
 
@@ -188,18 +211,15 @@ fn identify(options: &Options, swings: &[Swing], held_out: &[Swing], rig: &RigFi
     fit::fit(swings, held_out, rig.known(), &request, &|news| screen.show(news))
 }
 
-/// Pushes the model, then lets the observer judge old and new parameters by a second swing.
-fn push_and_check(session: &mut Session, options: &Options, fit: &Fit) -> Result<Check, Failure> {
-    let before = session.parameters()?.map(f64::from);
-    session.push(&fit.parameters)?;
-    output::say(&format!("saved in {} and read back the same; a second swing shows the gain", session.firmware()));
+/// Lets the observer judge old and new parameters by a second swing.
+fn check(session: &mut Session, options: &Options, before: &Parameters<f64>, fit: &Fit) -> Result<Check, Failure> {
     let recording = record(session, options, "-check")?;
     let (swings, _) = options.reading.swings_quietly(std::slice::from_ref(&recording))?;
     let bandwidth_rad_s = f64::from(session.settings()?.bandwidth_rad_s);
     let innovation = |parameters| innovation_rms_rad(parameters, bandwidth_rad_s, &swings[0]);
     Ok(Check {
         bandwidth_rad_s,
-        innovation_before_rad: innovation(&before),
+        innovation_before_rad: innovation(before),
         innovation_after_rad: innovation(&fit.parameters),
         recording: named(&recording),
     })

@@ -63,9 +63,14 @@ pub(super) fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure>
     Ok(files::write(path, text, Existing::forced(force))?)
 }
 
-/// May these files be written by a command that reads those? Asked before anything is computed.
+/// May these files be written by a command that reads those, and can they be? Asked before anything is computed.
 pub(super) fn check(writes: &[&Path], reads: &[&Path], force: bool) -> Result<(), Failure> {
     Ok(files::check(writes, reads, Existing::forced(force))?)
+}
+
+/// Can a folder for pictures be made, and written to? Asked before anything is computed.
+pub(super) fn check_folder(path: &Path) -> Result<(), Failure> {
+    Ok(files::check_folder(path)?)
 }
 
 /// Makes a folder for pictures or pages that were asked for.
@@ -78,9 +83,19 @@ pub(super) fn command(words: &[&str]) -> String {
     words.iter().map(|word| shlex::try_quote(word).unwrap_or(Cow::Borrowed(word))).collect::<Vec<_>>().join(" ")
 }
 
+/// A file in such a line; one whose name begins with a dash is not taken for an option.
+pub(super) fn file(path: &Path) -> String {
+    command(&[&file_word(path)])
+}
+
+fn file_word(path: &Path) -> String {
+    let name = path.to_string_lossy();
+    if name.starts_with('-') { format!("./{name}") } else { name.into_owned() }
+}
+
 /// Recordings in such a line; of many only the first, and their number.
 pub(super) fn recordings(paths: &[PathBuf]) -> String {
-    let names: Vec<_> = paths.iter().map(|path| path.to_string_lossy()).collect();
+    let names: Vec<_> = paths.iter().map(|path| file_word(path)).collect();
     let words: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
     match words.len() {
         n if n > MOST_NAMED => format!("{} … (the same {n} recordings)", command(&words[..1])),

@@ -5,7 +5,7 @@ use crate::cli::table::{table, wrapped};
 use crate::cli::{evidence, output};
 use crate::fit::identify::{Fit, Identified, Verdict};
 use crate::fit::quality::Responses;
-use crate::geometry::{PER_GRAVITY, is_unknown};
+use crate::geometry::{PER_GRAVITY, about_the_pivot, is_unknown};
 use crate::number::{count, noises, significant, with_spread};
 use crate::operations::fit::{After, Check, Outcome};
 use crate::operations::json::all_named;
@@ -14,6 +14,7 @@ use crate::recording::Measured;
 use crate::rigfile::USUAL_NAME;
 use crate::swing::Swing;
 use crate::verdict::Left;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Correlations beyond this are worth a sentence.
@@ -32,7 +33,20 @@ const BELOW_NOISE: f64 = 0.7;
 pub(super) struct Shown<'a> {
     pub(super) outcome: &'a Outcome,
     pub(super) swings: &'a [Swing],
-    pub(super) check: Option<&'a Check>,
+    pub(super) done: &'a Done,
+}
+
+/// What became of the model before it is shown.
+#[derive(Default)]
+pub(super) struct Done {
+    /// Where it was written.
+    pub(super) model: Option<PathBuf>,
+    /// Where it was drawn.
+    pub(super) drawing: Option<PathBuf>,
+    /// The rig has it.
+    pub(super) is_pushed: bool,
+    /// How the rig took it.
+    pub(super) check: Option<Check>,
 }
 
 /// Prints it on stdout.
@@ -40,7 +54,12 @@ pub(super) fn show(options: &Options, recordings: &[PathBuf], shown: &Shown) {
     if options.json {
         output::json(
             "fit",
-            &shown.outcome.fields(&all_named(shown.swings), shown.swings, options.method.into(), shown.check),
+            &shown.outcome.fields(
+                &all_named(shown.swings),
+                shown.swings,
+                options.method.into(),
+                shown.done.check.as_ref(),
+            ),
         );
     } else {
         if let Some(found) = &shown.outcome.discovery {
@@ -86,7 +105,11 @@ fn parameters(fit: &Fit) -> String {
         vec![symbol, with_spread(found.value, found.std), unit, name, verdict]
     };
     let shown = table(["", "value", "unit", "what", "verdict"], fit.identified.iter().map(row).collect(), 5);
-    if is_unknown(&fit.parameters.pendulum) { format!("{shown}\n{}", wrapped(PER_GRAVITY, 0)) } else { shown }
+    let pendulum = &fit.parameters.pendulum;
+    if !is_unknown(pendulum) {
+        return shown;
+    }
+    format!("{shown}\n{}", wrapped(&format!("{PER_GRAVITY} {}", about_the_pivot(pendulum)), 0))
 }
 
 fn lowered(stages: &[After], fit: &Fit) -> String {
@@ -116,7 +139,7 @@ fn sentences(shown: &Shown) -> Vec<String> {
     let unit = shown.swings.first().map_or(Measured::Angle, |swing| swing.measured).milli_unit();
     let mut sentences = vec![error_against_noise(fit, unit)];
     sentences.extend(fit.held_out_rmse_rad.map(|rmse_rad| held_out(rmse_rad, fit, unit)));
-    sentences.extend(shown.check.map(innovation));
+    sentences.extend(shown.done.check.as_ref().map(innovation));
     sentences.extend(strong_correlations(fit));
     sentences
 }
@@ -185,14 +208,20 @@ fn ending(options: &Options, recordings: &[PathBuf], shown: &Shown) -> String {
     let mut lines = Vec::new();
     let name = |path: &Path| path.display().to_string();
     if options.port.is_some() {
-        let all = recordings.iter().map(|path| name(path)).chain(shown.check.map(|check| check.recording.clone()));
+        let checked = shown.done.check.as_ref().map(|check| check.recording.clone());
+        let all = recordings.iter().map(|path| name(path)).chain(checked);
         lines.push(format!("recorded   {}", all.collect::<Vec<_>>().join(", ")));
     }
-    lines.extend(options.output.as_deref().map(|path| format!("model      {}", name(path))));
-    lines.extend(options.plot.as_deref().map(|path| format!("drawing    {}", name(path))));
+    lines.extend(shown.done.model.as_deref().map(|path| format!("model      {}", name(path))));
+    lines.extend(shown.done.drawing.as_deref().map(|path| format!("drawing    {}", name(path))));
     if let Some(port) = &options.port {
-        let state = if shown.check.is_some() { "has the new model, in its flash too" } else { "was left as it is" };
-        lines.push(format!("rig        {port} {state}"));
+        // Of a push that failed the error says what is known.
+        let state = match (shown.done.is_pushed, options.no_push) {
+            (true, _) => Some("has the new model, in its flash too"),
+            (false, true) => Some("was left as it is"),
+            (false, false) => None,
+        };
+        lines.extend(state.map(|state| format!("rig        {port} {state}")));
     }
     let (why, command) = next(options, recordings, shown);
     lines.push(format!("next       {command}\n           {why}"));
@@ -200,48 +229,62 @@ fn ending(options: &Options, recordings: &[PathBuf], shown: &Shown) -> String {
 }
 
 /// The next command to try, and what it is good for.
-fn next(options: &Options, recordings: &[PathBuf], shown: &Shown) -> (&'static str, String) {
+fn next(options: &Options, recordings: &[PathBuf], shown: &Shown) -> (Cow<'static, str>, String) {
     let names = output::recordings(recordings);
-    let quoted = |path: &Path| output::command(&[&path.to_string_lossy()]);
-    let rig = options.rig.as_deref().map_or(String::new(), |path| format!(" --rig {}", quoted(path)));
-    let is_pushed = shown.check.is_some();
+    let rig = options.rig.as_deref().map_or(String::new(), |path| format!(" --rig {}", output::file(path)));
+    let is_pushed = shown.done.is_pushed;
+    let is_unasked = physics_is_missing(&shown.outcome.fit) && !options.discover;
     if !Swing::driven(shown.swings).is_empty() {
         return swings_freely(options.port.as_deref());
     }
-    match (&options.port, &options.output) {
+    match (&options.port, &shown.done.model) {
+        (Some(port), None) if is_pushed && is_unasked => names_what_is_missing(port, &rig, &names, Path::new("")),
         (Some(port), None) if is_pushed => keeps_the_model(port, &rig, options.discover, Path::new("")),
         (_, None) if physics_is_missing(&shown.outcome.fit) => {
-            ("names the effect that is missing", format!("host diagnose {names}{rig}"))
+            ("names the effect that is missing".into(), format!("host diagnose {names}{rig}"))
         }
-        (_, None) => ("keeps the model in a file", format!("host fit {names}{rig} -o {USUAL_NAME}")),
+        (_, None) => ("keeps the model in a file".into(), format!("host fit {names}{rig} -o {USUAL_NAME}")),
         (_, Some(path)) if physics_is_missing(&shown.outcome.fit) => {
-            ("names the effect that is missing", format!("host diagnose {names} --rig {}", quoted(path)))
+            ("names the effect that is missing".into(), format!("host diagnose {names} --rig {}", output::file(path)))
         }
         (port, Some(path)) if !is_pushed => {
             let port = port.as_deref().unwrap_or("PORT");
-            ("gives the model to the rig", format!("host push --rig {} --port {port}", quoted(path)))
+            ("gives the model to the rig".into(), format!("host push --rig {} --port {port}", output::file(path)))
         }
         (_, Some(path)) => {
-            ("draws measured against model", format!("host fit {names} --rig {} --plot fit.svg", quoted(path)))
+            let command = format!("host fit {names} --rig {} --plot fit.svg", output::file(path));
+            ("draws measured against model".into(), command)
         }
+    }
+}
+
+/// A rig has the model, but its swings ask for more than that has.
+fn names_what_is_missing(port: &str, rig: &str, names: &str, folder: &Path) -> (Cow<'static, str>, String) {
+    let file = unused_model(folder);
+    if is_simulated(port) {
+        let why = "names the effect that is missing, adds it and keeps the model in a file";
+        (why.into(), format!("host fit --port {port}{rig} --discover -o {file}"))
+    } else {
+        let why = format!("keeps the model in a file; then host diagnose {names} --rig {file} names what is missing");
+        (why.into(), format!("host pull --port {port} -o {file}"))
     }
 }
 
 /// What nothing can be learned from has to be recorded anew.
-fn swings_freely(port: Option<&str>) -> (&'static str, String) {
+fn swings_freely(port: Option<&str>) -> (Cow<'static, str>, String) {
     let port = port.unwrap_or("PORT");
-    ("records a pendulum that swings freely", format!("host record --port {port} -o free.csv"))
+    ("records a pendulum that swings freely".into(), format!("host record --port {port} -o free.csv"))
 }
 
 /// A simulated rig has forgotten the model when it is asked the next time; a real one is asked for it.
-fn keeps_the_model(port: &str, rig: &str, discover: bool, folder: &Path) -> (&'static str, String) {
+fn keeps_the_model(port: &str, rig: &str, discover: bool, folder: &Path) -> (Cow<'static, str>, String) {
     let file = unused_model(folder);
     if is_simulated(port) {
         let discover = if discover { " --discover" } else { "" };
         let again = format!("host fit --port {port}{rig}{discover} -o {file}");
-        ("does the same and keeps the model in a file: a simulated rig begins anew with each command", again)
+        ("does the same and keeps the model in a file: a simulated rig begins anew with each command".into(), again)
     } else {
-        ("keeps the model in a file", format!("host pull --port {port} -o {file}"))
+        ("keeps the model in a file".into(), format!("host pull --port {port} -o {file}"))
     }
 }
 
@@ -259,6 +302,7 @@ const MODEL_STEM: &str = "rig";
 mod tests {
     use super::*;
     use crate::examples::fit;
+    use crate::rigfile::RigFile;
 
     #[test]
     fn an_error_is_told_by_what_it_is_beside_the_noise() {
@@ -307,6 +351,26 @@ mod tests {
         std::fs::write(folder.path().join("rig.toml"), "a good model").unwrap();
         assert_eq!(advised("COM3", false), "host pull --port COM3 -o rig-2.toml");
         assert_eq!(advised("sim", false), "host fit --port sim -o rig-2.toml");
+    }
+
+    #[test]
+    fn where_physics_is_missing_the_next_step_names_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let advised = |port| names_what_is_missing(port, "", "swing.csv", folder.path());
+        assert_eq!(advised("sim:drag").1, "host fit --port sim:drag --discover -o rig.toml");
+        let (why, command) = advised("COM3");
+        assert_eq!(command, "host pull --port COM3 -o rig.toml");
+        assert!(why.contains("then host diagnose swing.csv --rig rig.toml names what is missing"), "{why}");
+    }
+
+    #[test]
+    fn without_a_geometry_the_number_that_the_period_tells_is_said() {
+        let mut fit = fit();
+        assert!(!parameters(&fit).contains("For a period"), "{}", parameters(&fit));
+        fit.parameters.pendulum = RigFile::normalised(9.81).unwrap().parameters().pendulum;
+        fit.parameters.pendulum.inertia_kg_m2 = 0.02;
+        let told = parameters(&fit).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(told.contains("(m·l² + I)/(m·g·l) = (T/2π)² = 0.020102 s²: the I above and 1.02e-4 s²"), "{told}");
     }
 
     #[test]
