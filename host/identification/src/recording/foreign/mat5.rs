@@ -32,7 +32,9 @@ pub(super) enum Variable {
         fields: Vec<String>,
         entries: Vec<Vec<Variable>>,
     },
-    /// Cells, objects, tables, sparse matrices, arrays of more than two dimensions.
+    /// One of MATLAB's own objects, such as a `timeseries`, by its class; what it holds lies elsewhere in a secret form.
+    Object(String),
+    /// Cells, tables, sparse matrices, arrays of more than two dimensions.
     Other,
 }
 
@@ -95,6 +97,7 @@ mod class {
     pub(super) const TEXT: u32 = 4;
     pub(super) const FIRST_OF_NUMBERS: u32 = 6;
     pub(super) const LAST_OF_NUMBERS: u32 = 15;
+    pub(super) const OBJECT: u32 = 17;
 }
 
 /// Where MATLAB's own objects begin, whose form is secret; other programs fill the place with zeros or spaces.
@@ -160,6 +163,9 @@ fn matrix(bytes: &[u8], is_big: bool, deepest: usize) -> Result<(String, Variabl
     // An empty matrix has no parts at all.
     let Some(flags) = parts.next()? else { return Ok((String::new(), Variable::Other)) };
     let class = number(flags.data.get(..4).ok_or(Problem::Damaged)?, is_big) & 0xff;
+    if class == class::OBJECT {
+        return object(&mut parts);
+    }
     let size: Vec<usize> = numbers(&parts.must()?, is_big).iter().map(|length| *length as usize).collect();
     let name = String::from_utf8_lossy(parts.must()?.data).into_owned();
     let content = match (class, &size[..]) {
@@ -178,6 +184,13 @@ fn matrix(bytes: &[u8], is_big: bool, deepest: usize) -> Result<(String, Variabl
         _ => Variable::Other,
     };
     Ok((name, content))
+}
+
+/// Name and class of an object, which has no size; `MCOS` stands between them.
+fn object(parts: &mut Elements) -> Result<(String, Variable), Problem> {
+    let mut word = || Ok(String::from_utf8_lossy(parts.must()?.data).into_owned());
+    let (name, _system, class) = (word()?, word()?, word()?);
+    Ok((name, Variable::Object(class)))
 }
 
 fn structure(parts: &mut Elements, n_entries: usize, deepest: usize) -> Result<Variable, Problem> {
@@ -285,6 +298,23 @@ mod tests {
         file.extend([14, 48].iter().chain(&parts[..12]).flat_map(|word: &u32| word.to_be_bytes()));
         let numbers = Variable::Numbers { n_rows: 1, n_columns: 2, values: vec![7.0, -2.0] };
         assert_eq!(variables(&file), Ok(vec![("t".to_owned(), numbers)]));
+    }
+
+    #[test]
+    fn an_object_is_known_by_its_name_and_class() {
+        let mut file = head(b"IM");
+        let word = |text: &[u8]| {
+            let mut element = [kind::I8.to_le_bytes(), (text.len() as u32).to_le_bytes()].concat();
+            element.extend(text);
+            element.resize(element.len().next_multiple_of(TAG), 0);
+            element
+        };
+        let flags: Vec<u8> = [kind::U32, 8, class::OBJECT, 0].iter().flat_map(|word| word.to_le_bytes()).collect();
+        let parts = [flags, word(b"theta2"), word(b"MCOS"), word(b"timeseries")].concat();
+        file.extend(kind::MATRIX.to_le_bytes());
+        file.extend((parts.len() as u32).to_le_bytes());
+        file.extend(parts);
+        assert_eq!(variables(&file), Ok(vec![("theta2".to_owned(), Variable::Object("timeseries".to_owned()))]));
     }
 
     #[test]

@@ -9,6 +9,7 @@ use super::mat5::{Problem, Variable};
 use super::{mat4, mat5};
 use crate::recording::error::Fault;
 use crate::recording::limits::MIN_SAMPLES;
+use crate::recording::words::{Meaning, meaning};
 
 /// A matrix with more columns, and more rows, is a picture, not a table.
 const MOST_COLUMNS: usize = 64;
@@ -24,11 +25,15 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     for (name, variable) in &variables {
         columns.add(name, variable);
     }
+    // A time alone beside timeseries is no recording either.
+    if let (true, Some(how)) = (columns.numbers.len() < 2, how_to_save(&variables)) {
+        return Err(refused(what, &how));
+    }
     if columns.numbers.is_empty() {
         return Err(refused(
             what,
-            "it holds no vectors, matrices of up to 64 columns or structures of numbers; tables, timeseries and cells are \
-             not read: save the vectors themselves, such as t = Time{1}; save('swing.mat', 't', 'theta', '-v7')",
+            "it holds no vectors, matrices of up to 64 columns or structures of numbers; tables and cells are not read: save \
+             the vectors themselves, such as t = Time{1}; save('swing.mat', 't', 'theta', '-v7')",
         ));
     }
     match columns.lone_matrix() {
@@ -36,6 +41,22 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
         None => Ok(text_of(&columns.names, &columns.numbers)),
     }
 }
+
+/// What to do with timeseries, which Simulink writes `To Workspace`, by the name of the one that is likely the angle.
+fn how_to_save(variables: &[(String, Variable)]) -> Option<String> {
+    let is_series = |variable: &Variable| matches!(variable, Variable::Object(class) if class == TIMESERIES);
+    let names: Vec<&str> = variables.iter().filter(|(_, it)| is_series(it)).map(|(name, _)| name.as_str()).collect();
+    let is_angle = |name: &&str| matches!(meaning(name), Meaning::Angle { .. });
+    let name = names.iter().copied().find(is_angle).or(names.first().copied())?;
+    Some(format!(
+        "it holds timeseries ({}), which only MATLAB reads; save their vectors there: t = {name}.Time; theta = {name}.Data; \
+         save('swing.mat', 't', 'theta', '-v7')",
+        names.join(", ")
+    ))
+}
+
+/// The class of what Simulink logs where nothing else is chosen.
+const TIMESERIES: &str = "timeseries";
 
 /// What is found in a file.
 #[derive(Default)]
@@ -54,7 +75,7 @@ impl Columns {
             Variable::Structure { fields, entries } => {
                 entries.iter().for_each(|entry| self.add_entry(name, fields, entry));
             }
-            Variable::Text(_) | Variable::Other => {}
+            Variable::Text(_) | Variable::Object(_) | Variable::Other => {}
         }
     }
 
@@ -135,6 +156,17 @@ mod tests {
     fn structure(fields: &[(&str, Variable)]) -> Variable {
         let (names, entry) = fields.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).unzip();
         Variable::Structure { fields: names, entries: vec![entry] }
+    }
+
+    #[test]
+    fn of_timeseries_it_is_said_how_to_save_the_one_that_is_the_angle() {
+        let series = |name: &str| (name.to_owned(), Variable::Object(TIMESERIES.to_owned()));
+        let other = ("x".to_owned(), Variable::Object("table".to_owned()));
+        let told = how_to_save(&[series("input"), other.clone(), series("theta2")]).unwrap();
+        assert!(told.starts_with("it holds timeseries (input, theta2)"), "{told}");
+        assert!(told.contains("t = theta2.Time; theta = theta2.Data; save('swing.mat'"), "{told}");
+        assert!(how_to_save(&[series("logged")]).unwrap().contains("t = logged.Time"));
+        assert_eq!(how_to_save(&[other]), None);
     }
 
     #[test]
