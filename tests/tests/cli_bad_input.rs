@@ -139,6 +139,34 @@ fn ranges_reversed() {
 }
 
 #[test]
+fn a_release_in_degrees_is_refused_with_the_same_in_radians() {
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "simulate plain --start 90 -o swing.csv").failed(2, &["90 rad", "90 degrees are 1.571 rad"]);
+    assert!(!folder.path().join("swing.csv").exists());
+}
+
+/// As a bus makes of a failed transfer.
+#[test]
+fn one_absurd_reading_is_left_out_as_a_gap() {
+    for reading in ["1e300", "-1e300", "1e9"] {
+        let rows: Vec<String> = (0..2000)
+            .map(|k| f64::from(k) * 0.01)
+            .map(|t| {
+                let theta = 0.8 * (-0.03 * t).exp() * (6.0 * t).cos();
+                format!("{t:.2},{theta:.5}")
+            })
+            .collect();
+        let spoilt =
+            rows.iter().enumerate().map(|(k, row)| if k == 700 { format!("7.00,{reading}") } else { row.clone() });
+        let text = format!("t,theta\n{}\n", spoilt.collect::<Vec<_>>().join("\n"));
+        let folder = with_file("swing.csv", text.as_bytes());
+        let run = host(folder.path(), "fit swing.csv --method least-squares");
+        run.succeeded();
+        assert!(run.stderr.contains("1 reading jumps out of the swing and back, at 7.000 s"), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn negative_or_absurd_geometry() {
     let folder = tempfile::tempdir().unwrap();
     for mass in ["-1", "nan", "0", "inf", "heavy"] {

@@ -39,12 +39,17 @@ const ABRUPT_SHARE: f64 = 0.3;
 /// More than this share of all readings are no losses but the sensor; half and twice change nothing there.
 const MOST_SHARE: f64 = 0.05;
 
+/// What a bus makes of a lost transfer may be of any size: beyond so many ranges of the readings it is a loss of just that
+/// size, or the half swings would be too small beside it to be seen. Half and twice change nothing.
+const FARTHEST_RANGES: f64 = 10.0;
+
 /// Which readings jump out of the swing and back; none where that would be too many.
 pub(super) fn spikes(times: &[f64], readings: &[f64]) -> Vec<bool> {
     let none = vec![false; readings.len()];
     if readings.len() < 4 * (LONGEST + BESIDE) {
         return none;
     }
+    let readings = &near(readings)[..];
     let misses: Vec<f64> = (0..readings.len()).map(|idx| miss(times, readings, idx)).collect();
     let usual = median(&mut misses.iter().map(|miss| miss.abs()).collect::<Vec<f64>>()) / 0.6745;
     let least = (SUSPECT * usual).max(LEAST_SHARE * range(readings));
@@ -77,6 +82,13 @@ fn miss(times: &[f64], readings: &[f64], idx: usize) -> f64 {
         others.iter().filter(|j| **j != i).map(|j| (times[idx] - times[*j]) / (times[i] - times[*j])).product()
     };
     readings[idx] - others.iter().map(|i| weight(*i) * readings[*i]).sum::<f64>()
+}
+
+/// The readings, none of them farther than [`FARTHEST_RANGES`] from the middle one.
+fn near(readings: &[f64]) -> Vec<f64> {
+    let middle = median(&mut readings.to_vec());
+    let farthest = FARTHEST_RANGES * range(readings);
+    readings.iter().map(|reading| reading.clamp(middle - farthest, middle + farthest)).collect()
 }
 
 /// Of the middle 98 % of the readings, so that losses do not count.
@@ -159,6 +171,16 @@ mod tests {
         let expected: Vec<usize> = lost.into_iter().flatten().collect();
         let found: Vec<usize> = (0..found.len()).filter(|idx| found[*idx]).collect();
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_loss_of_any_size_is_found() {
+        for size in [50.0, 1e4, 1e300, -1e300, f64::MAX] {
+            let (times, mut readings) = swing();
+            readings[333] = size;
+            let found = spikes(&times, &readings);
+            assert_eq!((0..found.len()).filter(|idx| found[*idx]).collect::<Vec<_>>(), [333], "{size}");
+        }
     }
 
     #[test]
