@@ -59,6 +59,9 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     output::say("fitting the base model, then every effect …");
     let wishes = Wishes { typed: options.effect, formulas: options.formulas, at_first_look: Some(first_look) };
     let diagnosis = diagnose_with(&swings, &held_out, model.known(), wishes);
+    if diagnosis.contradicts_its_first_look() {
+        output::say("the thorough search says otherwise, and it counts:");
+    }
     if options.given.json {
         output::json(
             "diagnose",
@@ -86,5 +89,50 @@ fn draw(options: &Options, diagnosis: &Diagnosis) -> Result<(), Failure> {
             output::say("nothing is drawn: no friction curve is better than the named laws");
             Ok(())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::diagnose::Diagnosis;
+    use crate::examples::diagnosis;
+    use crate::look::{Candidate, Judge, Look, of_reason};
+    use shared::bank::findings::Reason;
+
+    /// A look that names the first of these, the second of which it can't tell from it.
+    fn look(names: &[&'static str], reason: Option<Reason>) -> Look {
+        let candidate = |(idx, name): (usize, &&'static str)| Candidate {
+            name,
+            values: Vec::new(),
+            f: 9.0,
+            p: 1e-9,
+            windows: 9,
+            tied: idx > 0,
+        };
+        Look {
+            named: names.iter().copied().take(1).collect(),
+            candidates: names.iter().enumerate().map(candidate).collect(),
+            reason: reason.map(of_reason),
+            swings: 1,
+            watched: 1,
+            noise_rad: 1e-4,
+            excess: [0.0; 2],
+            left: None,
+            judge: Judge::Program,
+        }
+    }
+
+    #[test]
+    fn a_first_look_is_contradicted_where_the_thorough_answer_is_another_one() {
+        let contradicts = |look: Look, verdict: &[&'static str]| {
+            let found = Diagnosis { first_look: Some(look), verdict: verdict.to_vec(), ..diagnosis() };
+            found.contradicts_its_first_look()
+        };
+        let nothing = || look(&[], Some(Reason::NothingMissing));
+        assert!(contradicts(nothing(), &["presliding"]) && !contradicts(nothing(), &[]));
+        assert!(!contradicts(look(&[], Some(Reason::Unexplained)), &["presliding"]));
+        let drags = || look(&["quadratic-drag", "power-law-drag"], None);
+        assert!(contradicts(drags(), &[]) && contradicts(drags(), &["detent"]));
+        assert!(!contradicts(drags(), &["quadratic-drag"]) && !contradicts(drags(), &["power-law-drag"]));
     }
 }

@@ -4,6 +4,7 @@ use super::curve_words;
 use super::table::wrapped;
 use crate::compare::pictures::short_name;
 use crate::diagnose::holds::ALPHA;
+use crate::diagnose::value::BASE_TITLE;
 use crate::diagnose::zero::PUT_RIGHT;
 use crate::diagnose::{Candidate, Diagnosis, Holding, NotTried, Standing, Step, Suggestion, Value};
 use crate::fit::identify::Carries;
@@ -364,7 +365,7 @@ fn staircase(diagnosis: &Diagnosis) -> String {
 /// fit has it put right.
 pub(super) fn treads(diagnosis: &Diagnosis) -> Vec<Tread> {
     let tread = |step: &Step| {
-        let words = if step.added == "base" { "base model".to_owned() } else { format!("+ {}", step.added) };
+        let words = if step.added == "base" { BASE_TITLE.to_owned() } else { format!("+ {}", step.added) };
         Tread { words, rmse_rad: step.rmse, held_out_rad: step.held_out }
     };
     let zero = match diagnosis.verdict.as_slice() {
@@ -384,11 +385,11 @@ pub(super) fn treads(diagnosis: &Diagnosis) -> Vec<Tread> {
 const BAR_WIDTH: f64 = 30.0;
 
 fn ranking(diagnosis: &Diagnosis) -> String {
-    let shown = &diagnosis.candidates[..diagnosis.candidates.len().min(SHOWN)];
-    let widest = shown.iter().map(|candidate| candidate.name.len()).fold(NAME_WIDTH, usize::max);
-    let line = |candidate: &Candidate| {
+    let shown: Vec<&Candidate> = diagnosis.tried().take(SHOWN).collect();
+    let widest = shown.iter().map(|candidate| candidate.title().len()).fold(NAME_WIDTH, usize::max);
+    let line = |candidate: &&Candidate| {
         let noises = candidate.rmse / diagnosis.noise;
-        format!("  {:<widest$}{:>8.2}  {noises:>7.2}", candidate.name, 1e3 * candidate.rmse)
+        format!("  {:<widest$}{:>8.2}  {noises:>7.2}", candidate.title(), 1e3 * candidate.rmse)
     };
     let head =
         format!("{:<width$}{:>8}  {:>7}", "Tried", diagnosis.measured.milli_unit(), "noises", width = widest + 2);
@@ -435,6 +436,22 @@ mod tests {
         let words = staircase(&with_drag());
         let widths: Vec<usize> = words.lines().skip(1).map(|line| line.matches('█').count()).collect();
         assert_eq!(widths, [30, 9, 6], "{words}");
+    }
+
+    #[test]
+    fn what_is_worse_than_the_base_model_is_not_shown() {
+        let tried =
+            |name: &str, rmse: f64| Candidate { name: name.to_owned(), rmse, criterion: 0.0, parameters: vec![] };
+        let candidates = vec![
+            tried("quadratic-drag", 2e-3),
+            tried("none", 5.17e-3),
+            tried("backlash", 5.66e-3),
+            tried("sensor-lag", 1.6e16),
+            tried("detent", f64::NAN),
+        ];
+        let told = ranking(&told(Diagnosis { candidates, ..diagnosis() }));
+        let names: Vec<&str> = told.lines().skip(1).map(|line| line[2..30].trim()).collect();
+        assert_eq!(names, ["quadratic-drag", "base model"], "{told}");
     }
 
     #[test]

@@ -120,13 +120,12 @@ fn formulas(diagnosis: &Diagnosis) -> Markup {
 
 fn tried(diagnosis: &Diagnosis) -> Markup {
     let row = |candidate: &Candidate| {
-        let name = if candidate.name == "none" { "the base model" } else { &candidate.name };
         let left = noises(candidate.rmse / diagnosis.noise);
-        html! { tr { td { (name) } td { (milli(candidate.rmse)) } td { (left) } } }
+        html! { tr { td { (candidate.title()) } td { (milli(candidate.rmse)) } td { (left) } } }
     };
     html! {
         h2 { "What was tried" }
-        table { (head("model", diagnosis)) @for candidate in &diagnosis.candidates { (row(candidate)) } }
+        table { (head("model", diagnosis)) @for candidate in diagnosis.tried() { (row(candidate)) } }
     }
 }
 

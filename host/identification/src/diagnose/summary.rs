@@ -15,11 +15,12 @@ use super::zero;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, held_out_rmse};
 use crate::fit::tally::Tally;
-use crate::look::Look;
+use crate::look::{Look, of_reason};
 use crate::recording::Measured;
 use crate::swing::{Swing, Window};
 use crate::verdict::Left;
 use serde::Serialize;
+use shared::bank::findings::Reason;
 use shared::effect::CUSTOM_FORMULA_NAME;
 use shared::parameters::Parameters;
 use std::time::Instant;
@@ -179,6 +180,27 @@ impl Diagnosis {
         let offset = zero::offset()?.name;
         let off = self.values.iter().find(|value| value.effect == offset)?;
         Some(format!("The sensor's zero is off by {}.", zero::off_in_words(off.value, off.std)))
+    }
+
+    /// What was tried and is worth a look, the best first: a candidate that is worse than the base model, or whose fit
+    /// ran away, explains nothing.
+    pub fn tried(&self) -> impl Iterator<Item = &Candidate> {
+        let base = self.candidates.iter().find(|candidate| candidate.is_base()).map_or(f64::MAX, |base| base.rmse);
+        self.candidates.iter().filter(move |candidate| candidate.rmse <= base)
+    }
+
+    /// Does a first look say otherwise than what was found thoroughly?
+    pub fn contradicts_its_first_look(&self) -> bool {
+        let Some(look) = &self.first_look else { return false };
+        let is_missing = self.unexplained || !self.verdict.is_empty();
+        let is_found = |name: &&'static str| self.verdict.contains(name) || self.undecided.contains(name);
+        match look.named.is_empty() {
+            true => is_missing && look.reason == Some(of_reason(Reason::NothingMissing)),
+            false => !look
+                .candidates
+                .iter()
+                .any(|candidate| (look.named.contains(&candidate.name) || candidate.tied) && is_found(&candidate.name)),
+        }
     }
 
     /// The claim of the suspect.

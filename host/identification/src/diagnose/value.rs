@@ -45,6 +45,21 @@ pub struct Candidate {
     pub parameters: Vec<Value>,
 }
 
+impl Candidate {
+    /// Is it the model to which nothing was added?
+    pub fn is_base(&self) -> bool {
+        self.name == "none"
+    }
+
+    /// Its name for a person.
+    pub fn title(&self) -> &str {
+        if self.is_base() { BASE_TITLE } else { &self.name }
+    }
+}
+
+/// What the model is called to which nothing was added.
+pub const BASE_TITLE: &str = "base model";
+
 /// All fitted numbers of a model with their uncertainties, but Ms and DV.
 pub fn values(of: &Problem, model: &Fitted) -> Vec<Value> {
     let numbers = without_bounds(of, model)

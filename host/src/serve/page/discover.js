@@ -109,8 +109,11 @@ function showCandidates() {
   list.dataset.made = made;
   byId('candidates-hint').hidden = !found;
   if (!found) { list.replaceChildren(); opened = null; return; }
-  const widest = Math.max(...found.candidates.map((candidate) => candidate.rmse), found.rmse_before);
-  list.replaceChildren(...found.candidates.map((candidate, place) => row(candidate, place, found, widest)));
+  const base = found.candidates.find((candidate) => candidate.name === 'none');
+  // What is worse than the base model explains nothing; an error that is not finite comes as null.
+  const tried = found.candidates.filter((candidate) => candidate.rmse !== null && !(base && candidate.rmse > base.rmse));
+  const widest = Math.max(...tried.map((candidate) => candidate.rmse), found.rmse_before);
+  list.replaceChildren(...tried.map((candidate, place) => row(candidate, place, found, widest)));
 }
 
 function row(candidate, place, found, widest) {
@@ -119,7 +122,7 @@ function row(candidate, place, found, widest) {
   const tie = names.length > 0 && (names.some((name) => found.undecided.includes(name)) || (place === 0 && found.undecided.length > 0));
   const bar = element('div', { class: 'bar', 'aria-hidden': 'true' }, element('i'));
   bar.firstChild.style.width = `${Math.max(100 * candidate.rmse / widest, 0.6)}%`;
-  const title = names.length ? names.join(' + ') : 'the base model alone';
+  const title = names.length ? names.join(' + ') : 'base model';
   const tags = [here && element('span', { class: 'tag in' }, 'in the model'), tie && element('span', { class: 'tag' }, "tie: can't be told apart")];
   const absent = names.filter((name) => !state.model?.effects.includes(name));
   const button = !absent.length ? element('span')
