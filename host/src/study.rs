@@ -27,7 +27,7 @@ pub mod table;
 mod workers;
 
 use database::{Database, DatabaseError, RigRow};
-use folder::{Found, Problem, Rig};
+use folder::{Found, Problem, ROOT, Rig};
 use look::Look;
 use measure::Reading;
 use rand_xoshiro::SplitMix64;
@@ -261,6 +261,19 @@ impl Study {
         Ok(Self { between: between::between(&rigs), rigs, diagnoses })
     }
 
+    /// The rig of the study's own folder by the name of that, where no other rig has it.
+    pub fn named_after(mut self, folder: &Path) -> Self {
+        let name = folder.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_str()?.to_owned()));
+        let Some(name) = name.filter(|name| self.rigs.iter().all(|rig| rig.name != *name)) else { return self };
+        let places = self.between.iter_mut().flat_map(|between| &mut between.rigs).map(|place| &mut place.rig);
+        let names = self.rigs.iter_mut().map(|rig| &mut rig.name).chain(places);
+        names.filter(|it| *it == ROOT).for_each(|it| it.clone_from(&name));
+        if let Some(diagnosis) = self.diagnoses.remove(ROOT) {
+            self.diagnoses.insert(name, diagnosis);
+        }
+        self
+    }
+
     /// Rigs that stand out from the others, each with a sentence; what is said of a model that lacks something is
     /// doubtful.
     pub fn standing_out(&self) -> Vec<(&str, String)> {
@@ -319,6 +332,24 @@ mod tests {
             sizes[of[0]] += 1;
         }
         assert!(sizes.iter().all(|size| (900..1100).contains(size)), "{sizes:?}");
+    }
+
+    #[test]
+    fn a_rig_in_the_folder_itself_is_called_as_that() {
+        let folder = tempfile::tempdir().unwrap();
+        let lab = folder.path().join("lab-3");
+        std::fs::create_dir(&lab).unwrap();
+        let view = |name: &str| RigView::new(name, vec![rig::tests::row("1.csv", 1.0, 0.1)]);
+        let diagnosis = database::Diagnosed { from: String::new(), missing: Vec::new(), words: "drag".to_owned() };
+        let named = |names: &[&str]| {
+            let rigs: Vec<RigView> = names.iter().map(|name| view(name)).collect();
+            let diagnoses = BTreeMap::from([(ROOT.to_owned(), diagnosis.clone())]);
+            let study = Study { between: between::between(&rigs), rigs, diagnoses }.named_after(&lab);
+            let names = study.rigs.iter().map(|rig| rig.name.clone()).collect::<Vec<_>>();
+            (names, study.diagnoses.into_keys().collect::<Vec<_>>())
+        };
+        assert_eq!(named(&[".", "other"]), (vec!["lab-3".to_owned(), "other".to_owned()], vec!["lab-3".to_owned()]));
+        assert_eq!(named(&[".", "lab-3"]).0, [".", "lab-3"]);
     }
 
     #[test]

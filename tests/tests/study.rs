@@ -322,6 +322,14 @@ fn wrong_use_is_refused_with_what_to_do() {
     std::fs::create_dir(lab.at("bare")).unwrap();
     let bare = host(&lab.at("bare"), "study .");
     assert!(bare.succeeded().contains("0 recordings") && bare.stderr.contains("no recording"), "{bare:?}");
+    assert!(
+        bare.stdout.contains("nothing is kept") && bare.stderr.contains("its rig.toml and its recordings"),
+        "{bare:?}"
+    );
+    assert_eq!(std::fs::read_dir(lab.at("bare")).unwrap().count(), 0);
+    lab.study("--csv none/a.csv").failed(1, &["none/a.csv", "a folder that exists"]);
+    let one = host(lab.folder(), "study rig-1 --no-diagnosis --database one.sqlite");
+    assert!(one.succeeded().contains("\n rig-1  "), "{}", one.stdout);
 }
 
 #[test]

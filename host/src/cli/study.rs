@@ -74,20 +74,25 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     options.reading.check()?;
     let path = options.database.clone().unwrap_or_else(|| options.folder.join("study.sqlite"));
     check(options, &path)?;
+    let is_new = !path.exists();
     let (database, done) = if options.as_is {
         (Database::look_at(&path).map_err(told)?, None)
     } else {
         let (database, done) = update(options, &path)?;
         (database, Some(done))
     };
-    let study = Study::of(&database).map_err(told)?;
+    let study = Study::of(&database).map_err(told)?.named_after(&options.folder);
+    let is_kept = !is_new || !study.rigs.is_empty() || options.shard.is_some() || !options.join.is_empty();
+    if !is_kept {
+        database.remove().map_err(told)?;
+    }
+    result::show(options.json, is_kept.then_some(&*path), &study, done.as_ref());
     if let Some(path) = &options.csv {
         output::write(path, &table(&study.rigs), options.force)?;
     }
     if let Some(path) = &options.report {
         output::write(path, &page(&study), options.force)?;
     }
-    result::show(options.json, &path, &study, done.as_ref());
     Ok(())
 }
 
@@ -121,7 +126,10 @@ fn update(options: &Options, path: &Path) -> Result<(Database, Done), Failure> {
         interrupt::end();
     }
     if done.n_found == 0 && done.problems.is_empty() && options.shard.is_none() {
-        output::warn(&format!("{} holds no recording beside a rig.toml", options.folder.display()));
+        let folder = options.folder.display();
+        output::warn(&format!(
+            "{folder} holds no recording beside a rig.toml: each rig needs a folder with its rig.toml and its recordings"
+        ));
     }
     Ok((database, done))
 }

@@ -125,6 +125,18 @@ impl Database {
         Ok(database)
     }
 
+    /// Closes it and takes it away: a study of nothing leaves nothing.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn remove(self) -> Result<()> {
+        let Self { connection, path } = self;
+        // Whoever closes it last takes away what lies beside it.
+        connection.close().map_err(|(_, source)| refused(&path, source))?;
+        std::fs::remove_file(&path)
+            .map_err(|error| refused(&path, rusqlite::Error::ToSqlConversionFailure(error.into())))
+    }
+
     /// Opens one to be looked at, also where nothing may be written.
     ///
     /// # Errors

@@ -16,6 +16,9 @@ const NO_RECORDINGS: [&str; 5] = ["sqlite", "sqlite-wal", "sqlite-shm", "sqlite-
 /// What begins the file that `host study --csv` writes.
 pub const TABLE_BEGINS: &str = "rig,recording,";
 
+/// The name of a rig in the study's own folder.
+pub const ROOT: &str = ".";
+
 /// A rig with its recordings.
 #[derive(Clone, Debug)]
 pub struct Rig {
@@ -56,7 +59,7 @@ impl Rig {
 
 /// Where a recording lies.
 pub fn path_of(folder: &Path, key: &Key) -> PathBuf {
-    let rig = if key.rig == "." { folder.to_owned() } else { folder.join(&key.rig) };
+    let rig = if key.rig == ROOT { folder.to_owned() } else { folder.join(&key.rig) };
     rig.join(&key.recording)
 }
 
@@ -165,7 +168,7 @@ impl Search<'_> {
     fn relative(&mut self, folder: &Path) -> Option<String> {
         let inside = folder.strip_prefix(self.root).unwrap_or(folder);
         if inside.as_os_str().is_empty() {
-            return Some(".".to_owned());
+            return Some(ROOT.to_owned());
         }
         let name = in_slashes(inside);
         if name.is_none() {

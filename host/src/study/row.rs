@@ -1,5 +1,6 @@
 //! What is known of one recording: where it comes from, and what a fit said of it.
 
+use super::folder::ROOT;
 use crate::fit::identify::Identified;
 use serde::Serialize;
 use std::fmt;
@@ -15,7 +16,11 @@ pub struct Key {
 
 impl fmt::Display for Key {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.rig == "." { write!(out, "{}", self.recording) } else { write!(out, "{}/{}", self.rig, self.recording) }
+        if self.rig == ROOT {
+            write!(out, "{}", self.recording)
+        } else {
+            write!(out, "{}/{}", self.rig, self.recording)
+        }
     }
 }
 

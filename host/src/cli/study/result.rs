@@ -3,6 +3,7 @@
 use crate::cli::output;
 use crate::cli::table::{table, wrapped};
 use crate::number::with_spread;
+use crate::operations::json::named;
 use crate::study::between::Between;
 use crate::study::database::Diagnosed;
 use crate::study::folder::Problem;
@@ -16,8 +17,8 @@ const MOST_NAMED: usize = 20;
 
 #[derive(Serialize)]
 struct Shown<'a> {
-    #[serde(serialize_with = "output::lossy")]
-    database: &'a Path,
+    /// `None` where there was nothing to keep.
+    database: Option<String>,
     /// Recordings found in the folder now; absent with `--as-is`.
     n_found: Option<usize>,
     /// Those studied now.
@@ -47,7 +48,7 @@ struct ShownFriction<'a> {
 }
 
 /// Prints it.
-pub(super) fn show(as_json: bool, database: &Path, study: &Study, done: Option<&Done>) {
+pub(super) fn show(as_json: bool, database: Option<&Path>, study: &Study, done: Option<&Done>) {
     let mut problems = done.map_or(Vec::new(), |done| done.problems.clone());
     problems.extend(study.problems());
     if as_json {
@@ -57,7 +58,7 @@ pub(super) fn show(as_json: bool, database: &Path, study: &Study, done: Option<&
     }
 }
 
-fn shown<'a>(database: &'a Path, study: &'a Study, done: Option<&Done>, problems: Vec<Problem>) -> Shown<'a> {
+fn shown<'a>(database: Option<&Path>, study: &'a Study, done: Option<&Done>, problems: Vec<Problem>) -> Shown<'a> {
     let rig = |view: &'a RigView| ShownRig {
         rig: &view.name,
         n_recordings: view.rows.len(),
@@ -72,7 +73,7 @@ fn shown<'a>(database: &'a Path, study: &'a Study, done: Option<&Done>, problems
         diagnosis: study.diagnoses.get(&view.name),
     };
     Shown {
-        database,
+        database: database.map(named),
         n_found: done.map(|done| done.n_found),
         n_studied: done.map(|done| done.n_studied),
         rigs: study.rigs.iter().map(rig).collect(),
@@ -81,7 +82,7 @@ fn shown<'a>(database: &'a Path, study: &'a Study, done: Option<&Done>, problems
     }
 }
 
-fn in_words(database: &Path, study: &Study, done: Option<&Done>, problems: &[Problem]) -> String {
+fn in_words(database: Option<&Path>, study: &Study, done: Option<&Done>, problems: &[Problem]) -> String {
     let mut parts = Vec::new();
     if !study.rigs.is_empty() {
         parts.push(rigs(study));
@@ -93,10 +94,10 @@ fn in_words(database: &Path, study: &Study, done: Option<&Done>, problems: &[Pro
     if !problems.is_empty() {
         parts.push(format!("{}\n{}", output::heading("Left out"), left_out(problems).join("\n")));
     }
-    let kept = database.display();
+    let kept = database.map_or("nothing is kept".to_owned(), |path| format!("kept in {}", path.display()));
     parts.push(match done {
-        Some(done) => format!("{} recordings, {} of them studied now; kept in {kept}", done.n_found, done.n_studied),
-        None => format!("as kept in {kept}"),
+        Some(done) => format!("{} recordings, {} of them studied now; {kept}", done.n_found, done.n_studied),
+        None => format!("as {kept}"),
     });
     parts.join("\n\n")
 }
@@ -107,7 +108,9 @@ fn rigs(study: &Study) -> String {
             .map_or("–".to_owned(), |friction| with_spread(friction.mean.value, friction.mean.std_error))
     };
     let row = |view: &RigView| {
-        let recordings = format!("{} of {}", view.n_fitted(), view.rows.len());
+        let left_out = view.left_out.len();
+        let left_out = if left_out > 0 { format!(", {left_out} left out") } else { String::new() };
+        let recordings = format!("{} of {}{left_out}", view.n_fitted(), view.rows.len());
         vec![view.name.clone(), recordings, number(view, "Mc"), number(view, "Mw")]
     };
     table(["rig", "fitted", "Mc (N·m)", "Mw (N·m·s/rad)"], study.rigs.iter().map(row).collect(), 1)
@@ -150,6 +153,15 @@ mod tests {
         let line = table.lines().last().unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(line, "rig 2 of 3 1.050 ± 0.050 0.1050 ± 0.0050", "{table}");
         assert!(table.contains("Mc (N·m)") && table.contains("Mw (N·m·s/rad)"), "{table}");
+    }
+
+    #[test]
+    fn what_is_fitted_and_left_out_is_told_beside_what_is_fitted() {
+        let rows = ["1.csv", "2.csv", "3.csv"].map(|name| row(name, 1.0, 0.1));
+        let mut view = RigView::new("rig", rows.to_vec());
+        view.left_out = vec![(2, "it has the same bytes".to_owned())];
+        let study = Study { rigs: vec![view], diagnoses: BTreeMap::new(), between: Vec::new() };
+        assert!(rigs(&study).contains("3 of 3, 1 left out"), "{}", rigs(&study));
     }
 
     #[test]
