@@ -92,6 +92,6 @@ h1 { font-size: 1.6rem; } h2 { font-size: 1.15rem; margin: 0 0 .3rem; }
 .verdict p { margin: .4rem 0; } code { font-size: 1.05rem; } section.effect { margin: 2rem 0; } .good { border-color: #009e73; } .unsure { border-color: #e69f00; } .bad { border-color: #d55e00; }
 figure { margin: 2.5rem 0; } .plot { height: 440px; } figcaption { color: #444; max-width: 50rem; }
 table { border-collapse: collapse; margin: 1rem 0; } th, td { padding: .2rem .7rem; text-align: right; border-bottom: 1px solid #ddd; }
-th:first-child, td:first-child { text-align: left; } details { margin: 1rem 0; }
+th:first-child, td:first-child { text-align: left; } .wide { overflow-x: auto; } .wide td { white-space: nowrap; } details { margin: 1rem 0; }
 p, li, summary { overflow-wrap: anywhere; }
 ";

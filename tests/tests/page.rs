@@ -102,6 +102,7 @@ fn a_hidden_effect_is_found_added_and_pushed_and_the_rig_follows_its_pendulum() 
         browser.click("#candidates li:first-child .name").await;
         let explanation = browser.text("#explanation").await;
         assert!(explanation.contains("quadratic-drag") && explanation.contains("torque ="), "{explanation}");
+        browser.wait_for(NONE_IS_WORSE_THAN_THE_BASE_MODEL).await;
         browser.keep_picture("2-candidates").await;
 
         browser.click("#candidates li:first-child .add").await;
@@ -136,6 +137,14 @@ fn a_hidden_effect_is_found_added_and_pushed_and_the_rig_follows_its_pendulum() 
         browser.close().await;
     });
 }
+
+/// The list ends with the base model, which has a name that says so.
+const NONE_IS_WORSE_THAN_THE_BASE_MODEL: &str = "(() => {
+  const all = [...document.querySelectorAll('#candidates li')];
+  const left = (li) => parseFloat(li.querySelector('.left').textContent);
+  const base = all.find((li) => li.dataset.name === 'none');
+  return base && base.querySelector('.name').textContent === 'base model' && all.every((li) => left(li) <= left(base));
+})()";
 
 #[test]
 fn a_slider_shows_what_a_number_does_and_the_fit_tells_its_story() {
@@ -451,6 +460,45 @@ fn the_page_fits_phones_and_large_screens_in_light_and_dark() {
 }
 
 /// A gyroscope's file whose columns nobody can guess, read from the page alone.
+#[test]
+fn counts_are_read_once_it_is_said_how_many_a_turn_has() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "init --unknown-geometry").succeeded();
+    let row = |k: u32| {
+        let t = f64::from(k) * 0.01;
+        let angle_rad = 1.1 * (-0.03 * t).exp() * (6.0 * t).cos();
+        format!("{t:.2},{:.0}\n", 2048.0 + 4096.0 * angle_rad / std::f64::consts::TAU)
+    };
+    let rows: String = (0..1500).map(row).collect();
+    std::fs::write(folder.path().join("counts.csv"), format!("time,pot\n{rows}")).unwrap();
+    let server = Server::start(folder.path(), "--rig rig.toml");
+    let choose = |id: &str, value: &str| {
+        format!(
+            "const chosen = document.getElementById('{id}'); chosen.value = '{value}'; chosen.dispatchEvent(new Event('change', {{ bubbles: true }}));"
+        )
+    };
+    block_on(async {
+        let browser = Browser::open(&server.url, 1280, 900).await;
+        browser.wait_for("document.body.dataset.ready === 'true'").await;
+        browser.upload("#upload", &folder.path().join("counts.csv")).await;
+        browser.wait_for("document.getElementById('columns-dialog').open").await;
+        browser.wait_for("document.querySelectorAll('#columns-rows tbody tr').length >= 5").await;
+        let fault = browser.text("#columns-fault").await;
+        assert!(fault.contains("4096/turn") && fault.contains("the fields below do the same"), "{fault}");
+        browser.run(&choose("columns-reading", "1")).await;
+        browser.run(&choose("columns-zero", "2048")).await;
+        browser.run(&choose("columns-unit", "counts, of which a turn has")).await;
+        browser.wait_for("!document.getElementById('columns-worth').hidden").await;
+        browser.run(&choose("columns-worth", "4096")).await;
+        browser.wait_for("document.body.dataset.columns === 'angle'").await;
+        browser.keep_picture("16-counts").await;
+        browser.click("#columns-yes").await;
+        browser.wait_for("document.querySelectorAll('#recordings li').length === 1").await;
+        browser.close().await;
+    });
+}
+
 #[test]
 fn columns_units_and_sign_are_asked_with_the_curve_and_rates_are_fitted() {
     let _alone = alone();

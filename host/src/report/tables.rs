@@ -30,12 +30,12 @@ pub(super) fn recordings(comparison: &Comparison) -> Markup {
     let unit = comparison.measured.milli_unit();
     html! {
         h2 { "Recordings" }
-        table {
+        div.wide tabindex="0" role="region" aria-label="Recordings" { table {
             tr { th { "recording" } th { "length, s" } th { "noise, " (unit) } th { "free run, " (unit) }
                  th { "a swing ahead, " (unit) } th { "a step ahead, " (unit) } th { "sensor's zero, " (unit) } }
             @for judged in &comparison.recordings { (row(judged, false)) }
             @for judged in &comparison.held_out { (row(judged, true)) }
-        }
+        } }
     }
 }
 
@@ -56,11 +56,11 @@ pub(super) fn parameters(comparison: &Comparison) -> Markup {
     };
     html! {
         h2 { "Parameters" }
-        table {
+        div.wide tabindex="0" role="region" aria-label="Parameters" { table {
             tr { th { "parameter" } th { "in the model" } th { "these recordings want" } th { "95 % interval" }
                  th { "unit" } th { "verdict" } }
             @for known in &knowledge.parameters { (row(known)) }
-        }
+        } }
         @if knowledge.coloured {
             p { "The residuals are coloured; the intervals allow for it." }
         }
@@ -90,11 +90,11 @@ pub(super) fn swings(comparison: &Comparison) -> Markup {
         @for judged in &comparison.recordings {
             details {
                 summary { "Every swing of " (judged.name) }
-                table {
+                div.wide tabindex="0" role="region" aria-label="Every swing" { table {
                     tr { th { "from, s" } th { "amplitude, rad" } th { "period, s" } th { "energy lost, mJ" }
                          th { "residual, " (unit) " rms" } }
                     @for each in &judged.swings { (row(each)) }
-                }
+                } }
             }
         }
     }
@@ -123,6 +123,18 @@ mod tests {
         assert!(table.contains(cells) && table.contains("<th>residual, mrad rms</th>"), "{table}");
         comparison.measured = Measured::Rate;
         assert!(swings(&comparison).into_string().contains("<th>residual, mrad/s rms</th>"));
+    }
+
+    #[test]
+    fn a_table_that_is_wider_than_a_phone_scrolls_by_itself() {
+        let mut comparison = comparison();
+        comparison.recordings[0].swings.truncate(1);
+        let tables = [recordings(&comparison), parameters(&comparison), swings(&comparison)];
+        for table in tables.map(Markup::into_string) {
+            let boxed = table.split("<table>").next().unwrap_or_default();
+            assert!(boxed.contains("<div class=\"wide\" tabindex=\"0\" role=\"region\""), "{table}");
+        }
+        assert!(crate::report::report(&comparison).contains(".wide { overflow-x: auto; }"));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::settings::Settings;
 use crate::compare::measurement::Measurement;
 use crate::error::Failure;
-use crate::recording::{self, Columns, ReadError, ReadOptions, Run};
+use crate::recording::{self, Columns, Fault, ReadError, ReadOptions, Run};
 use crate::shorten::shortened;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -121,13 +121,21 @@ pub(super) fn of_port(loaded: Vec<Loaded>, port: Option<&str>) -> Vec<Loaded> {
 /// Reads a file as it was wished; `name` is what messages call it.
 pub(super) fn read_as(wish: &LoadingWish, path: &Path, settings: &Settings) -> Result<Vec<Run>, Failure> {
     let options = wish.options(settings)?;
-    let named = |error: ReadError| Failure::failed(ReadError { file: short_name(&wish.name), ..error });
-    recording::read_runs(path, &options).map_err(named)
+    recording::read_runs(path, &options).map_err(|error| not_read(wish, error))
+}
+
+/// With what to do next, unless there is nothing in the file of which anything could be said.
+fn not_read(wish: &LoadingWish, error: ReadError) -> Failure {
+    let hint = match error.fault {
+        Fault::Missing | Fault::Empty | Fault::Directory | Fault::Unreadable(_) => None,
+        _ => Some("say what its columns are, or choose a recording: lines of time and angle, separated by commas"),
+    };
+    let failure = Failure::failed(ReadError { file: short_name(&wish.name), ..error });
+    hint.into_iter().fold(failure, Failure::next)
 }
 
 fn loaded(wish: &LoadingWish, kept: Kept, settings: &Settings) -> Result<Vec<Loaded>, Failure> {
-    let hint = "say what its columns are, or choose a recording: lines of time and angle, separated by commas";
-    let runs = read_as(wish, kept.path(), settings).map_err(|failure| failure.next(hint))?;
+    let runs = read_as(wish, kept.path(), settings)?;
     let kept = Arc::new(kept);
     runs.iter().map(|run| of_run(run, &wish.name, &kept, settings)).collect()
 }
@@ -170,6 +178,18 @@ pub(super) fn check_room(others: &[Arc<Loaded>], new: &[Loaded]) -> Result<(), F
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_a_file_without_content_nobody_asks_what_its_columns_are() {
+        let wish = LoadingWish::named("swing.csv");
+        let advice = |fault| {
+            let failure = not_read(&wish, ReadError { file: "/tmp/x".to_owned(), fault });
+            assert!(failure.what().starts_with("could not read recording swing.csv: "), "{failure}");
+            failure.next_step().map(str::to_owned)
+        };
+        assert_eq!([Fault::Missing, Fault::Empty, Fault::Directory].map(advice), [None, None, None]);
+        assert!(advice(Fault::NoNumbers { n_lines: 3 }).unwrap().contains("say what its columns are"));
+    }
 
     #[test]
     fn a_name_is_never_a_path() {

@@ -7,7 +7,8 @@ import { post, remove, send } from './server.js';
 const TIME_UNITS = ['as named', 's', 'ms', 'us', 'ns', 'min', 'day'];
 const UNITS = {
   'as named': ['theta', ''], 'angle, rad': ['theta', 'rad'], 'angle, degrees': ['theta', 'deg'], 'angle, mrad': ['theta', 'mrad'],
-  'angle, gon': ['theta', 'gon'], 'angle, turns': ['theta', 'turn'], 'rate, rad/s': ['rate', 'rad/s'],
+  'angle, gon': ['theta', 'gon'], 'angle, turns': ['theta', 'turn'], 'counts, of which a turn has': ['theta', '#/turn'],
+  'counts or volts, each in degrees': ['theta', '#deg'], 'rate, rad/s': ['rate', 'rad/s'],
   'rate, degrees/s': ['rate', 'deg/s'], 'rate, rpm': ['rate', 'rpm'],
 };
 
@@ -45,7 +46,7 @@ function beginning(chosen) {
 export function open(chosen, recording, fault = '') {
   [file, replaced] = [chosen, recording];
   byId('columns-title').textContent = `What is in ${chosen.name}?`;
-  byId('columns-fault').textContent = fault;
+  byId('columns-fault').textContent = inFields(fault);
   byId('columns-form').reset();
   for (const id of ['columns-time', 'columns-reading']) byId(id).replaceChildren();
   byId('columns-dialog').showModal();
@@ -53,8 +54,20 @@ export function open(chosen, recording, fault = '') {
   return new Promise((resolve) => { finished = resolve; });
 }
 
-function wish() {
+/** What a count is worth has its number beside it; without it the unit is left open. */
+function chosenUnit() {
   const [role, unit] = UNITS[byId('columns-unit').value];
+  const isWorth = unit.includes('#');
+  byId('columns-worth').hidden = !isWorth;
+  const worth = Number(byId('columns-worth').value);
+  return [role, isWorth ? (worth > 0 ? unit.replace('#', String(worth)) : '') : unit];
+}
+
+/** Messages are the same everywhere; what is an option of the command line is a field of the dialog. */
+const inFields = (words) => (/--[a-z]/.test(words) ? `${words} (Options such as --columns are those of the command line; the fields below do the same.)` : words);
+
+function wish() {
+  const [role, unit] = chosenUnit();
   const parts = [];
   const timeUnit = byId('columns-time-unit').value;
   if (byId('columns-time').value) parts.push(`t=${byId('columns-time').value}${timeUnit === TIME_UNITS[0] ? '' : `:${timeUnit}`}`);
@@ -73,7 +86,7 @@ async function look() {
   }
   if (mine !== asked) return;
   showColumns(seen);
-  byId('columns-fault').textContent = seen.fault ?? '';
+  byId('columns-fault').textContent = inFields(seen.fault ?? '');
   byId('columns-yes').disabled = seen.reading === null;
   byId('columns-notes').replaceChildren(...(seen.reading?.notes ?? []).map((note) => element('li', {}, note)));
   draw(seen.reading);

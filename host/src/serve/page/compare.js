@@ -88,7 +88,7 @@ function showVerdict() {
   const said = words.map((sentence) => element('p', {}, sentence));
   const rest = said.splice(SENTENCES);
   const wasOpen = box.querySelector('details')?.open ?? false;
-  const more = rest.length ? element('details', { open: wasOpen }, element('summary', {}, `${rest.length} more findings`), ...rest) : null;
+  const more = rest.length ? element('details', { open: wasOpen }, element('summary', {}, rest.length === 1 ? '1 more finding' : `${rest.length} more findings`), ...rest) : null;
   const sentences = element('div', { class: 'sentences' }, ...said, ...(more ? [more] : []));
   box.replaceChildren(...[ratio, sentences].filter(Boolean));
 }
