@@ -124,14 +124,13 @@ pub(super) fn read_as(wish: &LoadingWish, path: &Path, settings: &Settings) -> R
     recording::read_runs(path, &options).map_err(|error| not_read(wish, error))
 }
 
-/// With what to do next, unless there is nothing in the file of which anything could be said.
+/// With what to do next; where there is nothing in the file nobody is asked what its columns are.
 fn not_read(wish: &LoadingWish, error: ReadError) -> Failure {
     let hint = match error.fault {
-        Fault::Missing | Fault::Empty | Fault::Directory | Fault::Unreadable(_) => None,
-        _ => Some("say what its columns are, or choose a recording: lines of time and angle, separated by commas"),
+        Fault::Missing | Fault::Empty | Fault::Directory | Fault::Unreadable(_) => "choose another file",
+        _ => "say what its columns are, or choose a recording: lines of time and angle, separated by commas",
     };
-    let failure = Failure::failed(ReadError { file: short_name(&wish.name), ..error });
-    hint.into_iter().fold(failure, Failure::next)
+    Failure::failed(ReadError { file: short_name(&wish.name), ..error }).next(hint)
 }
 
 fn loaded(wish: &LoadingWish, kept: Kept, settings: &Settings) -> Result<Vec<Loaded>, Failure> {
@@ -185,10 +184,10 @@ mod tests {
         let advice = |fault| {
             let failure = not_read(&wish, ReadError { file: "/tmp/x".to_owned(), fault });
             assert!(failure.what().starts_with("could not read recording swing.csv: "), "{failure}");
-            failure.next_step().map(str::to_owned)
+            failure.next_step().unwrap_or_default().to_owned()
         };
-        assert_eq!([Fault::Missing, Fault::Empty, Fault::Directory].map(advice), [None, None, None]);
-        assert!(advice(Fault::NoNumbers { n_lines: 3 }).unwrap().contains("say what its columns are"));
+        assert_eq!([Fault::Missing, Fault::Empty, Fault::Directory].map(advice), ["choose another file"; 3]);
+        assert!(advice(Fault::NoNumbers { n_lines: 3 }).contains("say what its columns are"));
     }
 
     #[test]
