@@ -244,6 +244,8 @@ fn where_physics_is_missing_the_next_step_of_a_fit_from_a_rig_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let text = host(folder.path(), "fit --port sim:drag").succeeded().to_owned();
     assert!(text.contains("next       host fit --port sim:drag --discover -o rig.toml"), "{text}");
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("not identifiable while physics is missing") && !words.contains("add a release"), "{text}");
 }
 
 #[test]

@@ -10,9 +10,9 @@ use super::runs::responses_at;
 use super::sequential::Stage;
 use super::uncertainty::{Number, Status, UNKNOWN_SHARE, Uncertainty, uncertainty};
 use crate::fit::tally::Tally;
-use crate::number::noises;
+use crate::number::{angle, noises};
 use crate::swing::{Swing, Window, kind};
-use crate::verdict::Left;
+use crate::verdict::{CHANCE_STDS, Left};
 use shared::parameters::base;
 use std::time::Instant;
 
@@ -102,7 +102,7 @@ impl Report<'_, '_> {
             format!("{} can't be told apart here: only what they do together is known", symbols.join(" and "))
         }));
         for number in identified {
-            warnings.extend(self.warning_of(number));
+            warnings.extend(self.warning_of(number, left));
         }
         warnings.extend(self.far_from_measured());
         let last = stages.last().and_then(|stage| stage.r_squared_predicted);
@@ -127,7 +127,7 @@ impl Report<'_, '_> {
         })
     }
 
-    fn warning_of(&self, number: &Identified) -> Option<String> {
+    fn warning_of(&self, number: &Identified, left: Left) -> Option<String> {
         let Identified { symbol, value, unit, .. } = number;
         let given = self.given.iter().find(|(name, ..)| name == symbol);
         if let Some((_, low, high)) = given.filter(|(_, low, high)| value < low || value > high) {
@@ -144,6 +144,9 @@ impl Report<'_, '_> {
             _ => None,
         });
         match (number.verdict, id) {
+            (Verdict::Not, Some(base::VISCOUS | base::COULOMB)) if left == Left::Missing => {
+                Some(unknown_beside_missing_physics(number))
+            }
             (Verdict::Not, Some(base::STICTION)) if *value == 0.0 => Some(format!(
                 "{symbol} has no visible effect: zero explains the swings as well as any small value{bound}"
             )),
@@ -153,13 +156,40 @@ impl Report<'_, '_> {
             (Verdict::Not, Some(base::VISCOUS | base::COULOMB)) if *value == 0.0 => {
                 Some(format!("{symbol} is zero within its uncertainty"))
             }
+            (Verdict::Not, _) if left == Left::Missing => Some(unknown_beside_missing_physics(number)),
             (Verdict::Not, _) => {
-                Some(format!("{symbol} is not identifiable from these swings; add a release at 1.4 rad or more"))
+                let swings = self.problem.swings.iter().flat_map(Swing::sizes_rad);
+                let more = what_tells_more(swings.fold(0.0_f64, |largest, angle| largest.max(angle.abs())));
+                Some(format!("{symbol} is not identifiable from these swings; {more}"))
             }
             _ => None,
         }
     }
 }
+
+/// The cause is not a lack of swings: what is missing asks the other numbers to imitate it.
+fn unknown_beside_missing_physics(number: &Identified) -> String {
+    let symbol = number.symbol;
+    let is_near_zero = number.value.abs() <= CHANCE_STDS * number.std.unwrap_or(0.0);
+    let wanted = if is_near_zero { format!(", and {symbol} is wanted to be zero") } else { String::new() };
+    format!("{symbol} is not identifiable while physics is missing: the other numbers imitate what is missing{wanted}")
+}
+
+/// What to record for a number that swings of up to this angle do not tell. Not every pendulum can be released from as far
+/// as one likes.
+fn what_tells_more(largest_rad: f64) -> String {
+    if largest_rad >= LARGE_RELEASE_RAD {
+        return "more releases, down to rest, would tell more".to_owned();
+    }
+    let farther_rad = (FARTHER * largest_rad).min(LARGE_RELEASE_RAD);
+    format!("a release from {} rad or more, if it can go so far, and more of them would tell more", angle(farther_rad))
+}
+
+/// Releases from here on show what depends on the amplitude; a larger one is no help, rad.
+const LARGE_RELEASE_RAD: f64 = 1.2;
+
+/// A larger release is one from so many times as far.
+const FARTHER: f64 = 1.5;
 
 fn identified(number: &Number, model: &Fitted) -> Identified {
     let Number { unknown, value, std, status, upper } = number;
@@ -218,11 +248,32 @@ mod tests {
         let report = Report { problem: &problem, model, given: &given };
         let unknown = problem.unknowns[0].clone();
         let number = Number { unknown, value: 4e-4, std: Some(1e-6), status: Status::Identified, upper: None };
-        let said = report.warning_of(&identified(&number, &report.model)).unwrap();
+        let said = report.warning_of(&identified(&number, &report.model), Left::Noise).unwrap();
         assert_eq!(said, "Mw lies outside the range 0.001 … 0.002 that was given");
         let nothing = Uncertainty { numbers: Vec::new(), correlations: Vec::new(), alike: Vec::new(), coloured: false };
         let told = report.warnings(&[], &nothing, &[], Left::Noise);
         assert_eq!(told, ["least squares ran out of patience; more or longer swings would help"]);
+    }
+
+    #[test]
+    fn a_number_that_is_not_told_has_its_cause_and_what_would_help() {
+        let (swings, count) = (viscous_swing(4e-4), Tally::default());
+        let problem = viscous_problem(&swings, 4e-4, &count);
+        let point = Point { values: problem.template_values(), starts: at_rest(RELEASE_RAD) };
+        let report = Report { problem: &problem, model: Fitted::at(&problem, &point), given: &[] };
+        let said = |value: f64, left: Left| {
+            let unknown = problem.unknowns[0].clone();
+            let number = Number { unknown, value, std: Some(3e-4), status: Status::NotIdentified, upper: None };
+            report.warning_of(&identified(&number, &report.model), left).unwrap()
+        };
+        let missing = said(3.3e-4, Left::Missing);
+        assert!(missing.starts_with("Mw is not identifiable while physics is missing"), "{missing}");
+        assert!(missing.ends_with("and Mw is wanted to be zero") && !missing.contains("release"), "{missing}");
+        assert!(!said(8e-4, Left::Missing).contains("zero"));
+        assert!(said(3.3e-4, Left::Noise).starts_with("Mw is not identifiable from these swings; "));
+        assert_eq!(what_tells_more(1.5), "more releases, down to rest, would tell more");
+        assert!(what_tells_more(0.2).starts_with("a release from 0.30 rad or more"), "{}", what_tells_more(0.2));
+        assert!(what_tells_more(1.1).starts_with("a release from 1.20 rad"), "{}", what_tells_more(1.1));
     }
 
     #[test]
