@@ -49,7 +49,7 @@ pub(super) struct Options {
     /// Response surfaces as in the paper, least squares, or one after the other
     #[arg(long, value_enum, default_value_t = Method::Both)]
     method: Method,
-    /// Search within this range instead of one found from the recording (may be repeated)
+    /// Begin the search within this range instead of one found from the recording (may be repeated)
     #[arg(long, value_name = "NAME=LOW..HIGH")]
     range: Vec<Range>,
     /// Add a torque of your own to the model, with parameters to be found
