@@ -28,6 +28,10 @@ const UNEVEN_SHARE: f64 = 0.02;
 /// times are off by a tenth.
 const NEARLY_EVEN: f64 = 1.1;
 
+/// What rounding moves a time by at most, in digits: half of one, and what the line through all of them is off. With half of
+/// it no time would be a rounded one, with twice of it lost rows would pass.
+const ROUNDED: f64 = 0.55;
+
 /// At most so many frames are late. One of 2,700 by 3 ms kept all others rounded; where one of seven is, none is even.
 const LATE_SHARE: f64 = 0.01;
 
@@ -76,15 +80,33 @@ pub(super) fn of_few_digits(times: &[f64]) -> Option<(Vec<f64>, i32)> {
     if digits.iter().all(|digit| *digit == digits[digits.len() - 1]) {
         return None;
     }
-    // A line through all of them, the finer ones having more to say.
-    let sum = |of: &dyn Fn(usize) -> f64| (0..times.len()).map(|row| of(row) / digits[row].powi(2)).sum::<f64>();
+    // A row that is a digit off must not move the line of the others.
+    let near = weighted_line(times, &digits, |_| true);
+    let even = weighted_line(times, &digits, |row| (times[row] - near[row]).abs() < digits[row]);
+    let is_rounded = |row: &usize| (times[*row] - even[*row]).abs() < ROUNDED * digits[*row];
+    let is_near = |row: usize| (times[row] - even[row]).abs() < (1.0 + ROUNDED) * digits[row];
+    if !(0..times.len()).all(is_near) {
+        return None;
+    }
+    let n_odd = (0..times.len()).filter(|row| !is_rounded(row)).count();
+    // An odd one keeps its time where that lies between its neighbours.
+    let is_in_order = |row: usize| {
+        let before = row.checked_sub(1).is_none_or(|before| is_rounded(&before) && even[before] < times[row]);
+        before && even.get(row + 1).is_none_or(|next| is_rounded(&(row + 1)) && times[row] < *next)
+    };
+    let time = |row: usize| if is_rounded(&row) || !is_in_order(row) { even[row] } else { times[row] };
+    (n_odd as f64 <= LATE_SHARE * n).then(|| ((0..times.len()).map(time).collect(), n_digits))
+}
+
+/// A line through times that are as sure as their last digits are fine, as far as they count; its times at all rows.
+fn weighted_line(times: &[f64], digits: &[f64], counts: impl Fn(usize) -> bool) -> Vec<f64> {
+    let rows = || (0..times.len()).filter(|row| counts(*row));
+    let sum = |of: &dyn Fn(usize) -> f64| rows().map(|row| of(row) / digits[row].powi(2)).sum::<f64>();
     let all = sum(&|_| 1.0);
     let (row, time) = (sum(&|row| row as f64) / all, sum(&|row| times[row]) / all);
     let across = sum(&|idx| (idx as f64 - row).powi(2));
     let slope = sum(&|idx| (idx as f64 - row) * (times[idx] - time)) / across;
-    let even: Vec<f64> = (0..times.len()).map(|idx| time + slope * (idx as f64 - row)).collect();
-    let is_rounded = |idx: usize| (times[idx] - even[idx]).abs() < 0.55 * digits[idx];
-    (0..times.len()).all(is_rounded).then_some((even, n_digits))
+    (0..times.len()).map(|idx| time + slope * (idx as f64 - row)).collect()
 }
 
 /// The even times of rows whose clock ticks less often than they come: all rows lie on one line to within a tick, as they
@@ -104,7 +126,12 @@ pub(super) fn of_slow_clock(times: &[f64]) -> Option<Vec<f64>> {
     let is_tick = |time: &f64| ((time - first) / tick - ((time - first) / tick).round()).abs() < READ_SHARE;
     let is_slow = times.len() >= FEWEST && step > 0.0 && step < tick && times.iter().all(is_tick);
     let even = is_slow.then(|| line(inner, (0..times.len()).map(|row| row as f64)))?;
-    lies_on(times, &even, tick).then_some(even)
+    // A row that is a tick off has the time of the others.
+    let is_on = |idx: &usize| (times[*idx] - even[*idx]).abs() < tick;
+    let (on, fitting): (Vec<f64>, Vec<f64>) = (0..times.len()).filter(is_on).map(|idx| (times[idx], even[idx])).unzip();
+    let are_near = times.iter().zip(&even).all(|(time, even)| (time - even).abs() < 2.0 * tick);
+    let are_few_off = are_near && (times.len() - on.len()) as f64 <= LATE_SHARE * times.len() as f64;
+    (are_few_off && lies_on(&on, &fitting, tick)).then_some(even)
 }
 
 /// The power of ten of which all times are multiples.
@@ -204,6 +231,15 @@ mod tests {
         let lost: Vec<f64> =
             lost.iter().enumerate().filter(|(idx, _)| !(900..1000).contains(idx)).map(|t| *t.1).collect();
         assert_eq!(of_few_digits(&lost), None);
+        // A row that is one digit off leaves the others even, among those of several rows a time as well.
+        for odd in [200, 1200] {
+            let (truth, mut times) = of_digits(3, 0.0, 1350);
+            times[odd] += if odd == 200 { 0.01 } else { -0.1 };
+            let (even, _) = of_few_digits(&times).unwrap();
+            let off_s = |row: usize| (even[row] - truth[row]).abs();
+            assert!((0..1350).filter(|row| *row != odd).map(off_s).fold(0.0, f64::max) < 0.005);
+            assert!(off_s(odd) < 0.02 && even.windows(2).all(|pair| pair[1] > pair[0]), "{}", even[odd]);
+        }
         let (truth, mut times) = of_digits(4, 0.0, 2500);
         let mut notes = Vec::new();
         make_even(&mut times, &mut notes);
@@ -230,6 +266,11 @@ mod tests {
         // Where the first row lies within its tick is nothing that shows.
         let off_s = even.iter().zip(&truth).map(|(time, truth)| (time - even[0] - truth).abs()).fold(0.0, f64::max);
         assert!(off_s < 2e-4, "{off_s}");
+        let mut odd = times.clone();
+        let last_of_tick = (1000..).find(|row| times[*row] < times[row + 1]).unwrap();
+        odd[last_of_tick] = times[last_of_tick + 1];
+        let with_odd = of_slow_clock(&odd).unwrap();
+        assert!(with_odd.iter().zip(&even).all(|(time, even)| (time - even).abs() < 2e-4));
         let lost: Vec<f64> = [&times[..1000], &times[1010..]].concat();
         assert_eq!(of_slow_clock(&lost), None);
         assert_eq!(of_slow_clock(&truth), None);
