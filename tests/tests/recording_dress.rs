@@ -266,6 +266,16 @@ fn the_time_is_found_among_columns_without_names_though_one_row_is_out_of_order(
 }
 
 #[test]
+fn an_angle_that_begins_later_than_its_clock_is_found_in_a_column_without_a_name() {
+    let row = |(time, angle, _): Row| match time < 1.5 {
+        true => format!("{time:.2},"),
+        false => format!("{time:.2},{angle:.6}"),
+    };
+    let found = open(table("", row).as_bytes(), &ReadOptions::default()).unwrap();
+    check_swing(&found, &swing()[150..], 1e-6, "150 rows without a value are gaps");
+}
+
+#[test]
 fn an_angular_velocity_needs_no_unit_to_be_one() {
     for name in ["angular_velocity", "AngVel", "Vitesse angulaire", "velocidad angular"] {
         let text = table(&format!("time,{name}\n"), |(time, _, speed)| format!("{time:.2},{speed:.5}"));

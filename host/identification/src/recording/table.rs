@@ -197,11 +197,13 @@ impl<'a> Table<'a> {
         self.first_cells(idx).any(|cell| !is_missing(cell))
     }
 
-    /// Are half of its cells in the first rows numbers? Settings beside a table are fewer.
+    /// Are half of its cells in the first rows numbers, from the first filled one on? Settings beside a table are fewer, and
+    /// a sensor may begin to measure later than its clock.
     pub(super) fn is_of_numbers(&self, idx: usize) -> bool {
         let mut numerals = self.numerals.clone();
-        let n_numbers = self.first_cells(idx).filter(|cell| matches!(numerals.read(cell), Cell::Number(_))).count();
-        2 * n_numbers >= self.first_cells(0).count()
+        let cells = || self.first_cells(idx).skip_while(|cell| is_missing(cell));
+        let n_numbers = cells().filter(|cell| matches!(numerals.read(cell), Cell::Number(_))).count();
+        n_numbers > 0 && 2 * n_numbers >= cells().count()
     }
 
     /// Is a cell among the first rows nothing but the unit of a voltage?
