@@ -195,3 +195,28 @@ fn the_rebuilt_recording_of_the_paper_is_free_from_its_first_sample() {
         assert_eq!(segments.free.start, 0, "{name}: {segments:?}");
     }
 }
+
+/// A swing of 20 s from 1.2 rad, and the rest of two hours at 100 Hz, in a noise of 1 mrad and an unstated unit.
+#[test]
+fn two_hours_of_rest_hide_neither_the_swing_before_nor_its_unit() {
+    let (mut angle, mut velocity) = (1.2, 0.0_f64);
+    let mut swing = Vec::new();
+    for step in 0..200_000 {
+        if step % 100 == 0 {
+            swing.push(angle);
+        }
+        let acceleration = -40.0 * f64::sin(angle) - 0.8 * velocity.signum();
+        velocity = if velocity.abs() < 1e-4 && angle.abs() < 0.02 { 0.0 } else { velocity + 1e-4 * acceleration };
+        angle += 1e-4 * velocity;
+    }
+    let noise = |row: u64| 1e-3 * (0..4).map(|idx| scramble(4 * row + idx)).sum::<f64>() * 0.75_f64.sqrt();
+    let reading = |row: u64| swing.get(row as usize).or(swing.last()).unwrap() + noise(row);
+    let rows = (0..720_000).map(|row| format!("{:.2},{:.5}\n", row as f64 / 100.0, reading(row)));
+    let text = format!("t,theta\n{}", rows.collect::<String>());
+    let recording = host::recording::read_bytes("long.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
+    let notes = recording.notes().join("; ");
+    assert!(!notes.contains("up to 0."), "{notes}");
+    let segments = cut(&recording);
+    let rest_s = recording.times_s()[segments.rest.unwrap().start];
+    assert!((8.0..25.0).contains(&rest_s) && segments.n_turning_points > 20, "{rest_s} {:?}", segments.notes);
+}

@@ -8,6 +8,7 @@
 
 mod angle;
 mod carrier;
+mod chance;
 pub mod check;
 mod choose;
 mod chosen;

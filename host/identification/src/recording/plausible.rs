@@ -6,10 +6,10 @@
 //! not by such ones. The period itself tells whether the unit of time can be right.
 
 use super::error::Fault;
-use super::median;
 use super::noise;
 use super::told::Told;
 use super::turning::{self, TurningPoint};
+use super::{median, median_step_s};
 use std::f64::consts::{PI, TAU};
 
 /// Nobody swings a pendulum of less than 2.5 mm …
@@ -18,8 +18,12 @@ pub(super) const SHORTEST_PERIOD_S: f64 = 0.1;
 /// … or of more than 900 m; a gate on slightly leaning hinges takes 17 s.
 pub(super) const LONGEST_PERIOD_S: f64 = 60.0;
 
-/// So many samples a second are enough to see turning points.
+/// So many samples are enough to see turning points …
 const MOST_SAMPLES: usize = 20_000;
+
+/// … unless few of them are those of a swing before a long rest: this many a half swing are kept in any case. With half of
+/// it tops would lie between samples, which makes them some percent too low; with twice of it two hours take twice as long.
+const KEPT_A_HALF_SWING: f64 = 10.0;
 
 /// Fewer periods tell nothing about their growth.
 const MIN_PERIODS: usize = 6;
@@ -88,7 +92,7 @@ impl Swings {
         if times_s.len() < super::limits::MIN_SAMPLES {
             return None;
         }
-        let every = times_s.len().div_ceil(MOST_SAMPLES);
+        let every = thinned_by(times_s, angles_rad);
         let thin = |values: &[f64]| values.iter().copied().step_by(every).collect::<Vec<f64>>();
         let (times_s, angles_rad) = (thin(times_s), thin(angles_rad));
         let neighbours_rad = noise::of_samples(&times_s, &angles_rad, None).total_rms;
@@ -214,6 +218,18 @@ impl Swings {
     fn growth(&self) -> Option<(f64, f64, f64)> {
         growth_of(&self.periods, self.largest_rad)
     }
+}
+
+/// Of how many samples one is enough.
+fn thinned_by(times_s: &[f64], angles_rad: &[f64]) -> usize {
+    let every = times_s.len().div_ceil(MOST_SAMPLES);
+    if every == 1 {
+        return 1;
+    }
+    let noise_rad = noise::of_samples(times_s, angles_rad, None).total_rms;
+    let half_swing_s = turning::half_swing_s(times_s, angles_rad, noise_rad);
+    let most = half_swing_s.map(|half_swing_s| half_swing_s / median_step_s(times_s) / KEPT_A_HALF_SWING);
+    most.map_or(every, |most| every.min(most as usize).max(1))
 }
 
 /// The same of some of the periods, without swings far smaller than the largest.

@@ -6,7 +6,7 @@
 //! curvature of a sine is odd there and does not shift it.
 
 use super::smooth::{LocalFit, within};
-use super::{median, median_step_s};
+use super::{chance, median, median_step_s};
 
 /// Half width of a turning point's fit in half swings.
 const TURNING_WIDTH: f64 = 0.2;
@@ -39,7 +39,7 @@ pub(super) const ROUGH_FALL_SHARE: f64 = 0.05;
 const MEANS: [usize; 5] = [1, 2, 4, 8, 16];
 const ENOUGH_TURNS: usize = 4;
 
-/// Second look, after smoothing: fall in units of the smoothed noise.
+/// Second look, after smoothing: fall in units of the smoothed noise, and beyond what chance makes of a long rest.
 const FINE_FALL_NOISE: f64 = 8.0;
 
 /// Where the pendulum turns.
@@ -160,7 +160,9 @@ fn fine_extrema(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64, half_sw
         })
         .collect();
     let mut spreads: Vec<f64> = smoothed.iter().map(|smooth| smooth.2).collect();
-    let fall_rad = (FINE_FALL_NOISE * noise_rms_rad * median(&mut spreads)).max(f64::EPSILON);
+    let n_independent = (times_s.len() as f64 * step_s / width_s).max(1.0);
+    let fall_noise = FINE_FALL_NOISE.max(chance::range(n_independent));
+    let fall_rad = (fall_noise * noise_rms_rad * median(&mut spreads)).max(f64::EPSILON);
     let (times_s, angles_rad): (Vec<f64>, Vec<f64>) = smoothed.iter().map(|smooth| (smooth.0, smooth.1)).unzip();
     extrema(&times_s, &angles_rad, fall_rad)
 }
@@ -303,6 +305,18 @@ mod tests {
         assert_eq!(turning_points(&times_s, &angles_rad, 1e-3).len(), 12);
         let (times_s, angles_rad) = noisy(|_| 0.0);
         assert!(turning_points(&times_s, &angles_rad, 1e-3).is_empty());
+    }
+
+    #[test]
+    fn an_hour_of_rest_has_no_turning_points_by_chance() {
+        for seed in 1..6 {
+            let mut noise = crate::random::Noise::new(seed);
+            let times_s: Vec<f64> = (0..200_000).map(|idx| f64::from(idx) * 0.02).collect();
+            let swing = |t: f64| (1.0 - 0.05 * t).max(0.0) * (ANGULAR_HZ * t).cos();
+            let angles_rad: Vec<f64> = times_s.iter().map(|t| swing(*t) + 1e-3 * noise.normal()).collect();
+            let last = turning_points(&times_s, &angles_rad, 1e-3).pop().unwrap();
+            assert!(last.time_s < 21.0, "{seed}: {last:?}");
+        }
     }
 
     #[test]

@@ -37,7 +37,9 @@ pub(super) fn may_slip(times_s: &[f64], readings: &[f64], noise: f64, step_s: f6
     let half_swing = (period / 2.0).ceil() as usize;
     seen.chunks(half_swing).any(|half| {
         let fastest = half.iter().map(|seen| seen.beside.abs()).fold(0.0, f64::max);
-        half.iter().any(|seen| seen.is_next && seen.is_fast(fastest) && seen.is_off(beyond_noise))
+        // A slip moves a reading by one of these; in the rest of hours chance does so too.
+        let shows = 2.0 * fastest > beyond_noise;
+        shows && half.iter().any(|seen| seen.is_next && seen.is_fast(fastest) && seen.is_off(beyond_noise))
     })
 }
 
@@ -64,6 +66,10 @@ mod tests {
 
     /// A decaying swing of 60 readings a period, which hangs still in the end, with noise of 1.
     fn swing() -> (Vec<f64>, Vec<f64>) {
+        swing_of(3000)
+    }
+
+    fn swing_of(n_readings: u32) -> (Vec<f64>, Vec<f64>) {
         let mut state = 1_u64;
         let mut white = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -72,9 +78,15 @@ mod tests {
         let mut noise = || (0..12).map(|_| white()).sum::<f64>();
         let angle = |idx: f64| 400.0 * (-idx / 600.0).exp() * (idx * std::f64::consts::TAU / 60.0).cos();
         let angle = |idx: f64| if idx < 1995.0 { angle(idx) } else { 0.0 };
-        let times_s: Vec<f64> = (0..3000).map(f64::from).collect();
+        let times_s: Vec<f64> = (0..n_readings).map(f64::from).collect();
         let readings = times_s.iter().map(|idx| angle(*idx) + noise()).collect();
         (times_s, readings)
+    }
+
+    #[test]
+    fn chance_in_a_long_rest_is_no_slip() {
+        let (times_s, readings) = swing_of(500_000);
+        assert!(!is_seen(&times_s, &readings));
     }
 
     fn is_seen(times_s: &[f64], readings: &[f64]) -> bool {

@@ -1,6 +1,7 @@
 //! The stretch that is swung freely, and the rest at its end.
 
 use super::super::carrier::Carrier;
+use super::super::chance;
 use super::super::drive::{self, Drive};
 use super::super::median;
 use super::super::turning::{ROUGH_FALL_SHARE, TurningPoint};
@@ -285,7 +286,9 @@ impl Cut<'_> {
         let n_window = self.n_in(self.half_swing_s / 4.0);
         let n_final = (4 * n_window).max(angles_rad.len() / 4).min(angles_rad.len());
         let final_rad = mean(&angles_rad[angles_rad.len() - n_final..]);
-        let limit_rad = STILL_SPREADS * self.noise_rms_rad / (n_window as f64).sqrt();
+        // Among the windows of an hour some are further off by chance.
+        let spreads = STILL_SPREADS.max(chance::reach((angles_rad.len() / n_window).max(1) as f64));
+        let limit_rad = spreads * self.noise_rms_rad / (n_window as f64).sqrt();
         let moves = |window: &[f64]| (mean(window) - final_rad).abs() > limit_rad;
         let last_motion = angles_rad.windows(n_window).rposition(moves).map_or(0, |idx| idx + n_window);
         let start_s = self.times_s()[(after.start + last_motion).min(stretch.end - 1)] + N_UNSEEN * self.half_swing_s;
