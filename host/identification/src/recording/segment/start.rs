@@ -11,6 +11,11 @@ const GUARD_S: f64 = 0.010;
 /// A free pendulum is seen to fall after some noise rms; still for the time of a fall of this many, it is held.
 const HELD_FALL_NOISE: f64 = 20.0;
 
+/// A swing that turns is seen to stand still for the time of a fall of 17 noises, where a window has three samples; a hand
+/// that holds it does so for longer. Half of it leaves no room for chance; with twice of it a hold of 0.3 s in a noise of a
+/// twentieth of the swing is none.
+const STOPS_FALL_NOISE: f64 = 40.0;
+
 /// What falls is further off so many windows later, in three twentieths of a half swing; with one, a knock of a window and
 /// a half still passed for a release. With twice as many it falls still.
 const FALLS_ON_FOR: usize = 3;
@@ -46,8 +51,27 @@ impl Start {
 }
 
 impl Cut<'_> {
-    /// How the undisturbed stretch begins: at once, with a release, or with a hand letting go.
+    /// How the free swing begins. In much noise no acceleration shows a hand that lifts, but that it holds shows.
     pub(super) fn start(&self, stretch: &Range<usize>) -> Start {
+        let start = self.start_of(stretch);
+        if self.recording.measured() == Measured::Rate || self.states.is_empty() {
+            return start;
+        }
+        match self.held_within(start.free_idx, stretch) {
+            Some(held) => self.let_go(start.lead_in, &held, stretch.end),
+            None => start,
+        }
+    }
+
+    /// The release behind a hold that something else came before.
+    fn let_go(&self, lead_in: Option<Range<usize>>, held: &Range<usize>, end: usize) -> Start {
+        let Start { free_idx, release_s, .. } = self.release(held);
+        let lead_in = lead_in.or_else(|| self.still_beginning());
+        Start { lead_in, free_idx: free_idx.min(end), release_s, was_held: false }
+    }
+
+    /// How the undisturbed stretch begins: at once, with a release, or with a hand letting go.
+    fn start_of(&self, stretch: &Range<usize>) -> Start {
         let lead_in = self.still_beginning();
         let rough_s = self.times_s()[stretch.start];
         let is_near = |held: &Range<usize>| rough_s - self.times_s()[held.end - 1] < 4.0 * self.width_s;
@@ -74,26 +98,58 @@ impl Cut<'_> {
         (from..end).find(|idx| !is_balanced(idx)).unwrap_or(from)
     }
 
-    /// The still part at the beginning, if there is one.
+    /// The still part at the beginning, if there is one. What falls goes on: if it is no further off some windows later, it
+    /// was chance, or a knock.
     fn still_beginning(&self) -> Option<Range<usize>> {
-        let angles_rad = &self.angles_rad()[self.asked.start..];
-        let n_window = self.n_in(self.width_s / 4.0).min(angles_rad.len());
+        let goes_on = |left_rad: f64, later_rad: Option<f64>| later_rad.is_none_or(|later| later / left_rad > 1.0);
+        let still = self.still_from(self.asked.clone(), goes_on);
+        self.is_long(&still).then_some(still)
+    }
+
+    /// The last still part, from this sample on and before the largest swing, that a free pendulum would have left. A free
+    /// swing is largest where it begins.
+    fn held_within(&self, from: usize, stretch: &Range<usize>) -> Option<Range<usize>> {
+        let end = self.end_of_largest_swing(&(from..stretch.end))?;
+        let (mut start, mut found) = (from, None);
+        while start < end {
+            // Where it turns it is off and back again, as behind a knock.
+            let still = self.still_from(start..end, |_, _| true);
+            start = still.end;
+            if self.is_long(&still) && self.fall_rad(&still) > STOPS_FALL_NOISE * self.noise_rms_rad {
+                found = Some(still);
+            }
+        }
+        found
+    }
+
+    /// At least three windows.
+    fn is_long(&self, still: &Range<usize>) -> bool {
+        still.len() >= 3 * self.n_still_window()
+    }
+
+    fn n_still_window(&self) -> usize {
+        self.n_in(self.width_s / 4.0)
+    }
+
+    /// How long it is still from the first sample of a range on, at least a window. It ends where a window is off, if how far
+    /// this is and how far some windows later says so.
+    fn still_from(&self, range: Range<usize>, ends: impl Fn(f64, Option<f64>) -> bool) -> Range<usize> {
+        let angles_rad = &self.angles_rad()[range.clone()];
+        let n_window = self.n_still_window().min(angles_rad.len());
         let limit = |n: usize| STILL_SPREADS * self.noise_rms_rad * (1.0 / n_window as f64 + 1.0 / n as f64).sqrt();
         let mut sum = angles_rad[..n_window].iter().sum::<f64>();
         let mut until = n_window;
         let off = |from: usize, mean_rad: f64| Some(mean(angles_rad.get(from..from + n_window)?) - mean_rad);
-        // The window runs ahead of the mean it is compared with, so a slow start cannot drag the mean along. What falls goes
-        // on: if it is no further off some windows later, it was chance, or a knock.
+        // The window runs ahead of the mean it is compared with, so a slow start cannot drag the mean along.
         while let Some(left_rad) = off(until, sum / until as f64) {
             let later = || off(until + FALLS_ON_FOR * n_window, sum / until as f64);
-            if left_rad.abs() > limit(until) && later().is_none_or(|later_rad| later_rad / left_rad > 1.0) {
+            if left_rad.abs() > limit(until) && ends(left_rad, later()) {
                 break;
             }
             sum += angles_rad[until];
             until += 1;
         }
-        let is_still = until >= 3 * n_window;
-        is_still.then(|| self.asked.start..self.asked.start + until)
+        range.start..range.start + until
     }
 
     /// Whether a free pendulum would have fallen visibly in that time. Tells a short hold from the first moments of a
@@ -103,10 +159,14 @@ impl Cut<'_> {
             let gained_rad_s = self.frequency_rad_s() * self.largest_reading() * self.duration_s(still);
             return gained_rad_s > HELD_FALL_NOISE * self.noise_rms_rad;
         }
+        self.fall_rad(still) > HELD_FALL_NOISE * self.noise_rms_rad
+    }
+
+    /// How far a free pendulum would have fallen in that time, rad.
+    fn fall_rad(&self, still: &Range<usize>) -> f64 {
         let angle_rad = mean(&self.angles_rad()[still.clone()]);
         let gravity_rad_s2 = -self.law[0] * angle_rad.sin() + self.law[1] * angle_rad.cos();
-        let fall_rad = gravity_rad_s2.abs() * self.duration_s(still).powi(2) / 2.0;
-        fall_rad > HELD_FALL_NOISE * self.noise_rms_rad
+        gravity_rad_s2.abs() * self.duration_s(still).powi(2) / 2.0
     }
 
     /// Places the release: still until then, afterwards falling with constant torque and its first correction,

@@ -180,8 +180,22 @@ impl Cut<'_> {
             parts.push(start..end.max(start));
             start = pushed.end;
         }
-        parts.push(start..range.end);
+        let last = start..range.end;
+        parts.push(start..self.lifted_at(&last).unwrap_or(range.end));
         parts
+    }
+
+    /// Where the free part ends if, behind its last turning point, it goes further to either side than its last swing: a hand
+    /// lifts it that has not turned yet.
+    fn lifted_at(&self, part: &Range<usize>) -> Option<usize> {
+        let [.., before, last] = self.turns_in(part)[..] else { return None };
+        let size_rad = (last.angle_rad - before.angle_rad).abs();
+        let grown_rad = (1.0 + GROWN_SHARE) * size_rad;
+        let limit_rad = self.limit_of_growth(grown_rad, [before, last]).max(GROWTH_NOISE * self.noise_rms_rad);
+        let from = |turn: &TurningPoint, idx: usize| (self.angles_rad()[idx] - turn.angle_rad).abs();
+        let turned = self.recording.index_at(last.time_s);
+        let beyond = (turned..part.end).find(|idx| from(before, *idx).max(from(last, *idx)) > limit_rad)?;
+        Some(if self.hung(&(turned..beyond)) { beyond } else { turned })
     }
 
     /// Did it hang still between its last turn and where it was pushed? That tells where it stopped.
@@ -207,12 +221,16 @@ impl Cut<'_> {
 
     /// How far from the second of three turning points a free swing reaches at most (rad), where the third lies beyond.
     fn growth(&self, three: &[&TurningPoint]) -> Option<f64> {
-        let spread_rad = three[0].spread_rad.hypot(three[2].spread_rad) + self.noise_rms_rad;
         let before = (three[0].angle_rad - three[1].angle_rad).abs();
         let after = (three[2].angle_rad - three[1].angle_rad).abs();
         let alternate = three[0].is_maximum != three[1].is_maximum && three[1].is_maximum != three[2].is_maximum;
-        let limit_rad = before * 1.02 + SURE * spread_rad;
+        let limit_rad = self.limit_of_growth(before, [three[0], three[2]]);
         (alternate && after > GROWTH_NOISE * self.noise_rms_rad && after > limit_rad).then_some(limit_rad)
+    }
+
+    /// How far a free swing goes at most where the one before went so far, rad.
+    fn limit_of_growth(&self, before_rad: f64, turns: [&TurningPoint; 2]) -> f64 {
+        before_rad * 1.02 + SURE * (turns[0].spread_rad.hypot(turns[1].spread_rad) + self.noise_rms_rad)
     }
 
     /// What is left when a motor in front is cut off. What a free swing loses from turn to turn depends on its size,
@@ -244,7 +262,15 @@ impl Cut<'_> {
         sizes_rad(&self.turns_in(range)).iter().filter(|size| **size > ROUGH_FALL_SHARE * largest_rad).count()
     }
 
-    fn turns_in(&self, range: &Range<usize>) -> Vec<&TurningPoint> {
+    /// Where the largest swing of a range from one turning point to the next ends.
+    pub(super) fn end_of_largest_swing(&self, range: &Range<usize>) -> Option<usize> {
+        let inside = self.turns_in(range);
+        let sizes = sizes_rad(&inside);
+        let largest = (0..sizes.len()).max_by(|a, b| sizes[*a].total_cmp(&sizes[*b]))?;
+        Some(self.recording.index_at(inside[largest + 1].time_s))
+    }
+
+    pub(super) fn turns_in(&self, range: &Range<usize>) -> Vec<&TurningPoint> {
         self.turns.iter().filter(|turn| range.contains(&self.recording.index_at(turn.time_s))).collect()
     }
 

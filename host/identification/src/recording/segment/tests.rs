@@ -4,6 +4,11 @@ const STEP_S: f64 = 0.005;
 
 /// A pendulum with dry and viscous friction (ω0² = 70/s²), released from `angle_rad`, in steps of 0.1 ms.
 fn swing(angle_rad: f64, duration_s: f64) -> Vec<f64> {
+    moved_swing(angle_rad, duration_s, |_| 0.0)
+}
+
+/// The same with what somebody adds to its acceleration (rad/s²) at a time (s).
+fn moved_swing(angle_rad: f64, duration_s: f64, hand: impl Fn(f64) -> f64) -> Vec<f64> {
     let (mut angle, mut velocity) = (angle_rad, 0.0_f64);
     let mut angles = Vec::new();
     for step_idx in 0..(duration_s / 1e-4) as usize {
@@ -12,7 +17,7 @@ fn swing(angle_rad: f64, duration_s: f64) -> Vec<f64> {
         }
         let gravity = -70.0 * angle.sin();
         let is_stuck = velocity.abs() < 1e-4 && gravity.abs() < 0.3;
-        let acceleration = gravity - 0.3 * velocity.signum() - 0.1 * velocity;
+        let acceleration = gravity - 0.3 * velocity.signum() - 0.1 * velocity + hand(1e-4 * step_idx as f64);
         velocity = if is_stuck { 0.0 } else { velocity + 1e-4 * acceleration };
         angle += 1e-4 * velocity;
     }
@@ -27,6 +32,12 @@ fn noisy(angles_rad: &[f64]) -> Recording {
     };
     let noise_rad = 1e-3 * 12f64.sqrt();
     Recording::uniform(1.0 / STEP_S, angles_rad.iter().map(|angle| angle + noise_rad * uniform()).collect()).unwrap()
+}
+
+fn in_noise(angles_rad: &[f64], rms_rad: f64) -> Segments {
+    let mut noise = crate::random::Noise::new(1);
+    let angles_rad = angles_rad.iter().map(|angle| angle + rms_rad * noise.normal()).collect();
+    segment(&Recording::uniform(1.0 / STEP_S, angles_rad).unwrap(), &SegmentOptions::default()).unwrap()
 }
 
 fn find(angles_rad: &[f64]) -> Segments {
@@ -265,6 +276,35 @@ fn a_swing_that_is_picked_up_again_long_after_is_kept() {
     let segments = find(&[swing(0.8, 20.0), hanging, trembling].concat());
     assert!(segments.free.start < 10 && segments.n_turning_points > 30, "{segments:?}");
     assert!((3000..5400).contains(&segments.free.end), "{segments:?}");
+}
+
+/// To either side of where it last turned, in a noise that hides it in accelerations.
+#[test]
+fn a_hand_that_lifts_a_resting_pendulum_at_the_end_is_cut() {
+    for lifted_rad in [1.0, -1.0] {
+        let lift = |idx: i32| lifted_rad * f64::from(idx.min(200)) / 200.0;
+        let whole = [swing(0.8, 20.0), vec![0.0; 200], (0..400).map(lift).collect()].concat();
+        let segments = in_noise(&whole, 0.02);
+        assert!((3900..4300).contains(&segments.free.end), "{lifted_rad} {segments:?}");
+    }
+}
+
+/// Hung still, lifted, held, let go: rms noises in mrad and holds in s, in swings of 0.68 rad.
+#[test]
+fn a_hand_that_lifts_and_holds_is_cut_in_noise_up_to_a_tenth_of_the_swing() {
+    for (noise_mrad, hold_s) in [(1.0, 0.3), (3.0, 0.3), (3.0, 3.0), (10.0, 1.0), (30.0, 1.0), (68.0, 1.0)] {
+        for lift_s in [0.35, 1.0] {
+            let n_lift = (lift_s / STEP_S) as usize;
+            let lift = |idx: usize| -0.34 * (1.0 - (std::f64::consts::PI * idx as f64 / n_lift as f64).cos());
+            let n_hold = (hold_s / STEP_S) as usize;
+            let lead_in = [vec![0.0; 280], (0..n_lift).map(lift).collect(), vec![-0.68; n_hold]].concat();
+            let release_s = lead_in.len() as f64 * STEP_S;
+            let truth = [lead_in, swing(-0.68, 17.0)].concat();
+            let segments = in_noise(&truth, 1e-3 * noise_mrad);
+            let late_s = segments.free.start as f64 * STEP_S - release_s;
+            assert!((-0.01..0.2).contains(&late_s), "{noise_mrad} {hold_s} {lift_s}: {late_s} {segments:?}");
+        }
+    }
 }
 
 /// Forced vibration at the natural frequency, then nothing: amplitudes stay, then they fall.
