@@ -133,7 +133,7 @@ impl Cut<'_> {
     }
 
     /// Half of the way from one turning point to the next around a moment, rad.
-    fn amplitude_rad(&self, time_s: f64) -> f64 {
+    pub(super) fn amplitude_rad(&self, time_s: f64) -> f64 {
         let behind = self.turns.partition_point(|turn| turn.time_s <= time_s).clamp(1, self.turns.len() - 1);
         (self.turns[behind].angle_rad - self.turns[behind - 1].angle_rad).abs() / 2.0
     }

@@ -51,14 +51,20 @@ impl Start {
 }
 
 impl Cut<'_> {
-    /// How the free swing begins. In much noise no acceleration shows a hand that lifts, but that it holds shows.
+    /// How the free swing begins. In much noise no acceleration shows a hand that lifts, but that it holds shows; and one that
+    /// was seen may have let go later than it seems.
     pub(super) fn start(&self, stretch: &Range<usize>) -> Start {
         let start = self.start_of(stretch);
+        let is_of_hand = !start.was_held && start.free_idx > self.asked.start;
         if self.recording.measured() == Measured::Rate || self.states.is_empty() {
             return start;
         }
         match self.held_within(start.free_idx, stretch) {
             Some(held) => self.let_go(start.lead_in, &held, stretch.end),
+            None if is_of_hand => {
+                let free_idx = self.follows_from(&(start.free_idx..stretch.end));
+                Start { free_idx, release_s: start.release_s.max(self.times_s()[free_idx]), ..start }
+            }
             None => start,
         }
     }

@@ -307,6 +307,16 @@ fn a_hand_that_lifts_and_holds_is_cut_in_noise_up_to_a_tenth_of_the_swing() {
     }
 }
 
+/// A hand that is seen for 0.1 s and then adds a tenth of gravity until it lets go, in the first half swing.
+#[test]
+fn a_hand_that_moves_it_a_little_until_it_lets_go_is_cut() {
+    let hand = |time_s: f64| if time_s < 0.1 { 60.0 } else { 2.1 };
+    let moved = moved_swing(0.3, 15.0, |time_s| if time_s < 0.45 { hand(time_s) } else { 0.0 });
+    let segments = find(&moved);
+    let start_s = segments.free.start as f64 * STEP_S;
+    assert!((0.4..1.2).contains(&start_s), "{start_s} {segments:?}");
+}
+
 /// Forced vibration at the natural frequency, then nothing: amplitudes stay, then they fall.
 #[test]
 fn a_motor_that_is_switched_off_is_cut() {
