@@ -143,8 +143,10 @@ impl Report<'_, '_> {
             Quantity::Effect { id, .. } => Some(id),
             _ => None,
         });
+        // Of driven swings nothing that is missing can be told.
+        let is_imitating = left == Left::Missing && Swing::driven(self.problem.swings).is_empty();
         match (number.verdict, id) {
-            (Verdict::Not, Some(base::VISCOUS | base::COULOMB)) if left == Left::Missing => {
+            (Verdict::Not, Some(base::VISCOUS | base::COULOMB)) if is_imitating => {
                 Some(unknown_beside_missing_physics(number))
             }
             (Verdict::Not, Some(base::STICTION)) if *value == 0.0 => Some(format!(
@@ -156,7 +158,7 @@ impl Report<'_, '_> {
             (Verdict::Not, Some(base::VISCOUS | base::COULOMB)) if *value == 0.0 => {
                 Some(format!("{symbol} is zero within its uncertainty"))
             }
-            (Verdict::Not, _) if left == Left::Missing => Some(unknown_beside_missing_physics(number)),
+            (Verdict::Not, _) if is_imitating => Some(unknown_beside_missing_physics(number)),
             (Verdict::Not, _) => {
                 let swings = self.problem.swings.iter().flat_map(Swing::sizes_rad);
                 let more = what_tells_more(swings.fold(0.0_f64, |largest, angle| largest.max(angle.abs())));
