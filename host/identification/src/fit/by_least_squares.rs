@@ -8,7 +8,7 @@ use super::ranges::largest_coulomb_nm;
 use super::refine::Band;
 use super::scouts::scouted;
 use super::start;
-use super::stiction::GAIN_WORTH_A_BAND;
+use super::stiction::{FAR_FROM_NOISE, GAIN_WORTH_A_BAND};
 use crate::swing::{Swing, Window};
 use crate::verdict::Left;
 use shared::parameters::base;
@@ -62,12 +62,12 @@ fn better_than_given(problem: &Problem, found: Fitted, given: &Fitted) -> Fitted
     found.better(given.refined(problem, Band::Free, Tolerance::JUDGE).better(given.clone()))
 }
 
-/// Where physics is missing and no swing rests, a velocity band only imitates what is missing: it would falsify the inertia, and
+/// Where much is missing and no swing rests, a velocity band only imitates what is missing: it would falsify the inertia, and
 /// hold a pendulum at 10° and more for ever. So it goes, unless the model that was given would be lost with it.
 fn without_a_band_unseen(problem: &Problem, model: Fitted, given: &Fitted) -> Fitted {
     let is_seen = || {
         let rests = problem.swings.iter().any(Swing::comes_to_rest);
-        rests || problem.chi_square(model.cost).left() != Left::Missing
+        rests || model.cost < FAR_FROM_NOISE * problem.noise_cost()
     };
     if !model.has_band() || is_seen() {
         return model;
