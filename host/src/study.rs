@@ -27,13 +27,13 @@ pub mod table;
 mod workers;
 
 use database::{Database, DatabaseError, RigRow};
-use folder::{Found, Problem, ROOT, Rig};
+use folder::{Found, Problem, Rig};
 use look::Look;
 use measure::Reading;
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use rig::RigView;
-use row::{Key, Origin};
+use row::{Key, Origin, ROOT};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -464,7 +464,24 @@ fn the_page_fits_phones_and_large_screens_in_light_and_dark() {
     });
 }
 
-/// A gyroscope's file whose columns nobody can guess, read from the page alone.
+/// What a person does who chooses or types this in the dialog.
+fn choose(id: &str, value: &str) -> String {
+    format!(
+        "const chosen = document.getElementById('{id}'); chosen.value = '{value}'; chosen.dispatchEvent(new Event('change', {{ bubbles: true }}));"
+    )
+}
+
+/// The page, on which the dialog asks for the columns of this file.
+async fn asked_for_columns(server: &Server, file: &Path) -> Browser {
+    let browser = Browser::open(&server.url, 1280, 900).await;
+    browser.wait_for("document.body.dataset.ready === 'true'").await;
+    browser.upload("#upload", file).await;
+    browser.wait_for("document.getElementById('columns-dialog').open").await;
+    browser.wait_for("document.querySelectorAll('#columns-rows tbody tr').length >= 5").await;
+    browser
+}
+
+/// A potentiometer's counts, which have no unit of their own.
 #[test]
 fn counts_are_read_once_it_is_said_how_many_a_turn_has() {
     let _alone = alone();
@@ -478,17 +495,8 @@ fn counts_are_read_once_it_is_said_how_many_a_turn_has() {
     let rows: String = (0..1500).map(row).collect();
     std::fs::write(folder.path().join("counts.csv"), format!("time,pot\n{rows}")).unwrap();
     let server = Server::start(folder.path(), "--rig rig.toml");
-    let choose = |id: &str, value: &str| {
-        format!(
-            "const chosen = document.getElementById('{id}'); chosen.value = '{value}'; chosen.dispatchEvent(new Event('change', {{ bubbles: true }}));"
-        )
-    };
     block_on(async {
-        let browser = Browser::open(&server.url, 1280, 900).await;
-        browser.wait_for("document.body.dataset.ready === 'true'").await;
-        browser.upload("#upload", &folder.path().join("counts.csv")).await;
-        browser.wait_for("document.getElementById('columns-dialog').open").await;
-        browser.wait_for("document.querySelectorAll('#columns-rows tbody tr').length >= 5").await;
+        let browser = asked_for_columns(&server, &folder.path().join("counts.csv")).await;
         let fault = browser.text("#columns-fault").await;
         assert!(fault.contains("4096/turn") && fault.contains("the fields below do the same"), "{fault}");
         browser.run(&choose("columns-reading", "1")).await;
@@ -504,6 +512,7 @@ fn counts_are_read_once_it_is_said_how_many_a_turn_has() {
     });
 }
 
+/// A gyroscope's file whose columns nobody can guess, read from the page alone.
 #[test]
 fn columns_units_and_sign_are_asked_with_the_curve_and_rates_are_fitted() {
     let _alone = alone();
@@ -517,17 +526,8 @@ fn columns_units_and_sign_are_asked_with_the_curve_and_rates_are_fitted() {
     host(folder.path(), &format!("init --mass {mass_kg} --length {length_m} --inertia {drawn_inertia_kg_m2}"))
         .succeeded();
     let server = Server::start(folder.path(), "--rig rig.toml");
-    let choose = |id: &str, value: &str| {
-        format!(
-            "const chosen = document.getElementById('{id}'); chosen.value = '{value}'; chosen.dispatchEvent(new Event('change', {{ bubbles: true }}));"
-        )
-    };
     block_on(async {
-        let browser = Browser::open(&server.url, 1280, 900).await;
-        browser.wait_for("document.body.dataset.ready === 'true'").await;
-        browser.upload("#upload", &folder.path().join("phone.csv")).await;
-        browser.wait_for("document.getElementById('columns-dialog').open").await;
-        browser.wait_for("document.querySelectorAll('#columns-rows tbody tr').length >= 5").await;
+        let browser = asked_for_columns(&server, &folder.path().join("phone.csv")).await;
         browser.run(&choose("columns-time", "0")).await;
         browser.run(&choose("columns-reading", "3")).await;
         browser.run(&choose("columns-unit", "rate, rad/s")).await;

@@ -182,7 +182,7 @@ mod tests {
     fn of_a_file_without_content_nobody_asks_what_its_columns_are() {
         let wish = LoadingWish::named("swing.csv");
         let advice = |fault| {
-            let failure = not_read(&wish, ReadError { file: "/tmp/x".to_owned(), fault });
+            let failure = not_read(&wish, ReadError { file: "upload".to_owned(), fault });
             assert!(failure.what().starts_with("could not read recording swing.csv: "), "{failure}");
             failure.next_step().unwrap_or_default().to_owned()
         };

@@ -5,7 +5,7 @@
 //! begin with a dot, databases and their journals, and what the study itself wrote are passed over.
 
 use super::hash;
-use super::row::Key;
+use super::row::{Key, ROOT};
 use crate::rigfile::{RigFile, USUAL_NAME};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,9 +15,6 @@ const NO_RECORDINGS: [&str; 5] = ["sqlite", "sqlite-wal", "sqlite-shm", "sqlite-
 
 /// What begins the file that `host study --csv` writes.
 pub const TABLE_BEGINS: &str = "rig,recording,";
-
-/// The name of a rig in the study's own folder.
-pub const ROOT: &str = ".";
 
 /// A rig with its recordings.
 #[derive(Clone, Debug)]

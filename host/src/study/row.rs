@@ -1,9 +1,11 @@
 //! What is known of one recording: where it comes from, and what a fit said of it.
 
-use super::folder::ROOT;
 use crate::fit::identify::Identified;
 use serde::Serialize;
 use std::fmt;
+
+/// The name of a rig in the study's own folder.
+pub const ROOT: &str = ".";
 
 /// Which recording: unique in a study. Both names are relative and use `/` on every system.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
