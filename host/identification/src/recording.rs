@@ -30,6 +30,7 @@ mod measured;
 mod monitor;
 pub mod noise;
 mod number;
+mod on_change;
 mod options;
 mod order;
 mod pairs;

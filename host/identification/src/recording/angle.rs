@@ -135,8 +135,11 @@ impl Angles<'_> {
                 .columns
                 .as_ref()
                 .is_some_and(|columns| columns.angle.as_ref().is_some_and(|(_, unit)| unit.is_some()));
-        let fault = match swings.scale() {
-            Scale::TooLarge { predicted_percent, found_percent } => {
+        let scale = swings.scale();
+        // The file says so, and no other unit would show this growth.
+        let is_stated = unit.is_some() && matches!(scale, Scale::TooLarge { may_be_none: false, .. });
+        let fault = match scale {
+            Scale::TooLarge { predicted_percent, found_percent, .. } => {
                 Fault::NotRadians { largest_rad: swings.largest_rad, predicted_percent, found_percent, told: self.told }
             }
             Scale::TooSmall { factor } if unit == Some(AngleUnit::Degrees) && factor > RADIANS_AS_DEGREES => {
@@ -161,7 +164,7 @@ impl Angles<'_> {
             _ => return Ok(()),
         };
         let may_be_spring = swings.largest_rad < SPRING_RAD && unit.is_none();
-        if is_told {
+        if is_told || is_stated {
             self.notes.push(format!("doubtful: {}; is it an angle, and in that unit?", fault.evidence()));
             return Ok(());
         }

@@ -33,7 +33,7 @@ impl Carrier {
     /// beside the pendulum, or trembles by a step of its sensor.
     pub(super) fn within(&self, range: &Range<usize>, angles_rad: &[f64]) -> Option<(f64, f64)> {
         let values = self.values.get(range.clone())?;
-        let (low, high) = ends(values);
+        let (low, high) = ends_of_nearly_all(values);
         let (least, most) = ends(angles_rad);
         let moved = high - low - smallest_step(values).unwrap_or(0.0);
         (moved > HARDLY * self.per_rad * (most - least)).then_some((low, high))
@@ -43,6 +43,14 @@ impl Carrier {
 fn ends(values: &[f64]) -> (f64, f64) {
     let known = values.iter().filter(|value| value.is_finite());
     known.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)))
+}
+
+/// Without the hundredth at either end: a counter that is set to zero where the motor lets go has moved nothing.
+fn ends_of_nearly_all(values: &[f64]) -> (f64, f64) {
+    let mut known: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    known.sort_unstable_by(f64::total_cmp);
+    let left_out = known.len() / 100;
+    ends(&known[left_out..known.len() - left_out])
 }
 
 #[cfg(test)]
@@ -59,6 +67,8 @@ mod tests {
         let moves = |carrier: Carrier| carrier.within(&(0..1000), &angles_rad).is_some();
         assert!(moves(degrees(0.03, 0.01)) && moves(degrees(0.03, 0.1)));
         assert!(!moves(degrees(0.003, 0.01)) && !moves(degrees(0.003, 0.1)) && !moves(degrees(0.0, 0.1)));
+        let reset = (0..1000).map(|idx| if idx < 4 { -986.0 } else { 5.5 }).collect();
+        assert!(!moves(Carrier::new(String::new(), reset, 1f64.to_degrees())));
         let flicker = (0..1000).map(|idx| if idx % 7 == 0 { 0.4 } else { 0.0 }).collect();
         assert!(!moves(Carrier::new(String::new(), flicker, 1f64.to_degrees())));
         assert!(!moves(Carrier::new(String::new(), vec![f64::NAN; 1000], 1.0)));

@@ -55,6 +55,8 @@ pub(super) struct Circle {
     up: f64,
     /// Its centre is that of x and y, and the arc would not have told it.
     is_about_origin: bool,
+    /// The radius that the arc itself would have had then, if it is another one.
+    arc_radius: Option<f64>,
     /// By which share of the radius a bent picture may move its centre, if that was not told.
     doubt: f64,
 }
@@ -74,7 +76,9 @@ impl Circle {
         if spread > MOST_SPREAD
             && let Some(about_origin) = Self::about_origin(&points)
         {
-            return Ok(about_origin);
+            let is_other = |radius: &f64| (radius / about_origin.radius - 1.0).abs() > NOTED_BENT;
+            let arc_radius = circle.map(|(circle, _)| circle.radius).filter(is_other);
+            return Ok(Self { arc_radius, ..about_origin });
         }
         match circle {
             None => Err(short(1.0)),
@@ -86,7 +90,16 @@ impl Circle {
     fn about(centre: [f64; 2], radius: f64, points: &[[f64; 2]]) -> Self {
         let mean_y = points.iter().map(|point| point[1]).sum::<f64>() / points.len().max(1) as f64;
         let up = if mean_y < centre[1] { 1.0 } else { -1.0 };
-        let circle = Self { x: centre[0], y: centre[1], radius, off: 0.0, up, is_about_origin: false, doubt: 0.0 };
+        let circle = Self {
+            x: centre[0],
+            y: centre[1],
+            radius,
+            off: 0.0,
+            up,
+            is_about_origin: false,
+            arc_radius: None,
+            doubt: 0.0,
+        };
         Self { off: circle.typical_distance(points), ..circle }
     }
 
@@ -129,12 +142,20 @@ impl Circle {
 
     /// What was found, for a person.
     pub(super) fn in_words(&self) -> String {
-        let Self { x, y, radius, off, up, is_about_origin, doubt } = self;
+        let Self { x, y, radius, off, up, is_about_origin, arc_radius, doubt } = self;
         let way = if *up > 0.0 { "up" } else { "down" };
         let so_far = if *off > NOTED_OFF {
             format!("; the points are {:.1} % of it off, as when the camera is not square to the swing", 100.0 * off)
         } else if *is_about_origin {
-            ", the origin of x and y, from which all points are equally far".to_owned()
+            let arc_itself = |radius: &f64| {
+                format!(
+                    "; doubtful, the arc by itself would have a radius of {radius:.4}, and every angle would be {:.2} times \
+                     as large: --pivot X,Y says where the pivot is",
+                    self.radius / radius
+                )
+            };
+            let doubt = arc_radius.as_ref().map_or(String::new(), arc_itself);
+            format!(", the origin of x and y, from which all points are equally far{doubt}")
         } else if *doubt > NOTED_BENT {
             format!(
                 "; doubtful, the arc is short: a picture bent by {} % of its width moves the radius, and with it every \
@@ -253,7 +274,8 @@ mod tests {
         };
         let (from_pivot, bent) = (x.iter().map(|x| x - 300.0).collect::<Vec<_>>(), bend(&y, &x));
         let circle = Circle::through(&from_pivot, &bent, None).unwrap();
-        assert!(circle.in_words().contains("the origin of x and y"), "{}", circle.in_words());
+        let words = circle.in_words();
+        assert!(words.contains("the origin of x and y") && words.contains("doubtful, the arc by itself"), "{words}");
         let found = circle.angles_rad(&from_pivot, &bent);
         assert!(found.iter().zip(&angles).all(|(found, angle)| (found - angle).abs() < 0.002));
         let circle = Circle::through(&x, &bent, None).unwrap();

@@ -78,6 +78,8 @@ pub enum Scale {
         predicted_percent: f64,
         /// As measured.
         found_percent: f64,
+        /// May it be none at all, as for degrees or rates? Springs and magnets change it by some share of itself.
+        may_be_none: bool,
     },
     /// It grows as for angles so many times as large.
     TooSmall {
@@ -176,7 +178,7 @@ impl Swings {
     pub fn scale(&self) -> Scale {
         // There and back over more than half a turn to either side: no pendulum does that.
         if self.periods.iter().filter(|(amplitude, _)| *amplitude > PI).count() >= MIN_PERIODS {
-            return Scale::TooLarge { predicted_percent: f64::INFINITY, found_percent: 0.0 };
+            return Scale::TooLarge { predicted_percent: f64::INFINITY, found_percent: 0.0, may_be_none: true };
         }
         match (self.scale_of(&self.periods, self.largest_rad), self.periods.get(FIRST..)) {
             // A lift by hand or a push by a motor may be larger than all swings.
@@ -193,7 +195,8 @@ impl Swings {
         let Some((growth, spread, span)) = growth_of(periods, largest_rad) else { return Scale::Unknown };
         log::debug!("period grows by {growth:.3} ± {spread:.3} of what is predicted, over {:.2} %", 100.0 * span);
         if growth + SURE * spread < LEAST_GROWTH {
-            return Scale::TooLarge { predicted_percent: 100.0 * span, found_percent: 100.0 * span * growth };
+            let (predicted_percent, may_be_none) = (100.0 * span, growth.abs() < SURE * spread);
+            return Scale::TooLarge { predicted_percent, found_percent: predicted_percent * growth, may_be_none };
         }
         let at_least = match growth - SURE * spread {
             at_least if at_least > MOST_GROWTH => self.growth_behind_start().unwrap_or(at_least),
@@ -473,7 +476,7 @@ mod tests {
         let (times, angles, _) = swing(0.5);
         let larger: Vec<f64> = angles.iter().map(|angle| 4.0 * angle).collect();
         let found = scale(&times, &larger);
-        let Scale::TooLarge { predicted_percent, found_percent } = found else { panic!("{found:?}") };
+        let Scale::TooLarge { predicted_percent, found_percent, .. } = found else { panic!("{found:?}") };
         // The first period between turning points lies a second behind the release, when a swing has lost 7 %.
         let growth = |largest_rad: f64| 100.0 * (lengthening(largest_rad) - lengthening(0.15 * largest_rad));
         assert!((predicted_percent / growth(1.86) - 1.0).abs() < 0.05, "{predicted_percent} {}", growth(1.86));

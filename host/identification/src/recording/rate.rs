@@ -80,7 +80,7 @@ impl Rates<'_> {
         let is_degrees = unit.is_some_and(|unit| unit.angle == AngleUnit::Degrees);
         let fault = match swings.in_angles().scale() {
             _ if largest > FASTEST_MARGIN * fastest => Fault::too_fast(largest, fastest, told),
-            Scale::TooLarge { predicted_percent, found_percent } if unit.is_none() => {
+            Scale::TooLarge { predicted_percent, found_percent, .. } if unit.is_none() => {
                 Fault::too_even(largest, predicted_percent, found_percent, told)
             }
             Scale::TooSmall { factor } if is_degrees => {

@@ -16,6 +16,7 @@ use super::header::{Header, HeaderReader};
 use super::limits::LARGEST_UNSTATED_RAD;
 use super::lost;
 use super::measured::Measured;
+use super::on_change;
 use super::options::ReadOptions;
 use super::runs::{self, Runs};
 use super::samples::{Samples, keep};
@@ -224,6 +225,14 @@ impl Opened<'_> {
         let mut readings = sources.readings(table, &samples, &times_s, header, options, &mut notes)?;
         // Rigs of ours count their samples.
         if !is_ours && samples.codes.is_empty() {
+            if sources.measured() == Measured::Angle
+                && let Some(held) = on_change::held(&times_s, &readings, &mut notes)
+            {
+                let at_rows = |list: &[f64]| held.rows.iter().map(|row| list[*row]).collect::<Vec<f64>>();
+                readings = at_rows(&readings);
+                samples.others.iter_mut().for_each(|list| *list = at_rows(list));
+                times_s = held.times_s;
+            }
             let kept = lost::set_right(&mut times_s, &mut readings, sources.counts_rows(), &mut notes);
             samples.others.iter_mut().for_each(|list| keep(list, &kept));
         }

@@ -28,6 +28,10 @@ const SURE: f64 = 6.0;
 /// hold them to a hundredth where they lose a tenth by themselves.
 const LOST_AFTER_A_MOTOR: f64 = 4.0;
 
+/// In the first half of the time behind a motor a swing loses half of what it loses in all of it, or more. With half of this the
+/// end of a swing would pass for one behind a motor now and then; with twice of it dry friction alone would deny it.
+const LOST_AT_ONCE: f64 = 0.25;
+
 /// Half swings before and after, at least; with half of them dry friction that changes with the place would be a motor.
 const STEADY_SWINGS: usize = 8;
 
@@ -248,7 +252,9 @@ impl Cut<'_> {
             // Of equal times: there may be gaps.
             let (before_s, after_s) = (time_s(idx) - time_s(idx - n), time_s(idx + n) - time_s(idx));
             let more_rad = lost_after - LOST_AFTER_A_MOTOR * lost_before.max(0.0) * after_s / before_s;
-            let is_seen = more_rad > SURE * LOST_AFTER_A_MOTOR * spread_rad;
+            // From the start on: a tracker that loses the last swings makes these small.
+            let at_once = size_at(idx) - size_at(idx + n / 2) > LOST_AT_ONCE * lost_after;
+            let is_seen = more_rad > SURE * LOST_AFTER_A_MOTOR * spread_rad && at_once;
             is_seen.then_some((more_rad / after_s, idx))
         };
         let knees = (STEADY_SWINGS..sizes.len().saturating_sub(STEADY_SWINGS)).filter_map(knee);

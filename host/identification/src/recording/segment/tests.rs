@@ -335,6 +335,21 @@ fn a_motor_that_is_switched_off_is_cut() {
     }
 }
 
+/// Little friction; for three half swings after a minute a tracker sees two thirds of the swing, and then all of it again.
+#[test]
+fn where_a_tracker_loses_some_swings_no_motor_is_switched_off_before() {
+    let half_swing_s = std::f64::consts::PI / 70_f64.sqrt();
+    let angle = |idx: u32| {
+        let time_s = f64::from(idx) * STEP_S;
+        let size_rad = 0.3 * (-time_s / 300.0).exp();
+        let seen = if (159.5..162.5).contains(&(time_s / half_swing_s)) { 0.67 } else { 1.0 };
+        seen * size_rad * (70_f64.sqrt() * time_s).cos()
+    };
+    let segments = find(&(0..18_000).map(angle).collect::<Vec<f64>>());
+    let (start_s, end_s) = (segments.free.start as f64 * STEP_S, segments.free.end as f64 * STEP_S);
+    assert!(start_s < 1.0 && (59.0..62.0).contains(&end_s), "{segments:?}");
+}
+
 /// A motor holds the swing for a minute, then something strikes it twice: what lies between is too short to be free.
 #[test]
 fn a_short_piece_beside_a_driven_swing_is_not_taken_for_a_free_one() {
