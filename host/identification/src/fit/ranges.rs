@@ -58,17 +58,46 @@ pub fn largest_coulomb_nm(problem: &Problem) -> f64 {
     problem.swings.iter().map(lasting).fold(f64::INFINITY, f64::min)
 }
 
+/// Friction of one kind that makes the swings decay as they do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Alone {
+    /// N·m·s/rad.
+    pub(super) viscous: f64,
+    /// N·m.
+    pub(super) coulomb_nm: f64,
+}
+
+/// The largest that one of the swings wants, of either kind; never nothing.
+pub(super) fn friction_alone(problem: &Problem, inertia_kg_m2: f64) -> Alone {
+    let decays: Vec<Decay> = problem.swings.iter().filter_map(decay).collect();
+    alone(problem, &decays, inertia_kg_m2)
+}
+
+fn alone(problem: &Problem, decays: &[Decay], inertia_kg_m2: f64) -> Alone {
+    let least = |id: u16| {
+        let is_it = |unknown: &&Unknown| matches!(unknown.quantity, Quantity::Effect { id: its, .. } if its == id);
+        problem.unknowns.iter().find(is_it).map_or(0.0, |unknown| 1e-3 * unknown.scale)
+    };
+    let largest = |value: &dyn Fn(&Decay) -> f64| decays.iter().map(value).fold(0.0, f64::max);
+    let pivot = pivot_inertia(problem, inertia_kg_m2);
+    // Alone, viscous friction shrinks the amplitude by exp(−Mw·t/2J).
+    let viscous = largest(&|d| 2.0 * pivot * (d.from_rad / d.to_rad).ln() / d.seconds);
+    let coulomb_nm = largest(&|d| d.coulomb_nm(problem.template.pendulum.gravity_torque_nm()));
+    Alone { viscous: viscous.max(least(base::VISCOUS)), coulomb_nm: coulomb_nm.max(least(base::COULOMB)) }
+}
+
+fn pivot_inertia(problem: &Problem, inertia_kg_m2: f64) -> f64 {
+    let pendulum = &problem.template.pendulum;
+    pendulum.mass_kg * pendulum.length_m * pendulum.length_m + inertia_kg_m2
+}
+
 /// Ranges for all unknowns; `inertia_kg_m2` is the first guess at I.
 pub fn from_recording(problem: &Problem, inertia_kg_m2: f64) -> Ranges {
     let decays: Vec<Decay> = problem.swings.iter().filter_map(decay).collect();
     let largest = |value: &dyn Fn(&Decay) -> f64| decays.iter().map(value).fold(0.0, f64::max);
-    let pendulum = &problem.template.pendulum;
-    let gravity = pendulum.gravity_torque_nm();
-    let orbital = pendulum.mass_kg * pendulum.length_m * pendulum.length_m;
-    let pivot = orbital + inertia_kg_m2;
-    // Alone, viscous friction shrinks the amplitude by exp(−Mw·t/2J).
-    let viscous = largest(&|d| 2.0 * pivot * (d.from_rad / d.to_rad).ln() / d.seconds);
-    let coulomb = largest(&|d| d.coulomb_nm(gravity));
+    let gravity = problem.template.pendulum.gravity_torque_nm();
+    let pivot = pivot_inertia(problem, inertia_kg_m2);
+    let alone = alone(problem, &decays, inertia_kg_m2);
     // A level that holds the release, or a band that no swing leaves, is seen by nothing.
     let reached_rad = HELD_SHARE * if decays.is_empty() { f64::INFINITY } else { largest(&|d| d.from_rad) };
     let range = |unknown: &Unknown| match unknown.quantity {
@@ -76,8 +105,8 @@ pub fn from_recording(problem: &Problem, inertia_kg_m2: f64) -> Ranges {
             let half = INERTIA_SHARE * pivot;
             ((inertia_kg_m2 - half).max(unknown.low), inertia_kg_m2 + half)
         }
-        Quantity::Effect { id: base::VISCOUS, .. } => (0.0, FRICTION_FACTOR * viscous.max(1e-3 * unknown.scale)),
-        Quantity::Effect { id: base::COULOMB, .. } => (0.0, FRICTION_FACTOR * coulomb.max(1e-3 * unknown.scale)),
+        Quantity::Effect { id: base::VISCOUS, .. } => (0.0, FRICTION_FACTOR * alone.viscous),
+        Quantity::Effect { id: base::COULOMB, .. } => (0.0, FRICTION_FACTOR * alone.coulomb_nm),
         Quantity::Effect { id: base::STICTION, index: 0 } => (0.0, gravity * reached_rad.min(STICTION_SHARE)),
         Quantity::Effect { id: base::STICTION, .. } => {
             (0.0, (reached_rad * (gravity / pivot).sqrt()).min(WIDEST_BAND / problem.pace()))

@@ -27,9 +27,12 @@ const LEVELS: [f64; 12] = [0.002, 0.0028, 0.004, 0.0055, 0.0075, 0.0105, 0.0145,
 /// seldom outside. Without them two of 14 simulated light rigs with a drag were told of a second effect in place of the
 /// band. Where some of the usual ones are near already, they led one random rig astray. Half and twice of all were not
 /// tried; the search around the best one goes from 0.6 to 1.6 of it.
-const LIGHT_LEVELS: [f64; 5] = [0.7, 1.0, 1.4, 2.0, 2.8];
+const LIGHT_LEVELS: [f64; 5] = [0.7, 1.0, 1.4, 2.0, LARGEST_LEVEL];
 
-/// A band is only sought when the error without one exceeds the noise by this share of the variance.
+/// Multiples of Mc that are usual for Ms end here.
+pub(super) const LARGEST_LEVEL: f64 = 2.8;
+
+/// A band is sought unasked when the error without one exceeds the noise by this share of the variance.
 const EXCESS_WORTH_A_BAND: f64 = 0.005;
 
 /// A band is only kept when it lowers the cost by this many noise variances more than none.
@@ -76,8 +79,11 @@ pub(super) fn searched(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Fit
         return found.map_or_else(none, |found| found.with_free_band(on, tolerance));
     }
     let none = none();
-    let seen = || may_have_a_band(on) || near.cost - lowest_of_bands(&rough, near) > least_gain;
-    if none.cost < (1.0 + EXCESS_WORTH_A_BAND) * on.noise_cost() || !seen() {
+    // Many samples show a band long before it is a visible share of the noise.
+    let share = rough.n_samples(Window::Whole) as f64 / on.n_samples(Window::Whole).max(1) as f64;
+    let is_promised = || near.cost - lowest_of_bands(&rough, near) > share * least_gain;
+    let is_near_noise = none.cost < (1.0 + EXCESS_WORTH_A_BAND) * on.noise_cost();
+    if (is_near_noise || !may_have_a_band(on)) && !is_promised() {
         return none;
     }
     let band = with_band(&rough, near, tolerance).map(|found| found.with_free_band(on, tolerance));

@@ -16,6 +16,7 @@ use super::stop_level;
 use super::tolerated::tolerated;
 use super::unseen::with_unseen_band;
 use crate::swing::{Swing, Window};
+use shared::parameters::base;
 
 /// Numbers that are correlated beyond this, and uncertain by more than half their value, are only known together.
 const ALIKE_CORRELATION: f64 = 0.995;
@@ -107,7 +108,14 @@ fn bound_stiction(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut Num
     let (level_scale, band_scale) = (level.unknown.scale, band.unknown.scale);
     let wider = |more: f64, at: Stiction| Stiction { velocity_band: at.velocity_band + more, ..at };
     (band.status, band.std) = (Status::UpperBound, None);
-    band.upper = profile_bound(&rough, model, allowed, band_scale, wider).map(|at| at.velocity_band);
+    // What holds less may hold over a wider band, and the narrower that is, the more may hold.
+    let coulomb_nm = model.parameters.values(base::COULOMB).map_or(0.0, |values| values[0]);
+    let lightest = Stiction { level_nm: coulomb_nm, velocity_band: 0.0 };
+    let bound = |from: Stiction, scale: f64, moved: &dyn Fn(f64, Stiction) -> Stiction| {
+        profile_bound(&rough, model, from, allowed, scale, moved)
+    };
+    let of_bands = [model.stiction(), lightest].map(|from| bound(from, band_scale, &wider));
+    band.upper = larger(of_bands, |at| at.velocity_band);
     if on.swings.iter().any(Swing::comes_to_rest) {
         let (low, high) = stop_level::likely(&rough, model, allowed);
         let spread = (high - low).powi(2) / 12.0 + stop_variance(&smooth.linear, smooth.covariance.as_ref(), model);
@@ -117,7 +125,8 @@ fn bound_stiction(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut Num
     } else {
         let higher = |more: f64, at: Stiction| Stiction { level_nm: at.level_nm + more, ..at };
         (level.status, level.std) = (Status::UpperBound, None);
-        level.upper = profile_bound(&rough, model, allowed, level_scale, higher).map(|at| at.level_nm);
+        let of_levels = [model.stiction(), lightest].map(|from| bound(from, level_scale, &higher));
+        level.upper = larger(of_levels, |at| at.level_nm);
     }
 }
 
@@ -142,11 +151,18 @@ pub fn size(unknown: &Unknown, model: &Fitted) -> f64 {
     }
 }
 
-/// Where the error has risen by more than is `allowed` (rad²) with a growing Ms or DV, the other numbers answering to first
-/// order; `None` if it never does.
+/// The larger of two bounds; `None` where one of them is nowhere.
+fn larger(of: [Option<Stiction>; 2], value: impl Fn(Stiction) -> f64) -> Option<f64> {
+    let [a, b] = of;
+    Some(value(a?).max(value(b?)))
+}
+
+/// Where the error has risen for good by more than is `allowed` (rad²) with a growing Ms or DV, the other numbers answering to
+/// first order; `None` if it never does.
 fn profile_bound(
     on: &Problem,
     model: &Fitted,
+    from: Stiction,
     allowed: f64,
     scale: f64,
     moved: impl Fn(f64, Stiction) -> Stiction,
@@ -155,9 +171,10 @@ fn profile_bound(
     let linear = linearise(&problem, &point, Window::Whole, &mut Steps::found(&problem, &point));
     let more = |k: usize| PROFILE_FROM * scale * PROFILE_GROWTH.powi(k as i32);
     let mut tried = vec![model.stiction()];
-    tried.extend((0..N_PROFILE).map(|k| moved(more(k), model.stiction())));
+    tried.extend((0..N_PROFILE).map(|k| moved(more(k), from)));
     let costs = answered_costs(&problem, &linear, &point, &tried);
-    (1..tried.len()).find(|k| costs[*k] > costs[0] + allowed).map(|k| tried[k])
+    let last_likely = (0..tried.len()).rfind(|k| costs[*k] <= costs[0] + allowed)?;
+    tried.get(last_likely + 1).copied()
 }
 
 /// Variance of the torque at which the model stops, (N·m)²: its last angle is known no better than its numbers.
@@ -207,8 +224,10 @@ fn alike(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::descent::Tolerance;
     use crate::fit::identify::problem_of;
     use crate::fit::problem::{Point, Start};
+    use crate::fit::refine::Band;
     use crate::fit::tally::Tally;
     use shared::model::Model;
     use shared::parameters::Parameters;
@@ -222,6 +241,30 @@ mod tests {
         let all = problem_of(&swings, &Parameters::paper(), &count);
         let few = [swings[0].thinned(50.0)];
         assert_eq!(share_of_samples(&all.on(&few), &all), 0.25);
+    }
+
+    /// Without a rest what a level holds over a band shows as one number: a high one over a narrow band is as good as the truth.
+    #[test]
+    fn bounds_hold_a_truth_that_holds_less_over_a_wider_band() {
+        let (mut truth, count) = (Parameters::paper(), Tally::default());
+        truth.set_friction(2e-4, 2e-4, 3e-4, 0.1);
+        let model = Model::new(&truth);
+        let mut state = model.release(0.6, 0.0);
+        let times_s: Vec<f64> = (0..1600).map(|i| f64::from(i) / 200.0).collect();
+        let mut angles_rad = Vec::new();
+        for i in 0..times_s.len() {
+            let noise_rad = 2e-4 * if i % 2 == 0 { 1.0 } else { -1.0 };
+            angles_rad.push(state.angle_rad + noise_rad);
+            (0..2).for_each(|_| model.step(&mut state, 2.5e-3));
+        }
+        let swings = [Swing::new("one", &times_s, &angles_rad, 2e-4)];
+        let on = problem_of(&swings, &truth, &count);
+        let starts = vec![Start { angle_rad: 0.6, velocity_rad_s: 0.0, offset_rad: 0.0 }];
+        let narrow = Stiction { level_nm: 6e-3, velocity_band: 0.005 };
+        let begun = Fitted::at(&on, &Point { values: on.template_values(), starts }).with_stiction(narrow);
+        let found = uncertainty(&on, &begun.refined(&on, Band::Held, Tolerance::JUDGE));
+        let [.., level, band] = &found.numbers[..] else { panic!("{found:?}") };
+        assert!(level.upper.is_none_or(|upper| upper > 3e-4) && band.upper.is_none_or(|upper| upper > 0.1), "{band:?}");
     }
 
     #[test]
@@ -247,7 +290,8 @@ mod tests {
         let band = found.numbers.last().unwrap();
         let allowed = likely_rise(&on, &model.linearised(&on));
         let wider = |more: f64, at: Stiction| Stiction { velocity_band: at.velocity_band + more, ..at };
-        let all = profile_bound(&on, &model, allowed, band.unknown.scale, wider).unwrap().velocity_band;
+        let all =
+            profile_bound(&on, &model, model.stiction(), allowed, band.unknown.scale, wider).unwrap().velocity_band;
         assert!(share_of_samples(&on.on(&on.decimated()), &on) < 0.3);
         // Two steps of the profile beside each other are neighbours.
         let ratio = band.upper.unwrap() / all;
