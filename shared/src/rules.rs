@@ -5,6 +5,8 @@
 pub struct Rules {
     /// Only several releases tell it from laws of speed or angle: within one swing the amplitude falls as time goes by.
     pub needs_several_releases: bool,
+    /// It depends on how far from the pivot the mass is, which swings alone do not tell.
+    pub needs_geometry: bool,
     /// Which of its parameters is the angle, in rad, at which its torque vanishes. One that lies nowhere on the way
     /// makes it a constant torque, and no finding.
     pub relaxes_at: Option<u8>,
@@ -31,6 +33,7 @@ impl Rules {
     /// None: most effects are tried, fitted and claimed by their gain alone.
     pub const NONE: Self = Self {
         needs_several_releases: false,
+        needs_geometry: false,
         relaxes_at: None,
         is_free_offset: false,
         resembles_offset: false,

@@ -54,6 +54,7 @@ use crate::fit::problem::Problem;
 use crate::fit::tally::Tally;
 use crate::fit::tolerance::KnownRig;
 use crate::formula::effect_of;
+use crate::geometry;
 use crate::look::Look;
 use crate::recording::Measured;
 use crate::swing::Swing;
@@ -105,7 +106,7 @@ pub fn diagnose_counted<'r>(
     if let (Some(look), Some(tell)) = (&first_look, wishes.at_first_look) {
         tell(look);
     }
-    let (mut candidates, not_tried) = candidates(swings);
+    let (mut candidates, not_tried) = candidates(swings, !geometry::is_unknown(&rig.parameters.pendulum));
     candidates.extend(wishes.typed.or(effect_of(rig.parameters, CUSTOM_FORMULA_ID)));
     let decimated = problem.decimated();
     let rough = problem.on(&decimated);
@@ -142,19 +143,22 @@ pub fn diagnose_counted<'r>(
 
 /// The effects that may be found missing: all but the base effects and what is fitted anyway; and those that these
 /// swings could not tell, with the reason.
-fn candidates(swings: &[Swing]) -> (Vec<&'static Effect<f64>>, Vec<NotTried>) {
+fn candidates(swings: &[Swing], is_geometry_known: bool) -> (Vec<&'static Effect<f64>>, Vec<NotTried>) {
     let (mut tried, mut not_tried) = (Vec::new(), Vec::new());
     // Of a sensor of rates the scale is free in every fit, as the offset is.
     let is_rate = swings.iter().any(|swing| swing.measured == Measured::Rate);
     let is_free = |effect: &Effect<f64>| effect.rules.is_free_offset || is_rate && effect.rules.is_calibrated;
     for effect in Effect::usual().filter(|effect| !is_free(effect)) {
-        if effect.rules.needs_several_releases && swings.len() < 2 {
-            let reason = "needs several releases: within one swing the amplitude falls as time goes by, so that it \
-                          can't be told from a law of speed or angle";
-            not_tried.push(NotTried { effect: effect.name, reason: reason.to_owned() });
+        let reason = if effect.rules.needs_several_releases && swings.len() < 2 {
+            "needs several releases: within one swing the amplitude falls as time goes by, so that it can't be told from a \
+             law of speed or angle"
+        } else if effect.rules.needs_geometry && !is_geometry_known {
+            "needs the mass and how far from the pivot it is, in rig.toml: with an unknown geometry its torque is another one"
         } else {
             tried.push(effect);
-        }
+            continue;
+        };
+        not_tried.push(NotTried { effect: effect.name, reason: reason.to_owned() });
     }
     (tried, not_tried)
 }

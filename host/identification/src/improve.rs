@@ -1,7 +1,7 @@
 //! Adding and removing effects by hand, one step at a time, with the error before and after each.
 
 use crate::diagnose::curve::added_curve;
-use crate::diagnose::score::predictions;
+use crate::diagnose::score::{Prediction, predictions};
 use crate::diagnose::value::{Value, values};
 use crate::fit::by_least_squares::fitted_as_it_is;
 use crate::fit::descent::Tolerance;
@@ -12,6 +12,7 @@ use crate::fit::refine::Band;
 use crate::fit::tally::Tally;
 use crate::fit::tolerance::{KnownRig, Tolerances};
 use crate::swing::Swing;
+use crate::verdict::Left;
 use serde::Serialize;
 use shared::effect::{CURVE_ID, CURVE_NAME, Effect};
 use shared::parameters::Parameters;
@@ -195,7 +196,14 @@ fn added(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Res
         return Err(ChangeError::Free { name });
     }
     let predictions = predictions(problem, &model.evaluated(problem), &[effect]);
-    let fits = predictions.iter().take(STARTS).map(|prediction| prediction.fitted(problem));
+    // The numbers of a model that lacks it may hold an effect near nothing: so it is begun with the first swings too.
+    let both = |prediction: &Prediction| {
+        let fitted = prediction.fitted(problem);
+        let is_explained = || problem.chi_square(fitted.cost).left() == Left::Noise;
+        let anew = || prediction.model.regrown(problem).refined(problem, Band::Held, Tolerance::SCREEN);
+        if is_explained() { fitted } else { anew().better(fitted) }
+    };
+    let fits = predictions.iter().take(STARTS).map(both);
     let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or(ChangeError::Failed { name })?;
     // Far above the noise the last swings tell nothing of a velocity band, whose search costs the most.
     let finished =

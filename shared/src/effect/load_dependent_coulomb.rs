@@ -26,7 +26,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         family: Family::Angle,
         generalises: None,
         is_fine: false,
-        rules: Rules::NONE,
+        rules: Rules { needs_geometry: true, ..Rules::NONE },
         action: Action::Friction(torque),
     }
 }

@@ -89,6 +89,9 @@ pub fn search(
         beam.push(base.clone());
     }
     for n_added in 0..MAX_ADDED {
+        if n_added > 0 {
+            budget.begin_pairs();
+        }
         if n_added > 0 && !budget.allows_more() {
             break;
         }

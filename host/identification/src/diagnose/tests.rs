@@ -81,6 +81,17 @@ fn begun(on: &Problem, from: &Parameters<f64>) -> Fitted {
         .with_stiction(Stiction::NONE)
 }
 
+#[test]
+fn what_needs_the_geometry_is_not_tried_without_it_and_that_is_said() {
+    let swings = with_drag();
+    let not_tried =
+        |is_known: bool| super::candidates(&swings, is_known).1.into_iter().map(|it| it.effect).collect::<Vec<_>>();
+    assert!(
+        not_tried(false).contains(&"load-dependent-coulomb") && !not_tried(true).contains(&"load-dependent-coulomb")
+    );
+    assert_eq!(not_tried(false).len(), not_tried(true).len() + 1);
+}
+
 /// Everything that a judge needs, and asks him.
 fn judged<T>(
     swings: &[Swing],
