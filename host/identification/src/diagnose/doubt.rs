@@ -3,14 +3,14 @@
 
 use super::holds::strengths;
 use super::summary::SpecialCase;
-use super::value::{Value, values};
+use super::value::values;
 use super::verdict::Judge;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, HeldOut};
 use crate::fit::refine::on_all;
 use crate::fit::tally::Tally;
 use crate::swing::Swing;
-use crate::verdict::{CHANCE_STDS, Left};
+use crate::verdict::CHANCE_STDS;
 use shared::effect::Effect;
 
 /// An exponent is known well enough to say which law it is, up to this standard deviation.
@@ -26,14 +26,6 @@ fn places(effect: &Effect<f64>) -> Vec<usize> {
     (0..effect.parameters.len()).filter(is_place).collect()
 }
 
-/// Are all numbers that give an effect its shape unknown, or at their bounds? `own` are its numbers in their order.
-fn is_of_unknown_shape(effect: &Effect<f64>, own: &[&Value]) -> bool {
-    let (strengths, places) = (strengths(effect), places(effect));
-    let shapes = own.iter().enumerate().filter(|(index, _)| !strengths.contains(index) && !places.contains(index));
-    let mut unknown = shapes.map(|(_, value)| value.std.is_none_or(|std| std > value.value.abs())).peekable();
-    unknown.peek().is_some() && unknown.all(|is_unknown| is_unknown)
-}
-
 impl Judge<'_, '_> {
     /// Without effects whose numbers can't be told from zero, each of them: whatever they gain, nobody knows by what. Of a
     /// wider law that may be since its numbers make up for each other; its special case has fewer.
@@ -43,20 +35,17 @@ impl Judge<'_, '_> {
         self.beyond_their_errors(surer.unwrap_or_else(|| self.without_doubtful(&claimed, effect.name)))
     }
 
-    /// The first effect whose numbers are all within their own errors, where a place that is known proves nothing; or of
-    /// which only the strength is known, where it leaves more than noise: whatever it is that bends there, it is not shown to
-    /// be this.
+    /// The first effect whose numbers are all within their own errors. A place that is known proves nothing.
     fn vague(&self, model: &Fitted) -> Option<&'static Effect<f64>> {
         if model.effects.is_empty() {
             return None;
         }
         let values = values(self.problem, model);
-        let leaves_much = self.problem.chi_square(model.cost).left() == Left::Missing;
         let is_vague = |effect: &&'static Effect<f64>| {
-            let own: Vec<&Value> = values.iter().filter(|value| value.effect == effect.name).collect();
+            let own = values.iter().filter(|value| value.effect == effect.name);
             let places = places(effect);
-            let mut telling = own.iter().enumerate().filter(|(index, _)| !places.contains(index));
-            telling.all(|(_, value)| value.is_within_its_error()) || (leaves_much && is_of_unknown_shape(effect, &own))
+            let mut telling = own.enumerate().filter(|(index, _)| !places.contains(index));
+            telling.all(|(_, value)| value.is_within_its_error())
         };
         model.effects.iter().copied().find(is_vague)
     }
@@ -155,32 +144,6 @@ impl Judge<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::uncertainty::Status;
-
-    #[test]
-    fn a_law_whose_own_shape_is_unknown_or_at_its_bound_is_not_known() {
-        let unknown = |name: &str, numbers: &[(f64, Option<f64>)]| {
-            let effect = Effect::<f64>::by_name(name).unwrap();
-            let value = |(value, std): &(f64, Option<f64>)| Value {
-                effect: effect.name,
-                symbol: "",
-                value: *value,
-                std: *std,
-                unit: "",
-                status: Status::Identified,
-                upper: None,
-            };
-            let values: Vec<Value> = numbers.iter().map(value).collect();
-            is_of_unknown_shape(effect, &values.iter().collect::<Vec<_>>())
-        };
-        let strong = (1e-3, Some(1e-5));
-        assert!(unknown("detent", &[strong, strong, (8.4, Some(8.9))]));
-        assert!(!unknown("detent", &[strong, strong, (8.4, Some(7.1))]));
-        assert!(unknown("power-law-drag", &[strong, (4.0, None)]));
-        assert!(!unknown("power-law-drag", &[strong, (2.0, Some(0.1))]));
-        // It has no shape but its square.
-        assert!(!unknown("quadratic-drag", &[(1e-3, None)]));
-    }
 
     #[test]
     fn a_magnet_and_a_relaxed_spring_have_a_place_and_nothing_else_has() {

@@ -89,9 +89,7 @@ pub fn search(
         beam.push(base.clone());
     }
     for n_added in 0..MAX_ADDED {
-        if n_added > 0 {
-            budget.begin_pairs();
-        }
+        budget.keep_for_pairs(n_added == 0 && problem.swings.len() > 1);
         if n_added > 0 && !budget.allows_more() {
             break;
         }

@@ -10,6 +10,10 @@ use super::noise::smallest_step;
 /// two thirds of the time at most. With half of it these would be taken; with 1 none that missed a step.
 const ONE_STEP: f64 = 0.9;
 
+/// At a turn no row comes for more than so many times the usual step; even samples of whatever turns evenly have no such pause.
+/// With half of it a row that is missing would do; a swing of eight steps to either side makes it five.
+const PAUSE: f64 = 3.0;
+
 /// Fewer rows could be so by chance.
 const FEWEST: usize = 50;
 
@@ -30,11 +34,13 @@ pub(super) fn held(times_s: &[f64], readings: &[f64], notes: &mut Vec<String>) -
     let step = smallest_step(readings).filter(|_| readings.len() >= FEWEST)?;
     let is_one_step = |pair: &&[f64]| ((pair[1] - pair[0]).abs() / step - 1.0).abs() < 0.5;
     let n_one_step = readings.windows(2).filter(is_one_step).count();
-    if (n_one_step as f64) < ONE_STEP * (readings.len() - 1) as f64 {
+    let usual_s = median_step_s(times_s);
+    let pauses = times_s.windows(2).any(|pair| pair[1] - pair[0] > PAUSE * usual_s);
+    if (n_one_step as f64) < ONE_STEP * (readings.len() - 1) as f64 || !pauses {
         return None;
     }
     let (first_s, last_s) = (*times_s.first()?, *times_s.last()?);
-    let step_s = median_step_s(times_s).max((last_s - first_s) / (MOST_A_ROW * times_s.len() as f64));
+    let step_s = usual_s.max((last_s - first_s) / (MOST_A_ROW * times_s.len() as f64));
     let n_samples = ((last_s - first_s) / step_s) as usize + 1;
     let even_s: Vec<f64> = (0..n_samples).map(|idx| first_s + idx as f64 * step_s).collect();
     let last_row = |time_s: &f64| times_s.partition_point(|row_s| row_s <= time_s).saturating_sub(1);
@@ -96,5 +102,12 @@ mod tests {
             let readings: Vec<f64> = times_s.iter().map(|t| steps(*t)).collect();
             assert!(held(&times_s, &readings, &mut Vec::new()).is_none(), "{rate_hz} Hz");
         }
+    }
+
+    #[test]
+    fn even_samples_of_what_turns_evenly_are_no_rows_on_change() {
+        let times_s: Vec<f64> = (0..2000).map(|k| f64::from(k) * 1e-3).collect();
+        let readings: Vec<f64> = (0..2000).map(|k| 0.1 + 1e-4 * f64::from(k)).collect();
+        assert!(held(&times_s, &readings, &mut Vec::new()).is_none());
     }
 }
