@@ -110,7 +110,7 @@ fn or_of_the_other_kind(problem: &Problem, found: Fitted) -> Fitted {
 }
 
 /// The share of what the swings lose with which a kind of friction begins that is nearly none: none at all would stay at its
-/// bound. With half of it or twice the same valleys are found.
+/// bound. Half and twice were not tried.
 const LITTLE: f64 = 0.1;
 
 /// Does a model follow the swings at least roughly?

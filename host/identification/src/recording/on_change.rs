@@ -17,8 +17,8 @@ const PAUSE: f64 = 3.0;
 /// Fewer rows could be so by chance.
 const FEWEST: usize = 50;
 
-/// There are never more than so many samples a row: pauses of hours stay short. Of 13 recordings of one bench, which rest for
-/// up to a quarter of their time, the most have 2.2. Half of it would make their samples coarser, twice of it none.
+/// There are never more than so many samples a row: pauses of hours stay short. Of 13 recordings of one bench 12 have 1.6 to 2.1,
+/// and one that rests for long 3.2. Half of it would make that one's samples coarser, twice of it none.
 const MOST_A_ROW: f64 = 4.0;
 
 /// What stands for rows that were written on change.

@@ -28,8 +28,8 @@ const SURE: f64 = 6.0;
 /// hold them to a hundredth where they lose a tenth by themselves.
 const LOST_AFTER_A_MOTOR: f64 = 4.0;
 
-/// In the first half of the time behind a motor a swing loses half of what it loses in all of it, or more. With half of this the
-/// end of a swing would pass for one behind a motor now and then; with twice of it dry friction alone would deny it.
+/// In the first half of the time behind a motor a swing loses half of what it loses in all of it, or more. With twice of this dry
+/// friction alone would deny it; half was not tried.
 const LOST_AT_ONCE: f64 = 0.25;
 
 /// Half swings before and after, at least; with half of them dry friction that changes with the place would be a motor.
