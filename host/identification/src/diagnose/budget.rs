@@ -23,7 +23,8 @@ const MOST_OF_A_CURVE: u64 = 80;
 
 /// One part of so many of either is for single effects, so that several long releases leave something for pairs. With all of it,
 /// two of three such rigs that lack two effects were told of none or one, at 13 and 19 noises, which one release alone names;
-/// a third was not tried. Of one release all is for single effects first: half of it lost presliding on twelve seconds of a cart.
+/// a third was not tried. Of one release all is for single effects first, as it was measured; twelve seconds of a cart are told the
+/// same with half.
 const SHARE_OF_SINGLE_EFFECTS: u64 = 2;
 
 /// What a diagnosis may take, and whether something was left out for it.
