@@ -223,6 +223,11 @@ impl<R: Real> Effect<R> {
         !(self.is_base() || is_free_offset || follows_special_case || is_of_pictures || is_left_to_diagnosis)
     }
 
+    /// Its starts that a first look tries.
+    pub fn first_look_starts(&self) -> &'static [[f64; MAX_VALUES]] {
+        &self.starts[..self.starts.len().saturating_sub(usize::from(self.rules.n_starts_left_to_diagnosis))]
+    }
+
     /// The law that is tried in its place where it leaves more than the noise; none on the board, where nothing is tried.
     pub fn wider_form(&self) -> Option<&'static Effect<R>> {
         Self::with(|rules| rules.follows_special_case).find(|wide| wide.generalises == Some(self.name))

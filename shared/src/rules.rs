@@ -10,6 +10,9 @@ pub struct Rules {
     /// Which of its parameters is the angle, in rad, at which its torque vanishes. One that lies nowhere on the way
     /// makes it a constant torque, and no finding.
     pub relaxes_at: Option<u8>,
+    /// Which of its parameters must lie within its range: at an end of it, it stands for another law, as a detent of few notches a
+    /// turn does for a spring or for a constant torque.
+    pub must_lie_within: Option<u8>,
     /// Its only parameter, in rad, is free for each swing in every fit, added to the readings: it is claimed by that
     /// value, never tried.
     pub is_free_offset: bool,
@@ -27,6 +30,8 @@ pub struct Rules {
     pub is_of_pictures: bool,
     /// No first look tries it, because a board has no room for it or can't tell it; a diagnosis does.
     pub is_left_to_diagnosis: bool,
+    /// So many of its starts, the last ones, are left to the diagnosis for the same reason.
+    pub n_starts_left_to_diagnosis: u8,
 }
 
 impl Rules {
@@ -35,6 +40,7 @@ impl Rules {
         needs_several_releases: false,
         needs_geometry: false,
         relaxes_at: None,
+        must_lie_within: None,
         is_free_offset: false,
         resembles_offset: false,
         is_calibrated: false,
@@ -42,5 +48,6 @@ impl Rules {
         follows_special_case: false,
         is_of_pictures: false,
         is_left_to_diagnosis: false,
+        n_starts_left_to_diagnosis: 0,
     };
 }

@@ -201,7 +201,10 @@ fn added(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Res
         let fitted = prediction.fitted(problem);
         let is_explained = || problem.chi_square(fitted.cost).left() == Left::Noise;
         let anew = || prediction.model.regrown(problem).refined(problem, Band::Held, Tolerance::SCREEN);
-        if is_explained() { fitted } else { anew().better(fitted) }
+        // And the law may decide at which turn it stops.
+        let stopped =
+            || prediction.model.lively(problem, Tolerance::SCREEN).refined(problem, Band::Level, Tolerance::JUDGE);
+        if is_explained() { fitted } else { anew().better(fitted).better(stopped()) }
     };
     let fits = predictions.iter().take(STARTS).map(both);
     let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or(ChangeError::Failed { name })?;
@@ -212,7 +215,10 @@ fn added(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Res
         true => finished.refined(problem, Band::Searched, Tolerance::JUDGE),
         false => finished,
     };
-    Ok(searched.settled(problem))
+    let settled = searched.settled(problem);
+    // With no strength it is the model that it was added to.
+    let absent = model.with(effect, &effect.starts[0]).map(|absent| absent.evaluated(problem));
+    Ok(absent.into_iter().fold(settled, Fitted::better))
 }
 
 fn is_near_noise(problem: &Problem, model: &Fitted) -> bool {

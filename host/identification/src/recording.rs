@@ -297,6 +297,18 @@ pub fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// The value with half of the weight below it, of pairs of value and weight; NaN when there is none.
+fn weighted_median(mut values: Vec<(f64, f64)>) -> f64 {
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = values.iter().map(|(_, weight)| weight).sum::<f64>() / 2.0;
+    let mut below = 0.0;
+    let reaches = |(_, weight): &&(f64, f64)| {
+        below += weight;
+        below >= half
+    };
+    values.iter().find(reaches).or(values.last()).map_or(f64::NAN, |(value, _)| *value)
+}
+
 fn steps_are_even(times_s: &[f64]) -> bool {
     let median_s = median_step_s(times_s);
     times_s

@@ -141,7 +141,7 @@ impl<R: Real<Mask = bool>> Columns<R> {
             match parameters.values(effect.id) {
                 Some(values) => columns.add_present(effect, values),
                 None if effect.is_for_first_look() => {
-                    (0..effect.starts.len() as u8).for_each(|place| columns.add_candidate(effect, place));
+                    (0..effect.first_look_starts().len() as u8).for_each(|place| columns.add_candidate(effect, place));
                 }
                 None => {}
             }

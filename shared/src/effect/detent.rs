@@ -50,7 +50,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         family: Family::Spring,
         generalises: None,
         is_fine: true,
-        rules: Rules::NONE,
+        rules: Rules { must_lie_within: Some(2), ..Rules::NONE },
         action: Action::Drive(torque),
     }
 }

@@ -27,7 +27,9 @@ fn fits_start_inside_the_ranges_and_first_where_the_parameters_say() {
 #[test]
 fn rules_speak_of_parameters_that_the_effect_has() {
     for effect in Effect::<f64>::ALL {
-        let Rules { relaxes_at, is_free_offset, is_calibrated, .. } = effect.rules;
+        let Rules { relaxes_at, must_lie_within, is_free_offset, is_calibrated, .. } = effect.rules;
+        assert!(must_lie_within.is_none_or(|index| usize::from(index) < effect.parameters.len()), "{}", effect.name);
+        assert!(!effect.first_look_starts().is_empty(), "{}", effect.name);
         let relaxes_at = relaxes_at.map(|index| effect.parameters[usize::from(index)].unit);
         assert!(relaxes_at.is_none_or(|unit| unit == "rad"), "{}", effect.name);
         assert!(!(is_free_offset || is_calibrated) || effect.parameters.len() == 1, "{}", effect.name);

@@ -67,6 +67,8 @@ impl<'a, 'b> Bench<'a, 'b> {
         let problem = self.problem;
         let judge = self.judge(&found);
         let (claimed, mut others) = judge.refined(judge.claimed());
+        let (claimed, wider) = judge.in_usual_forms(claimed);
+        others.extend(wider);
         let mut undecided = judge.undecided(&claimed, &others);
         let n_claimed = claimed.effects.len();
         let Zero { model, mut offset_is_missing, alike } =

@@ -149,12 +149,13 @@ pub(super) fn grown(on: &Problem, fitted: &Fitted) -> Fitted {
     fitted.clone().better(fitted.regrown(on).refined(on, Band::Held, Tolerance::ROUGH))
 }
 
-/// Fits what a prediction leads to; where little of a large one comes true, another stop level may be what is lacking.
+/// Fits what a prediction leads to; where little of a large one comes true, another stop level may be what is lacking, from
+/// there or from the swings before the last ones, which lead astray where the law decides at which turn it stops.
 fn fitted(on: &Problem, model: &Fitted, prediction: &Prediction, best_reduction: f64) -> Fitted {
     let fitted = prediction.fitted(on);
     let is_large = prediction.reduction > LARGE_PREDICTION * best_reduction;
     let came_true = model.cost - fitted.cost > KEPT_PREDICTION * prediction.reduction;
-    if is_large && !came_true { levels(on, &fitted).swap_remove(0) } else { fitted }
+    if is_large && !came_true { levels(on, &fitted).swap_remove(0).better(prediction.stopped_anew(on)) } else { fitted }
 }
 
 #[cfg(test)]

@@ -122,7 +122,7 @@ fn holding(on: &Problem, model: &Fitted, effect: &'static Effect<f64>, clusters:
 }
 
 /// Does a strength of an effect lie on the end of its range? Zero, where the range of many begins, is none.
-fn is_as_strong_as_can_be(model: &Fitted, effect: &Effect<f64>) -> bool {
+pub(super) fn is_as_strong_as_can_be(model: &Fitted, effect: &Effect<f64>) -> bool {
     let strong = strengths(effect);
     model.unknowns.iter().enumerate().any(|(j, unknown)| {
         let value = unknown.get(&model.parameters);

@@ -6,7 +6,7 @@ use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::linear::{Linear, equations_with_added};
 use crate::fit::problem::Problem;
-use crate::fit::refine::Band;
+use crate::fit::refine::{Band, levels};
 use crate::fit::solve::ANSWER_DAMPING;
 use crate::fit::step::{bounded_step, stepped};
 use crate::pace;
@@ -31,6 +31,11 @@ impl Prediction {
     /// Fits what it leads to, Ms and DV as they are.
     pub fn fitted(&self, on: &Problem) -> Fitted {
         self.model.refined(on, Band::Held, Tolerance::SCREEN)
+    }
+
+    /// The same on decimated swings, where it stops found anew once all swings but the last are followed.
+    pub fn stopped_anew(&self, decimated: &Problem) -> Fitted {
+        levels(decimated, &self.model.lively(decimated, Tolerance::SCREEN)).swap_remove(0)
     }
 }
 

@@ -10,7 +10,7 @@ use super::score::predictions;
 use super::search::{Found, search};
 use super::summary::{Diagnosis, Summary};
 use super::verdict::{INDISTINGUISHABLE, Judge};
-use super::widening::{exchanged, narrowed};
+use super::widening::{exchanged, narrowed, widened};
 use super::{base_problem, diagnose, levels, zero};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::{Fitted, Stiction};
@@ -536,6 +536,54 @@ fn a_usual_form_is_begun_from_the_numbers_of_the_wider_one() {
     let values = |model: &Fitted, name: &str| model.parameters.values(effect(name).id).map(|values| values[0]);
     assert_eq!(values(&usual, "quadratic-drag"), values(&wide, "power-law-drag"));
     assert_eq!(values(&usual, "power-law-drag"), None);
+}
+
+#[test]
+fn a_wider_law_that_is_claimed_gives_way_to_its_usual_form_where_that_is_as_good() {
+    let told = |exponent: f64| {
+        let swings = [simulated("power", &rig_with("power-law-drag", &[DRAG, exponent]), 14.0, 1)];
+        let levels = |on: &Problem| (with_excess(on, &rig(), 400.0), Vec::new());
+        judged(&swings, levels, |judge| {
+            let wide = fitted(judge.problem, &rig_with("power-law-drag", &[DRAG, exponent]));
+            let (claimed, wider) = judge.in_usual_forms(wide);
+            (claimed.name(), wider.iter().map(Fitted::name).collect::<Vec<_>>())
+        })
+    };
+    let [usual, wide] = ["quadratic-drag", "power-law-drag"].map(str::to_owned);
+    assert_eq!(told(2.0), (usual, vec![wide.clone()]));
+    assert_eq!(told(2.6), (wide, Vec::new()));
+}
+
+/// A spring that hardens so much that the usual one is as stiff as it can be, beside another inertia.
+#[test]
+fn a_wider_law_is_begun_anew_where_its_usual_form_is_as_strong_as_it_can_be() {
+    let swings = [simulated("hard", &rig_with("general-spring", &[0.01, 0.1, 10.0]), 14.0, 1)];
+    let count = Tally::default();
+    let problem = base_problem(&swings, (&rig()).into(), &count);
+    let mut usual = rig_with("torsional-spring", &[0.5, 0.29]);
+    usual.pendulum.inertia_kg_m2 = 0.02;
+    let found = widened(&problem, &[with_excess(&problem, &usual, 400.0)]);
+    let best = found.iter().map(|model| model.cost).fold(f64::INFINITY, f64::min);
+    assert!(best < 1.1 * problem.noise_cost(), "{best} {}", problem.noise_cost());
+}
+
+/// Rest is at another turn with it than without, so that the level that suits the base leads its fit astray.
+/// The level that stops the base where the swing does may hold the law two turns too early.
+#[test]
+fn a_law_that_decides_where_it_stops_is_fitted_before_that() {
+    let mut truth = rig_with("asymmetric-coulomb", &[2e-3]);
+    truth.set_friction(5e-4, 6e-3, 7e-3, 0.0);
+    let swings = [simulated("one way", &truth, 20.0, 1)];
+    let count = Tally::default();
+    let problem = base_problem(&swings, (&rig()).into(), &count);
+    let decimated = problem.decimated();
+    let rough = problem.on(&decimated);
+    let mut near = rig();
+    near.set_friction(5e-4, 6e-3, 0.0, 0.0);
+    let early = fitted(&problem, &near).with_stiction(Stiction::level(0.025)).evaluated(&rough);
+    let promise = predictions(&rough, &early, &[effect("asymmetric-coulomb")]).remove(0);
+    let costs = [promise.fitted(&rough), promise.stopped_anew(&rough)].map(|model| model.cost / rough.noise_cost());
+    assert!(costs[0] > 2.0 && costs[1] < 1.1, "{costs:?}");
 }
 
 #[test]

@@ -2,9 +2,11 @@
 
 use super::budget::Budget;
 use super::models::{ALIKE_NOISES, MOST_LEFT, MOST_LEFT_UNEXPLAINED, NEAR, excess, is_explained};
+use super::physical::is_sound;
 use super::replacement::Replacements;
 use super::search::Found;
 use super::value::{Candidate, values};
+use super::widening::in_usual_form;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
@@ -108,9 +110,9 @@ impl Judge<'_, '_> {
     pub(super) fn refined(&self, claimed: Fitted) -> (Fitted, Vec<Fitted>) {
         let mut claimed = claimed;
         let mut tried = Vec::new();
-        for round in 0..MAX_ROUNDS {
-            // The first time tells a pair from one that imitates it, and is never left out.
-            if claimed.effects.len() < 2 || round > 0 && !self.budget.allows_more() {
+        // A pair that took the place of one may imitate another one itself, so that no round is left out.
+        for _ in 0..MAX_ROUNDS {
+            if claimed.effects.len() < 2 {
                 break;
             }
             let (better, others) = self.replaced(&claimed, &tried);
@@ -119,6 +121,20 @@ impl Judge<'_, '_> {
             tried.push(std::mem::replace(&mut claimed, better));
         }
         (claimed, tried)
+    }
+
+    /// The claimed model with each law in its usual form, where that is as good begun from its numbers on all samples: the
+    /// search may have it in a side valley, which decimated swings lead to. And those in whose place they are.
+    pub(super) fn in_usual_forms(&self, mut claimed: Fitted) -> (Fitted, Vec<Fitted>) {
+        let mut wider = Vec::new();
+        for wide in claimed.effects.clone() {
+            let Some(usual) = in_usual_form(self.problem, &claimed, wide) else { continue };
+            let usual = usual.refined(self.problem, Band::Free, Tolerance::JUDGE);
+            if is_sound(self.problem, &usual) && self.is_as_good(&usual, &claimed) {
+                wider.push(std::mem::replace(&mut claimed, usual));
+            }
+        }
+        (claimed, wider)
     }
 
     /// A model with one effect replaced that is better than the claimed one, pruned; and the others.

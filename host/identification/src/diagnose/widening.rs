@@ -1,8 +1,11 @@
 //! Wider laws before second effects: a law that was found may have another shape than the usual one, and what that leaves
 //! is easily taken for an effect that is not there.
 
+use super::extension::grown;
+use super::holds::is_as_strong_as_can_be;
 use super::models::{is_explained, near_the_best};
 use super::physical::is_sound;
+use super::score::{Prediction, predictions};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
@@ -57,8 +60,17 @@ impl Widening<'_> {
             let wide = exchanged(self.model, self.usual, self.wide, *start)?;
             Some(wide.refined(rough, Band::Held, Tolerance::SCREEN))
         });
-        let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let anew = is_as_strong_as_can_be(self.model, self.usual).then(|| self.anew(rough));
+        let best = fits.chain(anew.into_iter().flatten()).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         Some(levels(rough, &best).swap_remove(0))
+    }
+
+    /// Begun as if the usual law had never been tried: where that is as strong as it can be, its numbers mean nothing, nor do
+    /// those beside it.
+    fn anew(&self, rough: &Problem) -> Vec<Fitted> {
+        let rest = self.model.without(self.usual.id).refined(rough, Band::Held, Tolerance::SCREEN);
+        let fitted = |prediction: &Prediction| grown(rough, &prediction.fitted(rough));
+        predictions(rough, &grown(rough, &rest), &[self.wide]).iter().map(fitted).collect()
     }
 
     /// The same, and the usual law from there if that is better than it was.
@@ -76,12 +88,12 @@ pub(super) fn in_wider_forms(rough: &Problem, model: &Fitted) -> Vec<Fitted> {
     all.par_iter().filter_map(|widening| widening.wide(rough)).collect()
 }
 
-/// A model with a law in its usual form in place of the wider one, fitted on decimated swings; `None` where it is no wider
-/// form, or the usual one is there too.
-pub(super) fn in_usual_form(rough: &Problem, model: &Fitted, wide: &'static Effect<f64>) -> Option<Fitted> {
+/// A model with a law in its usual form in place of the wider one, fitted; `None` where it is no wider form, or the usual one
+/// is there too.
+pub(super) fn in_usual_form(on: &Problem, model: &Fitted, wide: &'static Effect<f64>) -> Option<Fitted> {
     let usual = Effect::by_name(wide.generalises?).filter(|usual| !model.has(usual.name))?;
     let narrow = exchanged(model, wide, usual, [0.0; MAX_VALUES])?;
-    Some(narrow.refined(rough, Band::Held, Tolerance::SCREEN))
+    Some(narrow.refined(on, Band::Held, Tolerance::SCREEN))
 }
 
 /// A model with another law in place of one of its own, not fitted yet: with the numbers of that one, and `values` beyond

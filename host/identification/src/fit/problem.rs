@@ -15,6 +15,7 @@ use shared::curve::Curve;
 use shared::effect::{Effect, Parameter};
 use shared::model::Model;
 use shared::parameters::{Parameters, base};
+use std::f64::consts::FRAC_2_PI;
 use std::ops::Range;
 
 /// Simulations run this many at a time on one core.
@@ -120,7 +121,7 @@ impl Unknown {
     }
 
     /// A number of an effect, within its physical range. Friction scales with m·g·l, and what has seconds in its unit
-    /// with the period; viscous friction may be as large as a pendulum can have that still swings.
+    /// with the period; viscous and dry friction may be as large as a pendulum can have that still swings.
     pub fn of_effect(effect: &'static Effect<f64>, index: usize, parameters: &Parameters<f64>) -> Self {
         let parameter: &Parameter = &effect.parameters[index];
         let size = parameters.pendulum.gravity_torque_nm() / USUAL_GRAVITY_TORQUE_NM;
@@ -133,7 +134,11 @@ impl Unknown {
             name: effect.name,
             unit: parameter.unit,
             low: parameter.low * grows,
-            high: if effect.id == base::VISCOUS { high.max(critical_damping(parameters)) } else { high },
+            high: match effect.id {
+                base::VISCOUS => high.max(critical_damping(parameters)),
+                base::COULOMB => high.max(MOST_DRY_FRICTION * parameters.pendulum.gravity_torque_nm()),
+                _ => high,
+            },
             scale: SCALE_OF_RANGE * (parameter.high - parameter.low) * grows,
             prior: None,
             own: 0.0,
@@ -209,6 +214,9 @@ const SCALE_OF_RANGE: f64 = 0.02;
 
 /// Readings without any noise are as good as this, rad².
 const LEAST_VARIANCE: f64 = 1e-14;
+
+/// With more dry friction, as a share of m·g·l, one that falls from upright does not pass the lowest point: π·Mc = 2·m·g·l.
+const MOST_DRY_FRICTION: f64 = FRAC_2_PI;
 
 /// Viscous friction with which a pendulum swings no more, N·m·s/rad: 2·√(m·g·l·J). Source: any textbook of vibrations.
 fn critical_damping(parameters: &Parameters<f64>) -> f64 {
@@ -451,5 +459,23 @@ impl<'a> Problem<'a> {
     pub fn noise_rad(&self) -> f64 {
         let squares: f64 = self.swings.iter().map(|swing| swing.noise_rad.powi(2) * swing.len() as f64).sum();
         (squares / self.n_samples(Window::Whole).max(1) as f64).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// Falling from upright to the lowest point frees 2·m·g·l, and dry friction takes π·Mc on the way.
+    #[test]
+    fn friction_may_be_as_large_as_a_pendulum_has_that_still_swings() {
+        for size in [0.1, 1.0, 30.0] {
+            let mut rig = Parameters::<f64>::paper();
+            rig.pendulum.mass_kg *= size;
+            let high = |id: u16| Unknown::of_effect(Effect::by_id(id).unwrap(), 0, &rig).high;
+            assert!(PI * high(base::COULOMB) >= 2.0 * rig.pendulum.gravity_torque_nm() * (1.0 - 1e-12), "{size}");
+            assert!(high(base::VISCOUS) >= critical_damping(&rig), "{size}");
+        }
     }
 }

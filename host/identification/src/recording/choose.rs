@@ -81,7 +81,7 @@ impl Sources {
         };
         if let (ReadingSource::Angle { idx, .. }, None) = (&reading, &asked.angle) {
             note_rivals(table, "angle", *idx, as_angle, notes);
-            if table.n_columns > 1 && table.names.as_ref().is_some_and(|names| words::says_nothing(&names[*idx])) {
+            if table.n_columns > 1 && mute_column(table) == Some(*idx) {
                 notes.push(format!("{} says nothing else and is read as the angle", table.column_name(*idx)));
             }
         }
@@ -444,16 +444,19 @@ fn without_quaternion(table: &Table, mut named: Vec<(usize, Option<AngleUnit>)>)
     named
 }
 
-/// The only column of numbers whose name says nothing (`data`, `value`), where nothing else was measured.
+/// The only column of numbers whose name says nothing (`data`, `value`; `y` beside a `u`, as whoever identifies systems calls
+/// output and input), where nothing else was measured than what drives.
 fn mute_column(table: &Table) -> Option<usize> {
     let names = table.names.as_ref().filter(|_| rate_columns(table).is_empty())?;
-    let is_mute = |(idx, name): &(usize, &String)| words::says_nothing(name) && table.is_of_numbers(*idx);
+    let has_input = names.iter().any(|name| name.eq_ignore_ascii_case("u"));
+    let says_nothing = |name: &String| words::says_nothing(name) || (has_input && name.eq_ignore_ascii_case("y"));
+    let is_mute = |(idx, name): &(usize, &String)| says_nothing(name) && table.is_of_numbers(*idx);
     let mut mute = names.iter().enumerate().filter(is_mute);
     let (idx, _) = mute.next().filter(|_| mute.next().is_none())?;
     let is_other = |other: usize| {
         let is_time = matches!(meaning(&names[other]), Meaning::Time { .. });
         let moves = table.first_numbers(other).windows(2).any(|pair| pair[0] != pair[1]);
-        other != idx && !is_time && moves && table.is_of_numbers(other)
+        other != idx && !is_time && moves && table.is_of_numbers(other) && !words::is_of_drive(&names[other])
     };
     (!(0..names.len()).any(is_other)).then_some(idx)
 }

@@ -9,7 +9,7 @@ use super::error::Fault;
 use super::noise;
 use super::told::Told;
 use super::turning::{self, TurningPoint};
-use super::{median, median_step_s};
+use super::{median, median_step_s, weighted_median};
 use std::f64::consts::{PI, TAU};
 
 /// Nobody swings a pendulum of less than 2.5 mm …
@@ -101,13 +101,15 @@ impl Swings {
         let half_swing_s = turning::half_swing_s(&times_s, &angles_rad, neighbours_rad)?;
         let noise_rad = noise::noise_of_means(&times_s, &angles_rad, neighbours_rad, half_swing_s);
         let turns = turning::turning_points(&times_s, &angles_rad, noise_rad);
-        let middles: Vec<(f64, f64)> = turns.windows(2).map(middle_and_size).collect();
-        // A tremble before or after the swings has the more turning points, and small ones.
-        let steps =
-            turns.windows(2).map(|pair| (2.0 * (pair[1].time_s - pair[0].time_s), middle_and_size(pair).1)).collect();
-        if middles.len() < 2 {
+        let middles: Vec<(f64, f64)> = turns.windows(3).map(middle_and_size).collect();
+        if middles.is_empty() {
             return None;
         }
+        // A tremble before or after the swings has the more turning points, and small ones.
+        let step = |pair: &[TurningPoint]| {
+            (2.0 * (pair[1].time_s - pair[0].time_s), (pair[0].angle_rad - pair[1].angle_rad).abs())
+        };
+        let steps = turns.windows(2).map(step).collect();
         let middle_rad = weighted_median(middles);
         let largest_rad = turns.iter().map(|turn| (turn.angle_rad - middle_rad).abs()).fold(0.0, f64::max);
         let periods = periods(&turns);
@@ -246,22 +248,11 @@ fn growth_of(periods: &[(f64, f64)], largest_rad: f64) -> Option<(f64, f64, f64)
     growth(&points)
 }
 
-/// Of a swing from one turning point to the next, rad.
-fn middle_and_size(pair: &[TurningPoint]) -> (f64, f64) {
-    ((pair[0].angle_rad + pair[1].angle_rad) / 2.0, (pair[0].angle_rad - pair[1].angle_rad).abs())
-}
-
-/// The value with half of the weight below it: where somebody holds a pendulum, it trembles by little. At least one pair of
-/// value and weight.
-fn weighted_median(mut values: Vec<(f64, f64)>) -> f64 {
-    values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = values.iter().map(|(_, weight)| weight).sum::<f64>() / 2.0;
-    let mut below = 0.0;
-    let reaches = |(_, weight): &&(f64, f64)| {
-        below += weight;
-        below >= half
-    };
-    values.iter().find(reaches).or(values.last()).map_or(f64::NAN, |(value, _)| *value)
+/// Of a swing from one turning point to the next but one, rad. Between two alone the middle is off by half of what friction
+/// takes: by 0.5 rad where it takes a third.
+fn middle_and_size(three: &[TurningPoint]) -> (f64, f64) {
+    let (outer, inner) = ((three[0].angle_rad + three[2].angle_rad) / 2.0, three[1].angle_rad);
+    ((outer + inner) / 2.0, (outer - inner).abs())
 }
 
 /// From the rate at the lowest point (rad/s) to the amplitude (rad), by the energy: `ω² = 2 ω0² (1 − cos A)`.
@@ -446,6 +437,21 @@ mod tests {
         let times: Vec<f64> = (0..angles.len()).map(|idx| idx as f64 * 0.01).collect();
         let period_s = Swings::of(&times, &angles).unwrap().period_s;
         assert!((0.99..1.1).contains(&period_s), "{period_s}");
+    }
+
+    /// Dry friction that takes 0.35 rad in each half swing, from the largest one on.
+    #[test]
+    fn the_middle_of_swings_that_soon_end_is_where_it_hangs() {
+        let half_swing = |time_s: f64| (time_s / 0.5).floor();
+        let angle = |time_s: f64| {
+            let size = (1.9 - 0.35 * half_swing(time_s)).max(0.0);
+            let rest = if half_swing(time_s) as i32 % 2 == 0 { 0.175 } else { -0.175 };
+            2.16 + if size > 0.175 { (size - 0.175) * (TAU * time_s).cos() + rest } else { 0.0 }
+        };
+        let times: Vec<f64> = (0..600).map(|idx| f64::from(idx) * 0.01).collect();
+        let angles: Vec<f64> = times.iter().map(|time_s| angle(*time_s)).collect();
+        let middle_rad = Swings::of(&times, &angles).unwrap().middle_rad;
+        assert!((middle_rad - 2.16).abs() < 0.02, "{middle_rad}");
     }
 
     #[test]

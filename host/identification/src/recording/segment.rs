@@ -291,8 +291,9 @@ fn notes(
 ) -> Vec<String> {
     let first_s = cut.times_s()[cut.asked.start];
     let mut notes = Vec::new();
-    if let Some(from_s) = options.from_s.filter(|from_s| *from_s > 0.0 && *from_s < first_s) {
-        notes.push(format!("--from {from_s} is before it begins: its own clock starts at {first_s} s"));
+    let begins_s = cut.times_s()[0];
+    if let Some(from_s) = options.from_s.filter(|from_s| *from_s > 0.0 && *from_s < begins_s) {
+        notes.push(format!("--from {from_s} is before it begins: its own clock starts at {begins_s} s"));
     }
     let before_s = cut.times_s()[start.free_idx] - first_s;
     match (&start.lead_in, options.from_s) {

@@ -6,7 +6,7 @@
 //! curvature of a sine is odd there and does not shift it.
 
 use super::smooth::{LocalFit, within};
-use super::{chance, median, median_step_s};
+use super::{chance, median, median_step_s, weighted_median};
 
 /// Half width of a turning point's fit in half swings.
 const TURNING_WIDTH: f64 = 0.2;
@@ -21,7 +21,7 @@ const SMOOTHING_WIDTH: f64 = 0.12;
 const SAMPLES_BESIDE: f64 = 5.5;
 
 /// … as long as it spans no more than this of a half swing on either side.
-const WIDEST: f64 = 0.45;
+pub(super) const WIDEST: f64 = 0.45;
 
 /// A parabola has two samples on either side where a swing has so few that a quartic spans too much of it: with eight a
 /// period its top is 4 % too low.
@@ -32,6 +32,10 @@ const ROUGH_FALL_NOISE: f64 = 14.0;
 
 /// … and this share of the whole range to have turned; smaller ones are a tremble.
 pub(super) const ROUGH_FALL_SHARE: f64 = 0.05;
+
+/// What wobbles on top of a swing turns within this share of its time: at twice its rate it takes half. With twice of it swings
+/// that die at once would be wobbles; with half of it a support that rings at three times their rate would be swings.
+const WOBBLE_TIME: f64 = 0.6;
 
 /// Looked at are means over so many samples, the fewest that show enough turns: swings may hardly rise out of the noise
 /// of a sample, such as those of a gate that takes 9 s and moves by 8 of its noises. Twice as many would show a
@@ -93,7 +97,7 @@ pub fn half_swing_s(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64) -> 
     for n_mean in MEANS {
         let fall_rad = ROUGH_FALL_NOISE * noise_rms_rad / (n_mean as f64).sqrt();
         let (times_s, angles_rad) = (means(times_s, n_mean), means(angles_rad, n_mean));
-        let seen = extrema(&times_s, &angles_rad, fall_rad.max(ROUGH_FALL_SHARE * (highest - lowest)));
+        let seen = without_wobble(extrema(&times_s, &angles_rad, fall_rad.max(ROUGH_FALL_SHARE * (highest - lowest))));
         if seen.len() > found.len() {
             found = seen;
         }
@@ -118,7 +122,19 @@ pub(crate) fn quartic_width_s(half_swing_s: f64, step_s: f64) -> f64 {
 #[derive(Debug, Clone, Copy)]
 struct Extremum {
     time_s: f64,
+    angle_rad: f64,
     is_maximum: bool,
+}
+
+impl Extremum {
+    fn new((angle_rad, idx): (f64, usize), times_s: &[f64], is_maximum: bool) -> Self {
+        Self { time_s: times_s[idx], angle_rad, is_maximum }
+    }
+
+    /// How far it is to another one, rad.
+    fn size(&self, other: &Self) -> f64 {
+        (other.angle_rad - self.angle_rad).abs()
+    }
 }
 
 /// Extrema that rise and fall by more than `fall_rad` on both sides.
@@ -136,14 +152,37 @@ fn extrema(times_s: &[f64], angles_rad: &[f64], fall_rad: f64) -> Vec<Extremum> 
         }
         if rising != Some(false) && angle_rad < high.0 - fall_rad {
             // The first reversal has nothing before it: the start is no turning point.
-            found.extend(rising.map(|_| Extremum { time_s: times_s[high.1], is_maximum: true }));
+            found.extend(rising.map(|_| Extremum::new(high, times_s, true)));
             (rising, low) = (Some(false), (angle_rad, idx));
         } else if rising != Some(true) && angle_rad > low.0 + fall_rad {
-            found.extend(rising.map(|_| Extremum { time_s: times_s[low.1], is_maximum: false }));
+            found.extend(rising.map(|_| Extremum::new(low, times_s, false)));
             (rising, high) = (Some(true), (angle_rad, idx));
         }
     }
     found
+}
+
+/// Free swings become smaller from one to the next, so that none is both smaller than those beside it and far shorter than most of
+/// the way takes: that is something that swings along, as a phone that sways in its holder does.
+fn without_wobble(extrema: Vec<Extremum>) -> Vec<Extremum> {
+    let longest_s = WOBBLE_TIME * typical_s(&extrema);
+    let mut kept: Vec<Extremum> = Vec::new();
+    for extremum in extrema {
+        kept.push(extremum);
+        while let [.., a, b, c, d] = kept[..]
+            && b.size(&c) <= a.size(&b).min(c.size(&d))
+            && c.time_s - b.time_s < longest_s
+        {
+            kept.drain(kept.len() - 3..kept.len() - 1);
+        }
+    }
+    kept
+}
+
+/// The time between neighbours within which half of the way is gone.
+fn typical_s(extrema: &[Extremum]) -> f64 {
+    let step = |pair: &[Extremum]| (pair[1].time_s - pair[0].time_s, pair[0].size(&pair[1]));
+    weighted_median(extrema.windows(2).map(step).collect())
 }
 
 /// Extrema of the smoothed angle, so that swings of a few noise rms still count.
@@ -164,7 +203,7 @@ fn fine_extrema(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64, half_sw
     let fall_noise = FINE_FALL_NOISE.max(chance::range(n_independent));
     let fall_rad = (fall_noise * noise_rms_rad * median(&mut spreads)).max(f64::EPSILON);
     let (times_s, angles_rad): (Vec<f64>, Vec<f64>) = smoothed.iter().map(|smooth| (smooth.0, smooth.1)).unzip();
-    extrema(&times_s, &angles_rad, fall_rad)
+    without_wobble(extrema(&times_s, &angles_rad, fall_rad))
 }
 
 /// The top of a quartic, centred a second time on its own top. In small noisy swings a quartic may have no top within
@@ -317,6 +356,31 @@ mod tests {
             let last = turning_points(&times_s, &angles_rad, 1e-3).pop().unwrap();
             assert!(last.time_s < 21.0, "{seed}: {last:?}");
         }
+    }
+
+    /// A phone that sways in its holder: at seven times the rate of the swing, by up to a sixth of it.
+    #[test]
+    fn what_wobbles_on_top_of_a_swing_does_not_turn_it() {
+        let times_s: Vec<f64> = (0..4000).map(|idx| f64::from(idx) * 0.01).collect();
+        for share in [0.05, 0.15] {
+            let wobbling = |t: &f64| (-0.02 * t).exp() * (PI * t).cos() + share * (7.2 * PI * t).cos();
+            let rates: Vec<f64> = times_s.iter().map(wobbling).collect();
+            let half_swing_s = half_swing_s(&times_s, &rates, 1e-3).unwrap();
+            assert!((half_swing_s - 1.0).abs() < 0.2, "{share}: {half_swing_s}");
+            let turns = turning_points(&times_s, &rates, 1e-3);
+            // Of what wobbles at an end nothing is known beyond it.
+            assert!((38..=42).contains(&turns.len()), "{share}: {}", turns.len());
+        }
+    }
+
+    /// Friction takes more than half of each swing, and then somebody lifts it anew.
+    #[test]
+    fn swings_that_die_at_once_and_begin_anew_are_no_wobble() {
+        let times_s: Vec<f64> = (0..2000).map(|idx| f64::from(idx) * 0.01).collect();
+        let swing = |t: f64| (-1.2 * t).exp() * (PI * t).cos();
+        let angles_rad: Vec<f64> = times_s.iter().map(|t| swing(t % 5.0)).collect();
+        let half_swing_s = half_swing_s(&times_s, &angles_rad, 1e-4).unwrap();
+        assert!((half_swing_s - 1.0).abs() < 0.1, "{half_swing_s}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The crude law of a free swing, fitted robustly, and where a recording breaks it.
 
 use super::super::smooth::LocalFit;
+use super::super::turning::WIDEST;
 use super::super::{Measured, median, median_step_s};
 use super::{Cut, MIN_TURNING_POINTS};
 use nalgebra::{SMatrix, SVector};
@@ -21,6 +22,12 @@ const DISTURBED_SHARE: f64 = 0.12;
 
 /// So many disturbed states in a row are a hand; fewer are the kink of dry friction at a turning point.
 const N_DISTURBED: usize = 3;
+
+/// Something may swing along where the law misses this share of gravity …
+const WOBBLE_SHARE: f64 = 0.1;
+
+/// … and does where wide states leave less than this share of what it misses.
+const MOST_WOBBLE_LEFT: f64 = 0.5;
 
 /// Rounds of the robust fit.
 const N_ROUNDS: usize = 6;
@@ -92,7 +99,7 @@ impl Cut<'_> {
             }
             Measured::Rate => Scale::Rate { gravity_rad_s2: frequency_rad_s.powi(2) },
         };
-        let (law, misfit, fastest) = self.fit_law(scale)?;
+        let (law, misfit, fastest) = self.fit_law_blind_to_wobble(scale, typical_rad)?;
         let scale = match scale {
             Scale::Angle { slow_rad_s, .. } => Scale::Angle { slow_rad_s, fastest_rad_s: fastest },
             rate @ Scale::Rate { .. } => rate,
@@ -108,6 +115,27 @@ impl Cut<'_> {
         self.law = law;
         self.disturbed = sustained(&raw);
         Some(())
+    }
+
+    /// The law from states over as much of a half swing as a quartic can follow, where it hardly follows the usual ones of rates
+    /// and follows those: something swings along faster, and the second derivative of a rate shows that by the square of how much.
+    fn fit_law_blind_to_wobble(&mut self, scale: Scale, typical_rad: f64) -> Option<(Law, f64, f64)> {
+        let found @ (law, misfit, _) = self.fit_law(scale)?;
+        let is_angle = matches!(scale, Scale::Angle { .. });
+        if is_angle || misfit < WOBBLE_SHARE * law[0].abs() * scale.gravity_at(typical_rad) {
+            return Some(found);
+        }
+        let times_s = &self.times_s()[self.asked.start..];
+        let angles_rad = &self.angles_rad()[self.asked.start..];
+        let wide = states(times_s, angles_rad, self.whole_noise.total_rms, WIDEST * self.half_swing_s);
+        let usual = std::mem::replace(&mut self.states, wide);
+        match self.fit_law(scale) {
+            Some(wide) if wide.1 < MOST_WOBBLE_LEFT * misfit => Some(wide),
+            _ => {
+                self.states = usual;
+                Some(found)
+            }
+        }
     }
 
     /// The law from the middle half of the turning points on, the typical misfit (rad/s²), and the fastest speed that it

@@ -55,6 +55,16 @@ fn a_held_pendulum_is_free_just_after_its_release() {
     }
 }
 
+#[test]
+fn a_push_at_the_release_begins_where_it_was_given() {
+    for (angle_rad, push_rad_s) in [(1.2, 2.0), (1.2, 3.0), (0.4, 1.0), (0.4, -1.5), (-0.8, -2.0)] {
+        let hand = |time_s: f64| if time_s < 1e-4 { push_rad_s / 1e-4 } else { 0.0 };
+        let segments = find(&[vec![angle_rad; 240], moved_swing(angle_rad, 20.0, hand)].concat());
+        let late = segments.free.start as f64 * STEP_S - 1.2;
+        assert!((0.0..0.03).contains(&late), "{angle_rad}, {push_rad_s}: {late} {segments:?}");
+    }
+}
+
 /// With so much noise that no acceleration shows whether it is held.
 #[test]
 fn a_knock_on_a_held_pendulum_is_no_release() {
@@ -371,6 +381,9 @@ fn limits_before_the_recordings_own_clock_are_noted() {
     let asked = SegmentOptions { from_s: Some(2.0), to_s: None };
     let notes = segment(&late, &asked).unwrap().notes;
     assert!(notes[0].contains("its own clock starts at 270 s"), "{notes:?}");
+    // Between two samples of it is no time before it.
+    let notes = segment(&late, &SegmentOptions { from_s: Some(271.002), to_s: None }).unwrap().notes;
+    assert!(!notes.is_empty() && notes.iter().all(|note| !note.contains("its own clock")), "{notes:?}");
 }
 
 #[test]
