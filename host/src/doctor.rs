@@ -105,7 +105,13 @@ fn of_rig(session: &mut Session, model: Option<&RigFile>) -> Vec<Finding> {
     })();
     match rest {
         Ok(found) => findings.extend(found),
-        Err(error) => findings.push(Finding::look("link", error.to_string(), error.next_step())),
+        Err(error) => findings.push(broken_off(&error)),
     }
     findings
+}
+
+/// What ended the check-up.
+fn broken_off(error: &LinkError) -> Finding {
+    let what = if matches!(error, LinkError::BadSetting { .. }) { "settings" } else { "link" };
+    Finding::look(what, error.to_string(), error.next_step())
 }

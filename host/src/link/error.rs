@@ -128,6 +128,16 @@ pub enum LinkError {
         /// What it was to do.
         command: &'static str,
     },
+    /// Settings with which nothing can be computed.
+    #[error("the rig says that its {what} is {told}, expected {expected}")]
+    BadSetting {
+        /// Which of them.
+        what: &'static str,
+        /// As the rig told it.
+        told: String,
+        /// What it may be.
+        expected: String,
+    },
     /// What came back from flash is not what was sent.
     #[error("{what} came back from the rig's flash as {got}, sent was {sent}")]
     NotKept {
@@ -180,6 +190,10 @@ impl LinkError {
             Self::Lost { .. } => "check the cable, plug it in again and repeat the command",
             Self::StreamStopped { .. } | Self::NoAnswer { .. } | Self::WrongAnswer { .. } => {
                 "press the rig's reset button and repeat the command"
+            }
+            Self::BadSetting { .. } => {
+                "press the rig's reset button and repeat the command; if it stays so, its firmware is at fault: flash this \
+                 project's (host update --help), or mend your own by docs/protocol.md"
             }
             Self::Refused { refusal, .. } => return after_refusal(refusal).to_owned(),
             Self::NoFormulas => "update the firmware, or take the formula out: host improve … --remove custom",

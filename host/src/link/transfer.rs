@@ -1,5 +1,6 @@
 //! Parameters, settings and counters from and to the rig.
 
+use super::received::judged;
 use super::{LinkError, Session};
 use crate::error::Failure;
 use crate::formula;
@@ -48,10 +49,10 @@ impl Session {
     /// The settings in use.
     ///
     /// # Errors
-    /// As [`Session::ask`].
+    /// As [`Session::ask`]; settings that can't be computed with.
     pub fn settings(&mut self) -> Result<Settings, LinkError> {
         match self.ask(&Command::GetSettings)? {
-            Answer::Settings(settings) => Ok(settings),
+            Answer::Settings(settings) => judged(settings),
             _ => Err(LinkError::WrongAnswer { command: "give its settings" }),
         }
     }
@@ -213,6 +214,21 @@ fn different_knot(sent: &Parameters<f32>, got: &Parameters<f32>) -> Option<[f32;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::changed;
+    use shared::wire::Frame;
+
+    #[test]
+    fn a_rig_with_settings_that_nobody_can_compute_with_is_left_alone() {
+        let without_rate = |frame| match frame {
+            Frame::Answer(number, Answer::Settings(settings)) => {
+                vec![Frame::Answer(number, Answer::Settings(Settings { rate_hz: 0.0, ..settings }))]
+            }
+            frame => vec![frame],
+        };
+        let mut session = changed::session(without_rate).unwrap();
+        let error = session.settings().unwrap_err();
+        assert!(matches!(error, LinkError::BadSetting { what: "sampling rate", .. }), "{error}");
+    }
 
     #[test]
     fn a_value_that_came_back_different_is_named() {
