@@ -13,6 +13,7 @@ mod patience;
 mod port;
 mod previous;
 mod received;
+mod recent;
 mod serial;
 mod session;
 mod simulated;
