@@ -11,6 +11,12 @@ use serde::{Deserialize, Serialize};
 /// Electrical travel of the Vishay 157 in radians (340°).
 pub const ELECTRICAL_TRAVEL_RAD: f32 = 340.0 * core::f32::consts::PI / 180.0;
 
+/// The electrical angle, and with it the gain, is within this share of it (4° of 340°).
+pub const GAIN_TOLERANCE: f32 = 4.0 / 340.0;
+
+/// The track is within this share of its travel of a line.
+pub const LINEARITY: f32 = 0.02;
+
 /// Full scale of the plain 12-bit converter.
 pub const FULL_SCALE_12_BIT: u16 = 4095;
 
