@@ -100,7 +100,9 @@ fn of_rig(session: &mut Session, model: Option<&RigFile>) -> Vec<Finding> {
         }
         found.extend(signal.findings(&settings));
         found.push(model::calibration(&settings.sensor));
-        found.extend(model::parameters(&session.parameters()?, &settings.sensor, model));
+        let parameters = session.parameters()?;
+        found.extend(model::zero(&signal, &settings.sensor, &parameters.map(f64::from)));
+        found.extend(model::parameters(&parameters, &settings.sensor, model));
         Ok(found)
     })();
     match rest {
