@@ -5,6 +5,9 @@ use shared::wire::{NEWEST_PROTOCOL, Refusal};
 use std::io;
 use thiserror::Error;
 
+/// What a push sends.
+pub(super) const MODEL: &str = "model";
+
 /// A link that did not come about, or broke.
 #[derive(Debug, Error)]
 pub enum LinkError {
@@ -138,6 +141,14 @@ pub enum LinkError {
         /// What it may be.
         expected: String,
     },
+    /// In use, but not in flash.
+    #[error("the rig uses the new {what} until its power goes, and did not save it: {refusal}")]
+    NotSaved {
+        /// A model or a calibration.
+        what: &'static str,
+        /// The rig's reason.
+        refusal: Refusal,
+    },
     /// What came back from flash is not what was sent.
     #[error("{what} came back from the rig's flash as {got}, sent was {sent}")]
     NotKept {
@@ -195,6 +206,11 @@ impl LinkError {
                 "press the rig's reset button and repeat the command; if it stays so, its firmware is at fault: flash this \
                  project's (host update --help), or mend your own by docs/protocol.md"
             }
+            Self::NotSaved { what: MODEL, refusal } => {
+                let saved = "if the model is in no file yet, host fit RECORDING -o rig.toml keeps it, and host push sends it again";
+                return format!("{}; {saved}", after_refusal(refusal));
+            }
+            Self::NotSaved { refusal, .. } => return after_refusal(refusal).to_owned(),
             Self::Refused { refusal, .. } => return after_refusal(refusal).to_owned(),
             Self::NoFormulas => "update the firmware, or take the formula out: host improve … --remove custom",
             Self::OldSensors { .. } => "update the rig's firmware: host update --help",

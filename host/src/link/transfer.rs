@@ -1,5 +1,6 @@
 //! Parameters, settings and counters from and to the rig.
 
+use super::error::MODEL;
 use super::received::judged;
 use super::{LinkError, Session};
 use crate::error::Failure;
@@ -135,10 +136,18 @@ impl Session {
             self.exchange_curve(&curve.knots())?;
         }
         self.tell(&Command::SetParameters((&sent).into()))?;
-        self.tell(&Command::Save)?;
+        self.save(MODEL)?;
         self.tell(&Command::Load)?;
         let got = self.parameters()?;
         compare(&sent, &got)
+    }
+
+    /// Keeps what is in use, which is news to flash.
+    fn save(&mut self, what: &'static str) -> Result<(), LinkError> {
+        self.tell(&Command::Save).map_err(|error| match error {
+            LinkError::Refused { refusal, .. } => LinkError::NotSaved { what, refusal },
+            error => error,
+        })
     }
 
     /// Uses this sensor with its calibration from now on. A zero that the rig alone can know stays.
@@ -166,7 +175,7 @@ impl Session {
         self.use_sensor(sensor)?;
         let settings = self.settings()?.with_sensor(*sensor);
         self.tell(&Command::SetSettings(settings))?;
-        self.tell(&Command::Save)?;
+        self.save("calibration")?;
         self.tell(&Command::Load)?;
         let got = self.settings()?.sensor;
         let numbers = |of: &Sensor| [of.line().zero_code, of.line().radian_per_code];
@@ -228,6 +237,24 @@ mod tests {
         let mut session = changed::session(without_rate).unwrap();
         let error = session.settings().unwrap_err();
         assert!(matches!(error, LinkError::BadSetting { what: "sampling rate", .. }), "{error}");
+    }
+
+    #[test]
+    fn a_model_that_is_not_saved_is_in_use_and_that_is_said() {
+        let mut n_done = 0;
+        // The first is that the parameters are in use.
+        let worn_out = move |frame| match frame {
+            Frame::Answer(number, Answer::Done) => {
+                n_done += 1;
+                let answer = if n_done == 2 { Answer::Refused(Refusal::Flash) } else { Answer::Done };
+                vec![Frame::Answer(number, answer)]
+            }
+            frame => vec![frame],
+        };
+        let error = changed::session(worn_out).unwrap().push(&Parameters::paper()).unwrap_err();
+        assert!(error.to_string().starts_with("the rig uses the new model until its power goes"), "{error}");
+        let next = error.next_step();
+        assert!(next.contains("flash is worn out") && next.contains("host push"), "{next}");
     }
 
     #[test]
