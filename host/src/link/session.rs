@@ -28,6 +28,9 @@ const FLASH_ANSWER_PATIENCE: Duration = Duration::from_secs(5);
 /// Firmware from before a question never answers it.
 const N_ATTEMPTS_IF_NEW: u32 = 2;
 
+/// Of a rig that does not say which effects it knows (docs/protocol.md).
+const UNTOLD_CATALOGUE: u32 = 0;
+
 /// A rig that was greeted and understood.
 pub struct Session {
     port: Box<dyn Port>,
@@ -108,9 +111,14 @@ impl Session {
         version(&self.rig)
     }
 
-    /// Do rig and program know the same effects?
+    /// Does the rig say which effects it knows?
+    pub fn tells_its_effects(&self) -> bool {
+        self.rig.catalogue != UNTOLD_CATALOGUE
+    }
+
+    /// Do rig and program know the same effects, as far as the rig tells?
     pub fn knows_the_same_effects(&self) -> bool {
-        self.rig.catalogue == wire::catalogue_hash()
+        !self.tells_its_effects() || self.rig.catalogue == wire::catalogue_hash()
     }
 
     /// Time since the port was opened, by its own clock.

@@ -224,7 +224,7 @@ fn different_knot(sent: &Parameters<f32>, got: &Parameters<f32>) -> Option<[f32;
 mod tests {
     use super::*;
     use crate::link::changed;
-    use shared::wire::Frame;
+    use shared::wire::{Frame, Hello, catalogue_hash};
 
     #[test]
     fn a_rig_with_settings_that_nobody_can_compute_with_is_left_alone() {
@@ -237,6 +237,18 @@ mod tests {
         let mut session = changed::session(without_rate).unwrap();
         let error = session.settings().unwrap_err();
         assert!(matches!(error, LinkError::BadSetting { what: "sampling rate", .. }), "{error}");
+    }
+
+    #[test]
+    fn a_rig_may_keep_to_itself_which_effects_it_knows() {
+        let knows = |catalogue: u32| {
+            let greeting = move |frame| match frame {
+                Frame::Hello(hello) => vec![Frame::Hello(Hello { catalogue, ..hello })],
+                frame => vec![frame],
+            };
+            changed::session(greeting).unwrap().knows_the_same_effects()
+        };
+        assert_eq!([0, catalogue_hash(), 12_345].map(knows), [true, true, false]);
     }
 
     #[test]
