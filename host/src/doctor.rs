@@ -100,12 +100,20 @@ fn of_rig(session: &mut Session, model: Option<&RigFile>) -> Vec<Finding> {
         }
         found.extend(signal.findings(&settings));
         found.push(model::calibration(&settings.sensor));
-        found.extend(model::parameters(&session.parameters()?, &settings.sensor, model));
+        let parameters = session.parameters()?;
+        found.extend(model::zero(&signal, &settings.sensor, &parameters.map(f64::from)));
+        found.extend(model::parameters(&parameters, &settings.sensor, model));
         Ok(found)
     })();
     match rest {
         Ok(found) => findings.extend(found),
-        Err(error) => findings.push(Finding::look("link", error.to_string(), error.next_step())),
+        Err(error) => findings.push(broken_off(&error)),
     }
     findings
+}
+
+/// What ended the check-up.
+fn broken_off(error: &LinkError) -> Finding {
+    let what = if matches!(error, LinkError::BadSetting { .. }) { "settings" } else { "link" };
+    Finding::look(what, error.to_string(), error.next_step())
 }

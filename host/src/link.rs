@@ -4,12 +4,16 @@
 //! out who is at the other end, matches answers to commands, asks again when one is lost, and counts what a stream
 //! lost on its way.
 
+#[cfg(test)]
+pub(crate) mod changed;
 mod error;
 mod hello;
 mod paced;
 mod patience;
 mod port;
 mod previous;
+mod received;
+mod recent;
 mod serial;
 mod session;
 mod simulated;

@@ -8,6 +8,7 @@ mod covariance;
 pub mod diagnose;
 pub mod effects;
 pub mod fit;
+pub mod geometry;
 pub mod given;
 pub mod improve;
 pub mod json;

@@ -21,7 +21,7 @@ mod laws;
 mod settings;
 mod stored;
 
-pub use settings::{HIGHEST_RATE_HZ, LOWEST_RATE_HZ};
+pub use settings::{HIGHEST_BANDWIDTH_RAD_S, HIGHEST_CUTOFF, HIGHEST_RATE_HZ, LOWEST_RATE_HZ};
 pub use stored::{MAX_STORED, Stored};
 
 /// For calibration: codes are averaged with this time constant.

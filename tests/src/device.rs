@@ -84,6 +84,18 @@ impl Device {
         })
     }
 
+    /// The simulated rig with another tongue: each of its frames is sent as `say` has it.
+    pub fn rig_that_says(scenario: &str, mut say: impl FnMut(Frame) -> Vec<Frame> + Send + 'static) -> Self {
+        let mut rig = SimulatedRig::new(Scenario::by_name(scenario).expect("a scenario"), 1);
+        let mut deframer = Deframer::new();
+        Self::new(move |received| {
+            rig.receive(received);
+            (0..SAMPLES_PER_TICK).for_each(|_| rig.sample());
+            let frames = rig.output().drain(..).filter_map(|byte| deframer.push(byte)?.ok()).flat_map(&mut say);
+            frames.flat_map(|frame| encode(&frame, &mut [0; MAX_FRAME]).expect("it fits a frame").to_vec()).collect()
+        })
+    }
+
     /// Pulls the cable.
     pub fn unplug(self) {}
 }

@@ -3,10 +3,15 @@
 use serde::de::DeserializeOwned;
 use serde_reflection::{ContainerFormat, Format, FormatHolder, Named, Registry, Tracer, TracerConfig, VariantFormat};
 use shared::bank::findings::Reason;
-use shared::parameters::ParameterError;
-use shared::sensor::Sensor;
+use shared::curve::MAX_KNOTS;
+use shared::effect::{Effect, MAX_VALUES, Parameter};
+use shared::formula::MAX_BYTES;
+use shared::parameters::{MAX_EFFECTS, ParameterError};
+use shared::rig::{HIGHEST_BANDWIDTH_RAD_S, HIGHEST_CUTOFF, HIGHEST_RATE_HZ, LOWEST_RATE_HZ};
+use shared::sensor::{Encoder, Potentiometer, Sensor};
 use shared::wire::{
-    Answer, Clock, Command, Frame, Hello, MAX_FRAME, PROTOCOL, Refusal, ResetCause, StoreState, Stream, encode,
+    Answer, Chip, Clock, Command, Frame, Health, Hello, MAX_FRAME, MAX_SUSPECTS, POINTS_PER_FRAME, PROTOCOL, Refusal,
+    ResetCause, SAMPLES_PER_FRAME, StoreState, Stream, encode,
 };
 use std::fmt::Write;
 
@@ -24,6 +29,10 @@ pub fn page() -> String {
         let hexadecimal: Vec<String> = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
         let _ = writeln!(text, "| {what} | `{}` |", hexadecimal.join(" "));
     }
+    text += "\n## Limits\n\n";
+    text += &limits();
+    text += "\n## Effects\n\n";
+    text += &effects();
     text += "\n## Types\n";
     for name in in_order(&registry) {
         text += &container(&name, &registry[&name]);
@@ -39,6 +48,46 @@ fn examples() -> Vec<(&'static str, Frame)> {
         ("command 2, `Start` raw samples", Frame::Command(2, Command::Start(Stream { raw: true, live_every: 0 }))),
         ("command 300, `Stop`", Frame::Command(300, Command::Stop)),
     ]
+}
+
+/// What the types can hold at most, and between which values settings are taken.
+fn limits() -> String {
+    let lists = [
+        ("codes of Samples", SAMPLES_PER_FRAME),
+        ("points of Live", POINTS_PER_FRAME),
+        ("effects of Numbers", MAX_EFFECTS),
+        ("values of EffectValues; values and stds of Suspected", MAX_VALUES),
+        ("bytes of CustomFormula", MAX_BYTES),
+        ("knots of FrictionCurve", MAX_KNOTS),
+        ("suspects of Suspects", MAX_SUSPECTS),
+    ];
+    let texts = [
+        ("name of Hello", Hello::new("").name.capacity()),
+        ("serial of Chip", Chip::default().serial.capacity()),
+        ("last_fault of Health", Health::default().last_fault.capacity()),
+    ];
+    let mut text = "| list or text | at most |\n|---|---|\n".to_owned();
+    lists.iter().for_each(|(what, limit)| text += &format!("| {what} | {limit} |\n"));
+    texts.iter().for_each(|(what, limit)| text += &format!("| {what} | {limit} bytes |\n"));
+    text += "\n| setting | range |\n|---|---|\n";
+    let _ = writeln!(text, "| rate_hz | {LOWEST_RATE_HZ} to {HIGHEST_RATE_HZ} |");
+    let _ = writeln!(text, "| cutoff_hz | more than 0, at most {HIGHEST_CUTOFF} · rate_hz |");
+    let _ = writeln!(text, "| bandwidth_rad_s | 0 to {HIGHEST_BANDWIDTH_RAD_S} |");
+    let expected = |of: Sensor| of.expected().trim_start_matches("expected ");
+    let _ = writeln!(text, "| sensor, a potentiometer | {} |", expected(Potentiometer::nominal(4095).into()));
+    let _ = writeln!(text, "| sensor, an encoder | {} |", expected(Encoder::new(4096).into()));
+    text + "\nA rig refuses settings outside their range, and a program a rig that says it had such.\n"
+}
+
+/// The effects of the list, with the order of their values.
+fn effects() -> String {
+    let mut text = "| id | effect | values, in this order |\n|---|---|---|\n".to_owned();
+    for effect in Effect::<f64>::ALL {
+        let value = |number: &Parameter| format!("{} ({})", number.symbol, number.unit);
+        let values: Vec<String> = effect.parameters.iter().map(value).collect();
+        let _ = writeln!(text, "| {} | {} | {} |", effect.id, effect.name, values.join(", "));
+    }
+    text + "\nWhat each of them is stands in [effects.md](effects.md). An effect that is not listed in `Numbers` does not act.\n"
 }
 
 fn registry() -> Registry {

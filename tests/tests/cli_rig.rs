@@ -167,8 +167,23 @@ fn a_push_changes_the_sensor_and_the_doctor_tells_which_one_is_meant() {
 #[test]
 fn an_angle_that_is_off_the_line_is_seen() {
     let folder = tempfile::tempdir().unwrap();
-    let run = host(folder.path(), "calibrate --port sim --angles 85.94,-68.75,65");
+    let run = host(folder.path(), "calibrate --port sim --angles 85.94,-68.75,55");
     assert!(run.succeeded().contains("linearity  look here"), "{run:?}");
+}
+
+#[test]
+fn angles_that_were_not_held_so_are_refused_or_doubted() {
+    let folder = tempfile::tempdir().unwrap();
+    let swapped = ["held at 45.84° it reads 51.1° off", "nothing was saved", "--angles=85.94,-68.75,45.84"];
+    host(folder.path(), "calibrate --port sim --angles 45.84,-68.75,85.94").failed(1, &swapped);
+    assert!(!folder.path().join("rig.toml").exists());
+    let run = host(folder.path(), "calibrate --port sim --angles=-90 --json");
+    let json: serde_json::Value = serde_json::from_str(run.succeeded()).unwrap();
+    assert!(json["doubts"].as_array().unwrap().len() == 2, "{json}");
+    assert!(
+        run.stderr.contains("doubtful: the gain is +4.8 % off") && run.stderr.contains("sign of the gain"),
+        "{run:?}"
+    );
 }
 
 #[test]

@@ -2,7 +2,7 @@
 #![cfg(target_os = "linux")]
 
 use host::rigfile::RigFile;
-use shared::wire::{self, Frame, Hello, MAX_FRAME};
+use shared::wire::{self, Answer, Frame, Hello, MAX_FRAME, Samples, Settings};
 use std::io::Read;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -89,6 +89,67 @@ fn a_rig_on_a_serial_port_is_recorded_without_loss() {
     let run = host(folder.path(), &format!("record --port {} -o swing.csv --limit 20", device.port));
     assert!(run.succeeded().contains("none lost"), "{run:?}");
     assert!(n_rows(folder.path()) > 20_000);
+}
+
+#[test]
+fn a_fit_with_the_geometry_that_boards_begin_with_says_so_and_needs_nobody_at_the_second_swing() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut n_streams = 0;
+    // Beside the second stream nobody lifts the pendulum.
+    let device = Device::rig_that_says("plain", move |frame| match frame {
+        Frame::Samples(samples) => {
+            n_streams += usize::from(samples.sequence == 0);
+            let hangs = |code: &u16| if n_streams > 1 { 2048 + (code & 1) } else { *code };
+            let codes = samples.codes.iter().map(hangs).collect();
+            vec![Frame::Samples(Samples { codes, ..samples })]
+        }
+        frame => vec![frame],
+    });
+    let fit = format!("fit --port {} --method least-squares --wait 10 -o own.toml", device.port);
+    let run = host(folder.path(), &fit);
+    assert!(run.succeeded().contains("has the new model, in its flash too"), "{run:?}");
+    assert!(run.stdout.contains("note: mass and length are those of the paper's pendulum"), "{run:?}");
+    assert!(run.stderr.contains("the second swing was not made"), "{run:?}");
+    let said_before = run.stderr.split("waiting until").next().unwrap();
+    assert!(said_before.contains("host init --mass"), "{run:?}");
+}
+
+#[test]
+fn a_model_of_another_sensor_that_lies_here_is_told_before_it_is_used() {
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "calibrate --port sim:encoder").succeeded();
+    let device = Device::rig("plain");
+    let run = host(folder.path(), &format!("fit --port {} --method least-squares --no-push", device.port));
+    let words = ["the model is that of rig.toml", "kind encoder", "kind potentiometer", "--rig"];
+    assert!(words.iter().all(|word| run.stderr.contains(word)), "{run:?}");
+    assert!(!run.stderr.contains("paper's pendulum"), "{run:?}");
+}
+
+#[test]
+fn the_doctor_names_settings_that_nobody_can_compute_with_and_a_pendulum_that_hangs_off_zero() {
+    let folder = tempfile::tempdir().unwrap();
+    let device = Device::rig_that_says("plain", |frame| match frame {
+        Frame::Answer(number, Answer::Settings(settings)) => {
+            vec![Frame::Answer(number, Answer::Settings(Settings { rate_hz: f32::NAN, ..settings }))]
+        }
+        frame => vec![frame],
+    });
+    let run = host(folder.path(), &format!("doctor --port {}", device.port));
+    assert!(
+        run.succeeded().contains("look here  settings       the rig says that its sampling rate is NaN Hz"),
+        "{run:?}"
+    );
+    host(folder.path(), &format!("record --port {} -o swing.csv", device.port)).failed(1, &["expected 50 to 10000 Hz"]);
+
+    let off = Device::rig_that_says("plain", |frame| match frame {
+        Frame::Samples(samples) => {
+            let codes = samples.codes.iter().map(|code| code + 200).collect();
+            vec![Frame::Samples(Samples { codes, ..samples })]
+        }
+        frame => vec![frame],
+    });
+    let run = host(folder.path(), &format!("doctor --port {}", off.port));
+    assert!(run.succeeded().contains("look here  zero           the pendulum hangs at 0.2"), "{run:?}");
 }
 
 #[test]

@@ -35,6 +35,7 @@ pub mod value;
 mod verdict;
 mod widening;
 pub mod zero;
+pub mod zero_of_rig;
 
 pub use budget::Effort;
 pub use curve::FrictionCurve;

@@ -3,7 +3,7 @@
 use super::table::table;
 use super::values::positive;
 use super::{output, port, rig};
-use crate::calibrate::{CalibrationError, HoldError, Known, Line, check_gain, gain_of_swings, hold, line};
+use crate::calibrate::{self, CalibrationError, HoldError, Known, Line, check_gain, gain_of_swings, hold, line};
 use crate::error::Failure;
 use crate::link::Session;
 use crate::number::significant;
@@ -14,13 +14,13 @@ use crate::rigfile::{RigFile, USUAL_NAME};
 use crate::swing::Swing;
 use clap::Args;
 use serde::Serialize;
-use shared::potentiometer::ELECTRICAL_TRAVEL_RAD;
+use shared::potentiometer::{ELECTRICAL_TRAVEL_RAD, LINEARITY};
 use shared::sensor::{Encoder, Sensor};
 use shared::wire::Stream;
 use std::path::{Path, PathBuf};
 
 /// The data sheet's linearity, percent of the travel.
-const LINEARITY_PERCENT: f64 = 2.0;
+const LINEARITY_PERCENT: f32 = 100.0 * LINEARITY;
 
 /// Measure the sensor's zero and gain, check that its track is even, and save both in the rig and in rig.toml.
 #[derive(Debug, Args)]
@@ -60,7 +60,8 @@ Example:
   host calibrate --recording swing.csv --rig rig.toml     the gain, from a wide swing
 
 Nothing is pressed: each angle is taken as soon as the pendulum has been still there for a second.
-Recordings made before keep the angles of their old calibration.";
+Readings that are no line through the angles are refused, and a gain that the data sheet does not
+allow is saved with a doubt. Recordings made before keep the angles of their old calibration.";
 
 /// An angle that tells something about the gain.
 fn angle(text: &str) -> Result<f64, String> {
@@ -92,6 +93,8 @@ struct Calibrated {
     gain_std: Option<f64>,
     /// The largest distance from the line, percent of the travel.
     nonlinearity_percent: Option<f64>,
+    /// What speaks against it.
+    doubts: Vec<String>,
 }
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
@@ -111,6 +114,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     file.set_sensor(done.after);
     file.save(&path)?;
     done.file = path;
+    done.doubts.iter().for_each(|doubt| output::warn(&format!("doubtful: {doubt}")));
     if options.json {
         output::json("calibrate", &done)
     } else {
@@ -145,6 +149,7 @@ fn nothing_done(before: Sensor) -> Calibrated {
         line: None,
         gain_std: None,
         nonlinearity_percent: None,
+        doubts: Vec::new(),
     }
 }
 
@@ -182,8 +187,15 @@ fn at_rig(options: &Options, session: &mut Session) -> Result<Calibrated, Failur
         let share = worst_rad / f64::from(ELECTRICAL_TRAVEL_RAD);
         done.nonlinearity_percent = (done.known.len() > 1).then_some(100.0 * share);
         done.line = Some(found);
+        done.doubts =
+            calibrate::doubts(&before, &done.after, calibrate::From::Angles { rms_rad: rms_rad(&done.known) });
     }
     Ok(done)
+}
+
+fn rms_rad(known: &[Known]) -> f64 {
+    let square: f64 = known.iter().map(|point| point.angle_rad.powi(2)).sum();
+    (square / known.len().max(1) as f64).sqrt()
 }
 
 /// All recordings of these files, by their names.
@@ -217,6 +229,7 @@ fn by_swings(options: &Options, file: &RigFile, done: &mut Calibrated) -> Result
     let (factor, std) = gain_of_swings(&swings, file.parameters())?;
     done.after = with_gain(done.after, gain / factor)?;
     done.gain_std = Some(std);
+    done.doubts = calibrate::doubts(&done.before, &done.after, calibrate::From::Swings);
     Ok(())
 }
 
@@ -273,7 +286,7 @@ fn known_in_words(done: &Calibrated) -> String {
 fn linearity(done: &Calibrated) -> String {
     match done.nonlinearity_percent {
         None => "linearity  not looked at: that takes two angles or more besides hanging".to_owned(),
-        Some(percent) if percent <= LINEARITY_PERCENT => {
+        Some(percent) if percent <= f64::from(LINEARITY_PERCENT) => {
             format!(
                 "linearity  {percent:.2} % of the travel off a line at most; the data sheet allows {LINEARITY_PERCENT} %"
             )

@@ -7,13 +7,14 @@ mod result;
 
 use super::columns::Reading;
 use super::given::{check_geometry, check_held_out};
-use super::record::{Patience, take};
+use super::record::{Patience, attempt, only_usable, take};
 use super::values::{Range, custom_effect};
 use super::{output, port, rig};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit};
 use crate::link::Session;
 use crate::operations::fit::{self, Check, Outcome};
+use crate::operations::geometry;
 use crate::operations::given::refuse_doubles;
 use crate::operations::json::named;
 use crate::record::{in_words, unused_path};
@@ -129,19 +130,23 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut session = options.port.as_deref().map(port::connect).transpose()?;
     let mut model = model(options, session.as_mut())?;
     rig::tell_if_normalised(&model);
+    let doubt = doubt_of_geometry(options, session.as_mut())?;
+    doubt.iter().for_each(|doubt| output::warn(doubt));
     check_outputs(options)?;
     let recordings = match session.as_mut() {
-        Some(session) => vec![record(session, options, "")?],
+        Some(session) => vec![record(session, options)?],
         None => options.recordings.clone(),
     };
     let reading = options.reading.of(&model);
     let mut swings = reading.swings(&recordings)?;
     let (held_out, _) = reading.swings_quietly(&options.hold_out)?;
     refuse_doubles(&swings, &held_out)?;
-    check_geometry(model.parameters(), &mut swings)?;
+    let explained = |failure| geometry::explained(failure, doubt.as_deref());
+    check_geometry(model.parameters(), &mut swings).map_err(explained)?;
     check_held_out(model.parameters(), &swings, &held_out);
 
-    let outcome = identify(options, &swings, &held_out, &model)?;
+    let mut outcome = identify(options, &swings, &held_out, &model).map_err(explained)?;
+    outcome.fit.warnings.extend(doubt.clone());
     let fit = &outcome.fit;
     let source = Source::of_swings(options.method.words(), &swings);
     model.adopt_fit(fit, &source)?;
@@ -176,7 +181,7 @@ fn hand_over(
         session.push(&fit.parameters)?;
         done.is_pushed = true;
         output::say(&format!("saved in {} and read back the same; a second swing shows the gain", session.firmware()));
-        done.check = Some(check(session, options, &before, fit)?);
+        done.check = check(session, options, &before, fit)?;
     }
     Ok(())
 }
@@ -185,7 +190,35 @@ fn hand_over(
 fn model(options: &Options, session: Option<&mut Session>) -> Result<RigFile, Failure> {
     match (rig::chosen_path(options.rig.as_deref()), session) {
         (None, Some(session)) => session.model_file(),
-        (path, _) => rig::load(path.as_deref()),
+        (Some(path), Some(session)) => {
+            let file = RigFile::load(&path)?;
+            tell_if_of_another_sensor(&file, &path, session)?;
+            Ok(file)
+        }
+        (path, None) => rig::load(path.as_deref()),
+    }
+}
+
+/// Says so where the file means a sensor that the rig does not read: it may be another rig's.
+fn tell_if_of_another_sensor(file: &RigFile, path: &Path, session: &mut Session) -> Result<(), Failure> {
+    let in_use = session.settings()?.sensor;
+    if let Some(ours) = file.sensor().filter(|ours| !ours.is_like(&in_use)) {
+        output::warn(&format!(
+            "the model is that of {}, which means a sensor of kind {}, and the rig reads one of kind {}: is it another \
+             rig's? --rig names another file",
+            path.display(),
+            ours.name(),
+            in_use.name()
+        ));
+    }
+    Ok(())
+}
+
+/// Where nobody gave a model, the rig's geometry may be the one that every board begins with.
+fn doubt_of_geometry(options: &Options, session: Option<&mut Session>) -> Result<Option<String>, Failure> {
+    match (rig::chosen_path(options.rig.as_deref()), session) {
+        (None, Some(session)) => Ok(geometry::doubt(session)?),
+        _ => Ok(None),
     }
 }
 
@@ -194,8 +227,8 @@ fn check_outputs(options: &Options) -> Result<(), Failure> {
     rig::check_outputs(rig, model, drawing, &[&options.recordings, &options.hold_out], options.force)
 }
 
-fn record(session: &mut Session, options: &Options, suffix: &str) -> Result<PathBuf, Failure> {
-    let path = unused_path(Path::new(""), suffix);
+fn record(session: &mut Session, options: &Options) -> Result<PathBuf, Failure> {
+    let path = unused_path(Path::new(""), "");
     let taken = take(session, &path, Existing::Keep, &options.patience)?;
     output::say(&in_words(&taken));
     Ok(path)
@@ -211,18 +244,30 @@ fn identify(options: &Options, swings: &[Swing], held_out: &[Swing], rig: &RigFi
     fit::fit(swings, held_out, rig.known(), &request, &|news| screen.show(news))
 }
 
-/// Lets the observer judge old and new parameters by a second swing.
-fn check(session: &mut Session, options: &Options, before: &Parameters<f64>, fit: &Fit) -> Result<Check, Failure> {
-    let recording = record(session, options, "-check")?;
+/// Lets the observer judge old and new parameters by a second swing, unless nobody is there for it.
+fn check(
+    session: &mut Session,
+    options: &Options,
+    before: &Parameters<f64>,
+    fit: &Fit,
+) -> Result<Option<Check>, Failure> {
+    let recording = unused_path(Path::new(""), "-check");
+    match attempt(session, &recording, Existing::Keep, &options.patience) {
+        Err(error) if error.is_nobody_there() => {
+            output::warn(&format!("the second swing was not made, so that the gain is not shown: {error}"));
+            return Ok(None);
+        }
+        taken => output::say(&in_words(&only_usable(taken?)?)),
+    }
     let (swings, _) = options.reading.swings_quietly(std::slice::from_ref(&recording))?;
     let bandwidth_rad_s = f64::from(session.settings()?.bandwidth_rad_s);
     let innovation = |parameters| innovation_rms_rad(parameters, bandwidth_rad_s, &swings[0]);
-    Ok(Check {
+    Ok(Some(Check {
         bandwidth_rad_s,
         innovation_before_rad: innovation(before),
         innovation_after_rad: innovation(&fit.parameters),
         recording: named(&recording),
-    })
+    }))
 }
 
 /// Root mean square of measured minus predicted angle: the board's observer, run over a recorded swing.

@@ -6,7 +6,7 @@ use crate::error::Failure;
 use crate::link::Session;
 use crate::now;
 use crate::operations::record::{Recorded, at_rate};
-use crate::record::{Limits, Live, Plan, Stage, Taken, Watch, in_words, record, usable};
+use crate::record::{Limits, Live, Plan, RecordError, Stage, Taken, Watch, in_words, record, usable};
 use crate::recording::Existing;
 use clap::Args;
 use shared::rig::{HIGHEST_RATE_HZ, LOWEST_RATE_HZ};
@@ -87,12 +87,26 @@ pub(super) fn take(
     existing: Existing,
     patience: &Patience,
 ) -> Result<Taken, Failure> {
+    only_usable(attempt(session, path, existing, patience)?)
+}
+
+/// The same, whatever came of it.
+pub(super) fn attempt(
+    session: &mut Session,
+    path: &Path,
+    existing: Existing,
+    patience: &Patience,
+) -> Result<Taken, RecordError> {
     let started = Some(now::iso());
     let plan = Plan { path, existing, wait_s: patience.wait, limit_s: patience.limit, started, live_every: 0 };
     let mut screen = Screen::new();
     let taken = interrupt::orderly(|stop| record(session, &plan, &mut screen, stop));
     screen.clear();
-    let taken = taken?;
+    taken
+}
+
+/// Says what is worth a warning.
+pub(super) fn only_usable(taken: Taken) -> Result<Taken, Failure> {
     if let Some(note) = usable(&taken)? {
         output::warn(&note);
     }

@@ -11,10 +11,12 @@ pub(super) fn greeting(session: &Session) -> Finding {
 }
 
 pub(super) fn effects(session: &Session) -> Finding {
-    if session.knows_the_same_effects() {
-        Finding::ok("effects", "program and firmware know the same")
-    } else {
-        Finding::look("effects", "program and firmware know different ones", "update the older of the two")
+    match (session.tells_its_effects(), session.knows_the_same_effects()) {
+        (false, _) => Finding::ok("effects", "the firmware does not tell which it knows"),
+        (true, true) => Finding::ok("effects", "program and firmware know the same"),
+        (true, false) => {
+            Finding::look("effects", "program and firmware know different ones", "update the older of the two")
+        }
     }
 }
 

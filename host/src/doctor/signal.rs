@@ -42,6 +42,8 @@ pub struct Signal {
     pub n_samples: usize,
     /// Samples missing in between.
     pub n_lost: u64,
+    /// Frames that could not be read.
+    pub n_damaged: u64,
     /// Measured sampling rate in Hz, by the PC's clock.
     pub rate_hz: f64,
     /// Samples at an end of the range.
@@ -54,6 +56,8 @@ pub struct Signal {
     pub noise_codes: f64,
     /// Amplitude of mains hum there, in codes.
     pub hum_codes: f64,
+    /// Mean of the first stretch in which it stands still, in codes: where the pendulum hangs before anybody lifts it.
+    pub hangs_at_code: Option<f64>,
 }
 
 impl Signal {
@@ -73,14 +77,14 @@ impl Signal {
                 codes.extend_from_slice(&samples.codes);
             }
         }
-        let n_lost = session.tally().samples_lost;
+        let (n_lost, n_damaged) = (session.tally().samples_lost, session.tally().frames_damaged);
         session.stop()?;
-        let Some((first, n_first)) = first_frame else { return Ok(Self::default()) };
+        let Some((first, n_first)) = first_frame else { return Ok(Self { n_damaged, ..Self::default() }) };
         let seconds = (last - first).as_secs_f64();
         // The first frame was filled before the clock started.
         let counted = (codes.len() - n_first) as f64 + n_lost as f64;
         let rate_hz = if seconds > 0.0 { counted / seconds } else { 0.0 };
-        Ok(Self { n_lost, rate_hz, ..Self::of_codes(&codes, settings) })
+        Ok(Self { n_lost, n_damaged, rate_hz, ..Self::of_codes(&codes, settings) })
     }
 
     /// What the codes alone tell.
@@ -96,6 +100,7 @@ impl Signal {
             mean_code: mean(still),
             spread_codes: spread(still),
             noise_codes: noise(still),
+            hangs_at_code: codes.chunks_exact(length).find(|stretch| is_still(stretch)).map(mean),
             hum_codes: HUM_HZ.iter().map(|hum_hz| amplitude(still, hum_hz / rate_hz)).fold(0.0, f64::max),
             ..Self::default()
         }
@@ -103,20 +108,30 @@ impl Signal {
 
     /// Does the pendulum stand still there?
     pub fn is_still(&self) -> bool {
-        self.spread_codes < SPREAD_OVER_NOISE * self.noise_codes + 1.0
+        stands(self.spread_codes, self.noise_codes)
     }
 
     /// What there is to say.
     pub(super) fn findings(&self, settings: &Settings) -> Vec<Finding> {
         if self.n_samples == 0 {
-            let next = "press the rig's reset button and repeat";
-            return vec![Finding::look("sampling", "not one sample came", next)];
+            return vec![self.nothing()];
         }
         let mut findings = vec![self.sampling(settings), self.contact(&settings.sensor)];
         if findings.iter().all(|finding| finding.ok) {
             findings.extend([self.noise(settings), self.hum()]);
         }
         findings
+    }
+
+    fn nothing(&self) -> Finding {
+        let next = "press the rig's reset button and repeat";
+        if self.n_damaged == 0 {
+            return Finding::look("sampling", "not one sample came", next);
+        }
+        let found = format!("not one sample could be read, of {} frames that came damaged", self.n_damaged);
+        let next = "use another port or cable, without a hub; if it stays so, the firmware's frames are not those of \
+                    docs/protocol.md: a wrong check sum, or longer than allowed";
+        Finding::look("sampling", found, next)
     }
 
     fn sampling(&self, settings: &Settings) -> Finding {
@@ -164,6 +179,14 @@ impl Signal {
         let next = "keep the wiper's wire short or shielded, away from mains and its supplies";
         Finding::of("hum", found, heard.then_some(next))
     }
+}
+
+fn is_still(codes: &[u16]) -> bool {
+    stands(spread(codes), noise(codes))
+}
+
+fn stands(spread_codes: f64, noise_codes: f64) -> bool {
+    spread_codes < SPREAD_OVER_NOISE * noise_codes + 1.0
 }
 
 fn mean(codes: &[u16]) -> f64 {
@@ -251,6 +274,18 @@ mod tests {
         // 340° over 4095 codes.
         let mrad = 1e3 * 340_f64.to_radians() / 4095.0 * signal.spread_codes;
         assert_eq!(noise.found, format!("{:.2} codes rms ({mrad:.2} mrad) at rest", signal.spread_codes));
+    }
+
+    #[test]
+    fn frames_that_can_not_be_read_are_told_from_none() {
+        let told = |n_damaged: u64| {
+            let [finding] = Signal { n_damaged, ..Signal::default() }.findings(&settings()).try_into().unwrap();
+            (finding.found, finding.next.unwrap())
+        };
+        assert_eq!(told(0).0, "not one sample came");
+        let (found, next) = told(180);
+        assert_eq!(found, "not one sample could be read, of 180 frames that came damaged");
+        assert!(next.contains("cable") && !next.contains("reset"), "{next}");
     }
 
     #[test]

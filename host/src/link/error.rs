@@ -5,6 +5,9 @@ use shared::wire::{NEWEST_PROTOCOL, Refusal};
 use std::io;
 use thiserror::Error;
 
+/// What a push sends.
+pub(super) const MODEL: &str = "model";
+
 /// A link that did not come about, or broke.
 #[derive(Debug, Error)]
 pub enum LinkError {
@@ -128,6 +131,24 @@ pub enum LinkError {
         /// What it was to do.
         command: &'static str,
     },
+    /// Settings with which nothing can be computed.
+    #[error("the rig says that its {what} is {told}, expected {expected}")]
+    BadSetting {
+        /// Which of them.
+        what: &'static str,
+        /// As the rig told it.
+        told: String,
+        /// What it may be.
+        expected: String,
+    },
+    /// In use, but not in flash.
+    #[error("the rig uses the new {what} until its power goes, and did not save it: {refusal}")]
+    NotSaved {
+        /// A model or a calibration.
+        what: &'static str,
+        /// The rig's reason.
+        refusal: Refusal,
+    },
     /// What came back from flash is not what was sent.
     #[error("{what} came back from the rig's flash as {got}, sent was {sent}")]
     NotKept {
@@ -181,6 +202,15 @@ impl LinkError {
             Self::StreamStopped { .. } | Self::NoAnswer { .. } | Self::WrongAnswer { .. } => {
                 "press the rig's reset button and repeat the command"
             }
+            Self::BadSetting { .. } => {
+                "press the rig's reset button and repeat the command; if it stays so, its firmware is at fault: flash this \
+                 project's (host update --help), or mend your own by docs/protocol.md"
+            }
+            Self::NotSaved { what: MODEL, refusal } => {
+                let saved = "if the model is in no file yet, host fit RECORDING -o rig.toml keeps it, and host push sends it again";
+                return format!("{}; {saved}", after_refusal(refusal));
+            }
+            Self::NotSaved { refusal, .. } => return after_refusal(refusal).to_owned(),
             Self::Refused { refusal, .. } => return after_refusal(refusal).to_owned(),
             Self::NoFormulas => "update the firmware, or take the formula out: host improve … --remove custom",
             Self::OldSensors { .. } => "update the rig's firmware: host update --help",

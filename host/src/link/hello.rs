@@ -64,6 +64,11 @@ impl Heard {
     }
 }
 
+/// Does a rig greet, and not our own words that come back?
+pub(super) fn is_of_rig(hello: &Hello) -> bool {
+    hello.magic == MAGIC && hello.name != OWN_NAME
+}
+
 /// Version of the firmware as people write it.
 pub(super) fn version(hello: &Hello) -> String {
     let [major, minor, patch] = hello.version;

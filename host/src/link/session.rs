@@ -1,6 +1,7 @@
 //! A conversation with one rig.
 
-use super::hello::{Heard, OWN_NAME, version};
+use super::hello::{Heard, OWN_NAME, is_of_rig, version};
+use super::recent::Recent;
 use super::{LinkError, Port, Tally, patient};
 use shared::curve::Knot;
 use shared::wire::{self, Answer, Command, Deframer, Frame, Hello, MAX_FRAME, Refusal, Stream};
@@ -27,14 +28,18 @@ const FLASH_ANSWER_PATIENCE: Duration = Duration::from_secs(5);
 /// Firmware from before a question never answers it.
 const N_ATTEMPTS_IF_NEW: u32 = 2;
 
+/// Of a rig that does not say which effects it knows (docs/protocol.md).
+const UNTOLD_CATALOGUE: u32 = 0;
+
 /// A rig that was greeted and understood.
 pub struct Session {
     port: Box<dyn Port>,
     deframer: Deframer,
     unread: VecDeque<u8>,
-    /// Stream frames that came while an answer was awaited.
+    /// Stream frames, and greetings, that came while an answer was awaited.
     waiting: VecDeque<Frame>,
     tally: Tally,
+    recent: Recent,
     rig: Hello,
     next_number: u16,
     streaming: bool,
@@ -52,6 +57,7 @@ impl Session {
             unread: VecDeque::new(),
             waiting: VecDeque::new(),
             tally: Tally::default(),
+            recent: Recent::default(),
             rig: Hello::new(OWN_NAME),
             next_number: 1,
             streaming: false,
@@ -105,9 +111,14 @@ impl Session {
         version(&self.rig)
     }
 
-    /// Do rig and program know the same effects?
+    /// Does the rig say which effects it knows?
+    pub fn tells_its_effects(&self) -> bool {
+        self.rig.catalogue != UNTOLD_CATALOGUE
+    }
+
+    /// Do rig and program know the same effects, as far as the rig tells?
     pub fn knows_the_same_effects(&self) -> bool {
-        self.rig.catalogue == wire::catalogue_hash()
+        !self.tells_its_effects() || self.rig.catalogue == wire::catalogue_hash()
     }
 
     /// Time since the port was opened, by its own clock.
@@ -222,8 +233,7 @@ impl Session {
                 }
                 match frame {
                     Frame::Answer(0, Answer::Refused(refusal)) => return Err(LinkError::Refused { command, refusal }),
-                    Frame::Samples(_) | Frame::Live(_) if self.streaming => self.waiting.push_back(frame),
-                    _ => {}
+                    frame => self.put_by(frame),
                 }
             }
         }
@@ -236,9 +246,13 @@ impl Session {
     /// As [`Session::ask`].
     pub fn start(&mut self, stream: Stream) -> Result<(), LinkError> {
         self.tally = Tally::default();
+        self.recent = Recent::default();
         self.waiting.clear();
         self.streaming = true;
-        self.tell(&Command::Start(stream))
+        self.tell(&Command::Start(stream))?;
+        // A rig answers in order: greetings until now were asked for when the session was opened.
+        self.waiting.retain(|frame| !matches!(frame, Frame::Hello(_)));
+        Ok(())
     }
 
     /// Ends the stream; what is still on its way is dropped.
@@ -255,18 +269,33 @@ impl Session {
     /// The next frame of the stream; `None` if none came in time.
     ///
     /// # Errors
-    /// The port is gone.
+    /// The port is gone, or the rig greets: it was started anew, and its stream with it.
     pub fn receive(&mut self, timeout: Duration) -> Result<Option<Frame>, LinkError> {
-        if let Some(frame) = self.waiting.pop_front() {
-            return Ok(Some(frame));
-        }
         let deadline = self.port.elapsed() + timeout;
-        while let Some(frame) = self.next_frame(deadline, None)? {
-            if matches!(frame, Frame::Samples(_) | Frame::Live(_)) {
-                return Ok(Some(frame));
+        while let Some(frame) = self.next_of_stream(deadline)? {
+            match frame {
+                Frame::Samples(_) | Frame::Live(_) => return Ok(Some(frame)),
+                Frame::Hello(hello) if self.streaming && is_of_rig(&hello) => {
+                    return Err(LinkError::Restarted { port: self.port.name().to_owned() });
+                }
+                _ => {}
             }
         }
         Ok(None)
+    }
+
+    fn next_of_stream(&mut self, deadline: Duration) -> Result<Option<Frame>, LinkError> {
+        match self.waiting.pop_front() {
+            Some(frame) => Ok(Some(frame)),
+            None => self.next_frame(deadline, None),
+        }
+    }
+
+    /// Keeps what belongs to the stream until somebody asks for it.
+    fn put_by(&mut self, frame: Frame) {
+        if self.streaming && matches!(frame, Frame::Samples(_) | Frame::Live(_) | Frame::Hello(_)) {
+            self.waiting.push_back(frame);
+        }
     }
 
     fn new_number(&mut self) -> u16 {
@@ -302,8 +331,7 @@ impl Session {
         while let Some(frame) = self.next_frame(deadline, None)? {
             match frame {
                 Frame::Answer(of, answer) if numbers.contains(&of) => return Ok(Some((of, answer))),
-                Frame::Samples(_) | Frame::Live(_) if self.streaming => self.waiting.push_back(frame),
-                _ => {}
+                frame => self.put_by(frame),
             }
         }
         Ok(None)
@@ -318,6 +346,10 @@ impl Session {
                     Some(Err(error)) => {
                         log::debug!("passing over a damaged frame: {error:?}");
                         self.tally.frames_damaged += 1;
+                    }
+                    Some(Ok(frame)) if self.recent.is_repeated(&frame) => {
+                        log::debug!("passing over a frame that came once more");
+                        self.tally.frames_repeated += 1;
                     }
                     Some(Ok(frame)) => {
                         log::trace!("heard {frame:?}");

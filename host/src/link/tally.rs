@@ -13,6 +13,8 @@ pub struct Tally {
     pub samples_lost: u64,
     /// Frames received with a wrong check sum; they are among the lost.
     pub frames_damaged: u64,
+    /// Frames that came once more; they are passed over, and not among the received.
+    pub frames_repeated: u64,
     next_raw: Option<u32>,
     next_live: Option<u32>,
     next_sample: Option<u64>,

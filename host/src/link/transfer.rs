@@ -1,5 +1,7 @@
 //! Parameters, settings and counters from and to the rig.
 
+use super::error::MODEL;
+use super::received::judged;
 use super::{LinkError, Session};
 use crate::error::Failure;
 use crate::formula;
@@ -48,10 +50,10 @@ impl Session {
     /// The settings in use.
     ///
     /// # Errors
-    /// As [`Session::ask`].
+    /// As [`Session::ask`]; settings that can't be computed with.
     pub fn settings(&mut self) -> Result<Settings, LinkError> {
         match self.ask(&Command::GetSettings)? {
-            Answer::Settings(settings) => Ok(settings),
+            Answer::Settings(settings) => judged(settings),
             _ => Err(LinkError::WrongAnswer { command: "give its settings" }),
         }
     }
@@ -134,10 +136,18 @@ impl Session {
             self.exchange_curve(&curve.knots())?;
         }
         self.tell(&Command::SetParameters((&sent).into()))?;
-        self.tell(&Command::Save)?;
+        self.save(MODEL)?;
         self.tell(&Command::Load)?;
         let got = self.parameters()?;
         compare(&sent, &got)
+    }
+
+    /// Keeps what is in use, which is news to flash.
+    fn save(&mut self, what: &'static str) -> Result<(), LinkError> {
+        self.tell(&Command::Save).map_err(|error| match error {
+            LinkError::Refused { refusal, .. } => LinkError::NotSaved { what, refusal },
+            error => error,
+        })
     }
 
     /// Uses this sensor with its calibration from now on. A zero that the rig alone can know stays.
@@ -165,7 +175,7 @@ impl Session {
         self.use_sensor(sensor)?;
         let settings = self.settings()?.with_sensor(*sensor);
         self.tell(&Command::SetSettings(settings))?;
-        self.tell(&Command::Save)?;
+        self.save("calibration")?;
         self.tell(&Command::Load)?;
         let got = self.settings()?.sensor;
         let numbers = |of: &Sensor| [of.line().zero_code, of.line().radian_per_code];
@@ -213,6 +223,51 @@ fn different_knot(sent: &Parameters<f32>, got: &Parameters<f32>) -> Option<[f32;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::changed;
+    use shared::wire::{Frame, Hello, catalogue_hash};
+
+    #[test]
+    fn a_rig_with_settings_that_nobody_can_compute_with_is_left_alone() {
+        let without_rate = |frame| match frame {
+            Frame::Answer(number, Answer::Settings(settings)) => {
+                vec![Frame::Answer(number, Answer::Settings(Settings { rate_hz: 0.0, ..settings }))]
+            }
+            frame => vec![frame],
+        };
+        let mut session = changed::session(without_rate).unwrap();
+        let error = session.settings().unwrap_err();
+        assert!(matches!(error, LinkError::BadSetting { what: "sampling rate", .. }), "{error}");
+    }
+
+    #[test]
+    fn a_rig_may_keep_to_itself_which_effects_it_knows() {
+        let knows = |catalogue: u32| {
+            let greeting = move |frame| match frame {
+                Frame::Hello(hello) => vec![Frame::Hello(Hello { catalogue, ..hello })],
+                frame => vec![frame],
+            };
+            changed::session(greeting).unwrap().knows_the_same_effects()
+        };
+        assert_eq!([0, catalogue_hash(), 12_345].map(knows), [true, true, false]);
+    }
+
+    #[test]
+    fn a_model_that_is_not_saved_is_in_use_and_that_is_said() {
+        let mut n_done = 0;
+        // The first is that the parameters are in use.
+        let worn_out = move |frame| match frame {
+            Frame::Answer(number, Answer::Done) => {
+                n_done += 1;
+                let answer = if n_done == 2 { Answer::Refused(Refusal::Flash) } else { Answer::Done };
+                vec![Frame::Answer(number, answer)]
+            }
+            frame => vec![frame],
+        };
+        let error = changed::session(worn_out).unwrap().push(&Parameters::paper()).unwrap_err();
+        assert!(error.to_string().starts_with("the rig uses the new model until its power goes"), "{error}");
+        let next = error.next_step();
+        assert!(next.contains("flash is worn out") && next.contains("host push"), "{next}");
+    }
 
     #[test]
     fn a_value_that_came_back_different_is_named() {

@@ -4,7 +4,7 @@ use super::covariance::Covariance;
 use super::json::{Doubt, doubts};
 use super::stages;
 pub use super::stages::After;
-use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
+use crate::diagnose::{Diagnosis, Wishes, diagnose_with, zero_of_rig};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit, Identified, Progress};
 use crate::fit::problem::Start;
@@ -138,10 +138,11 @@ pub fn fit(
     let told = |progress| tell(News::Identifying(progress));
     let plain = identify::fit(swings, held_out, rig, &settings, &told).map_err(Failure::failed)?;
     let discovery = request.discover.then(|| discover(swings, held_out, &plain, request.typed, tell)).flatten();
-    let fit = match &discovery {
+    let mut fit = match &discovery {
         Some(found) => refit(swings, held_out, KnownRig { parameters: &found.parameters, ..rig })?,
         None => plain,
     };
+    fit.warnings.extend(zero_of_rig::words(swings, &fit));
     let stages = stages::stages(&fit, request.method, swings);
     Ok(Outcome { fit, stages, discovery })
 }

@@ -43,6 +43,13 @@ pub enum RecordError {
     StoppedEarly,
 }
 
+impl RecordError {
+    /// Is all well but that nobody is there to let the pendulum go, or not any more?
+    pub fn is_nobody_there(&self) -> bool {
+        matches!(self, Self::NeverStill { .. } | Self::NoRelease { .. } | Self::StoppedEarly)
+    }
+}
+
 impl From<RecordError> for Failure {
     fn from(error: RecordError) -> Self {
         let hint = match error {

@@ -1,7 +1,7 @@
 use super::*;
-use crate::link::{self, Port};
+use crate::link::{self, Port, changed};
 use crate::recording::{self, ReadOptions, Recording};
-use shared::wire::{Command, Frame, MAX_FRAME};
+use shared::wire::{Answer, Command, Frame, Hello, MAX_FRAME};
 use std::io;
 use std::time::Duration;
 
@@ -179,6 +179,61 @@ fn what_happens_to_the_link_within_a_swing_ends_it_and_is_named() {
         assert!(matches!(silent, End::Lost(LinkError::StreamStopped { .. })), "{silent:?}");
         let paused = run(&mut behind_cable(12.0, Mishap::Silent(2.0))).unwrap();
         assert!(matches!(paused, End::AtRest), "{paused:?}");
+    }
+}
+
+/// Frames of samples in 12 s: in the middle of the first swing.
+const MID_SWING: usize = 750;
+
+/// What becomes of the frames of samples, by their number since the program began.
+fn with_samples(mut change: impl FnMut(usize, Frame) -> Vec<Frame> + Send + 'static) -> Session {
+    let mut n_frames = 0;
+    let counted = move |frame| {
+        n_frames += usize::from(matches!(frame, Frame::Samples(_)));
+        change(n_frames, frame)
+    };
+    changed::session(counted).unwrap()
+}
+
+#[test]
+fn samples_that_come_twice_are_taken_once() {
+    let twice = |n_frames, frame| match frame {
+        Frame::Samples(_) if n_frames % 50 == 0 => vec![frame.clone(), frame],
+        frame => vec![frame],
+    };
+    for run in [recorded_behind_cable, heard_behind_cable] {
+        let mut session = with_samples(twice);
+        let end = run(&mut session).unwrap();
+        assert!(matches!(end, End::AtRest), "{end:?}");
+        let tally = session.tally();
+        assert!(tally.frames_repeated > 15 && tally.frames_lost == 0, "{tally:?}");
+        assert_eq!((tally.samples_lost, tally.frames_repeated), (0, tally.frames / 50));
+    }
+}
+
+#[test]
+fn a_rig_that_greets_within_a_swing_was_started_anew_and_nobody_waits_for_its_samples() {
+    let greets = |n_frames, frame| match frame {
+        Frame::Samples(_) if n_frames == MID_SWING => vec![Frame::Hello(Hello::new("simulated-rig"))],
+        Frame::Samples(_) if n_frames > MID_SWING => Vec::new(),
+        frame => vec![frame],
+    };
+    for run in [recorded_behind_cable, heard_behind_cable] {
+        let end = run(&mut with_samples(greets)).unwrap();
+        assert!(matches!(end, End::Lost(LinkError::Restarted { .. })), "{end:?}");
+    }
+}
+
+#[test]
+fn a_greeting_that_was_long_on_its_way_is_no_restart() {
+    let greeted_twice = |_, frame| match frame {
+        // A rig answers in order, so that the answer to `Start` is the last thing before which one may come.
+        Frame::Answer(2, Answer::Done) => vec![Frame::Hello(Hello::new("simulated-rig")), frame],
+        frame => vec![frame],
+    };
+    for run in [recorded_behind_cable, heard_behind_cable] {
+        let end = run(&mut with_samples(greeted_twice)).unwrap();
+        assert!(matches!(end, End::AtRest), "{end:?}");
     }
 }
 

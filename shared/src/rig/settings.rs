@@ -9,7 +9,10 @@ pub const LOWEST_RATE_HZ: f32 = 50.0;
 pub const HIGHEST_RATE_HZ: f32 = 10_000.0;
 
 /// Of the rate, the highest cut-off of the filter.
-const HIGHEST_CUTOFF: f32 = 0.45;
+pub const HIGHEST_CUTOFF: f32 = 0.45;
+
+/// Of the observer.
+pub const HIGHEST_BANDWIDTH_RAD_S: f32 = 100.0;
 
 impl Settings {
     /// The same at another rate, with a cut-off that goes with it.
@@ -28,7 +31,7 @@ pub(super) fn check_settings(settings: &Settings) -> Result<(), u8> {
     let good = [
         (LOWEST_RATE_HZ..=HIGHEST_RATE_HZ).contains(&settings.rate_hz),
         settings.cutoff_hz > 0.0 && settings.cutoff_hz <= HIGHEST_CUTOFF * settings.rate_hz,
-        (0.0..=100.0).contains(&settings.bandwidth_rad_s),
+        (0.0..=HIGHEST_BANDWIDTH_RAD_S).contains(&settings.bandwidth_rad_s),
         settings.sensor.is_valid(),
     ];
     good.iter().position(|good| !good).map_or(Ok(()), |index| Err(index as u8))

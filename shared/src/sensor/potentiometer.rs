@@ -11,6 +11,12 @@ use serde::{Deserialize, Serialize};
 /// Electrical travel of the Vishay 157 in radians (340°).
 pub const ELECTRICAL_TRAVEL_RAD: f32 = 340.0 * core::f32::consts::PI / 180.0;
 
+/// The electrical angle, and with it the gain, is within this share of it (4° of 340°).
+pub const GAIN_TOLERANCE: f32 = 4.0 / 340.0;
+
+/// The track is within this share of its travel of a line.
+pub const LINEARITY: f32 = 0.02;
+
 /// Full scale of the plain 12-bit converter.
 pub const FULL_SCALE_12_BIT: u16 = 4095;
 
@@ -77,7 +83,7 @@ impl Calibration for Potentiometer {
     ];
     const KEEPS_ZERO: bool = true;
     const IS_QUIET: bool = false;
-    const EXPECTED: &'static str = "expected radians_per_code not zero, and zero_code between 0 and full_scale";
+    const EXPECTED: &'static str = "expected radians_per_code not zero and at most 1, and zero_code between 0 and full_scale";
     const WIRES: &'static str = "check the potentiometer's three wires";
 
     fn of_numbers(numbers: &[f64]) -> Self {
