@@ -199,7 +199,7 @@ fn dropped(holding: &Holding) -> String {
     let why = match holding.standing {
         Standing::TooShort => "too few windows",
         Standing::Slight => "too little beside what is claimed",
-        Standing::OutOfRange => "only as strong as it can be at most",
+        Standing::OutOfRange => "only at the end of its range",
         Standing::Vague => "all its numbers within their own errors",
         _ => "not on every part",
     };

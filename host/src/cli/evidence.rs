@@ -144,7 +144,7 @@ const SLIGHT: &str = "by less than a tenth of what is claimed, whose own law may
 
 /// Why what would have to be stronger than it can be is not claimed.
 const OUT_OF_RANGE: &str =
-    "only as strong as it can be at most: these swings ask for more of it, or for something else";
+    "only at the end of its range: these swings ask for more than it can be, or for something else";
 
 /// Why what has no number that is known is not claimed.
 const VAGUE: &str = "all its numbers are within their own errors, so that nobody knows by what";
@@ -467,7 +467,7 @@ mod tests {
         let why =
             |standing| suspected(&diagnosis(), &claim(standing, None)).split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(why(Standing::Slight).contains("fall to 2.00 mrad, but by less than a tenth of what is claimed"));
-        assert!(why(Standing::OutOfRange).contains("but only as strong as it can be at most"));
+        assert!(why(Standing::OutOfRange).contains("but only at the end of its range"));
         assert!(why(Standing::TooShort).contains("but there are only 14 windows of a few periods to check it on"));
         assert!(why(Standing::Vague).contains("but all its numbers are within their own errors"));
         let dropped =

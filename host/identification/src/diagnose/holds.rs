@@ -47,7 +47,8 @@ pub enum Standing {
     TooShort,
     /// It explains so little of all that is claimed that the shape of another law may do as much.
     Slight,
-    /// Its strength lies on the end of its range: the swings ask for more of it than there can be, or for something else.
+    /// Its strength, or what makes it that law, lies on the end of its range: the swings ask for more of it than there can be, or
+    /// for something else.
     OutOfRange,
     /// Fitted to the end, all its numbers are within their own errors.
     Vague,
@@ -118,7 +119,20 @@ pub fn holdings(on: &Problem, model: &Fitted, n_starts: usize) -> Vec<Holding> {
 
 fn holding(on: &Problem, model: &Fitted, effect: &'static Effect<f64>, clusters: &[Cluster], level: f64) -> Holding {
     let found = tested(on, model, effect.name, clusters, &Test::of(model, effect, clusters), level);
-    if is_as_strong_as_can_be(model, effect) { Holding { standing: Standing::OutOfRange, ..found } } else { found }
+    if is_as_strong_as_can_be(model, effect) || stands_for_another(model, effect) {
+        Holding { standing: Standing::OutOfRange, ..found }
+    } else {
+        found
+    }
+}
+
+/// Does a number of an effect lie on an end of its range that must lie within?
+fn stands_for_another(model: &Fitted, effect: &Effect<f64>) -> bool {
+    let must = effect.rules.must_lie_within.map(usize::from);
+    model.unknowns.iter().enumerate().any(|(j, unknown)| {
+        let value = unknown.get(&model.parameters);
+        must.is_some() && index_in(model, effect, j) == must && (value <= unknown.low || value >= unknown.high)
+    })
 }
 
 /// Does a strength of an effect lie on the end of its range? Zero, where the range of many begins, is none.
@@ -368,7 +382,7 @@ impl Judge<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::tests::rig;
+    use crate::diagnose::tests::{effect, rig};
     use crate::fit::identify::problem_of;
     use crate::fit::problem::Point;
     use crate::fit::start;
@@ -436,6 +450,16 @@ mod tests {
         let found = tested(&problem, &model, "drag", &clusters, &test, ALPHA);
         // The other twelve are as often above zero as below.
         assert!(found.p_without_two.unwrap() > 0.9 && found.standing == Standing::Partly, "{found:?}");
+    }
+
+    #[test]
+    fn a_detent_of_as_few_notches_as_there_can_be_stands_for_another_law() {
+        let (detent, count) = (effect("detent"), Tally::default());
+        let problem = problem_of(&[], &rig(), &count);
+        let base = Fitted::at(&problem, &Point { values: problem.template_values(), starts: Vec::new() });
+        let of_notches = |n: f64| stands_for_another(&base.with(detent, &[1e-3, 0.0, n, 0.0]).unwrap(), detent);
+        let notches = &detent.parameters[2];
+        assert!(!of_notches(6.0) && of_notches(notches.low) && of_notches(notches.high));
     }
 
     #[test]

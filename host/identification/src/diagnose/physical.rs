@@ -2,7 +2,7 @@
 //!
 //! Friction takes energy out of the swing: it must not drive the pendulum anywhere on its way. And a spring relaxes
 //! somewhere on that way, or where is known from how it changes along it: else it is a constant torque, which is what
-//! asymmetric friction does. A number that must lie within its range is on neither end of it.
+//! asymmetric friction does.
 //!
 //! Effects that are added to Coulomb and viscous friction may be negative (less friction here than there), and each is
 //! within its own range; only their sum tells whether the bearing still brakes.
@@ -28,20 +28,7 @@ const N_GRID: i32 = 6;
 pub fn is_sound(problem: &Problem, model: &Fitted) -> bool {
     let angles = problem.swings.iter().flat_map(Swing::sizes_rad);
     let amplitude_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
-    lies_within(model) && relaxes(problem, model, amplitude_rad) && brakes_everywhere(problem, model, amplitude_rad)
-}
-
-/// Is each number within its range that must be?
-fn lies_within(model: &Fitted) -> bool {
-    let must = |unknown: &&Unknown| {
-        let Quantity::Effect { id, index } = unknown.quantity else { return false };
-        let effect = model.effects.iter().find(|effect| effect.id == id);
-        effect.and_then(|effect| effect.rules.must_lie_within).map(usize::from) == Some(index)
-    };
-    model.unknowns.iter().filter(must).all(|unknown| {
-        let value = unknown.get(&model.parameters);
-        value > unknown.low && value < unknown.high
-    })
+    relaxes(problem, model, amplitude_rad) && brakes_everywhere(problem, model, amplitude_rad)
 }
 
 fn relaxes(problem: &Problem, model: &Fitted, amplitude_rad: f64) -> bool {
@@ -140,15 +127,6 @@ mod tests {
         assert!(is_sound_with(0.02, 1.8));
         // So weak that it is a constant torque, if it is anything.
         assert!(!is_sound_with(2e-5, 1.8) && is_sound_with(2e-5, 1.0));
-    }
-
-    #[test]
-    fn a_detent_of_as_few_notches_as_there_can_be_is_another_law() {
-        let detent = effect("detent");
-        let of_notches =
-            |n: f64| with_drag(0.0, |_, model| lies_within(&model.with(detent, &[1e-3, 0.0, n, 0.0]).unwrap()));
-        let parameter = &detent.parameters[2];
-        assert!(of_notches(6.0) && !of_notches(parameter.low) && !of_notches(parameter.high));
     }
 
     #[test]

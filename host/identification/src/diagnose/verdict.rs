@@ -110,9 +110,9 @@ impl Judge<'_, '_> {
     pub(super) fn refined(&self, claimed: Fitted) -> (Fitted, Vec<Fitted>) {
         let mut claimed = claimed;
         let mut tried = Vec::new();
-        // A pair that took the place of one may imitate another one itself, so that no round is left out.
-        for _ in 0..MAX_ROUNDS {
-            if claimed.effects.len() < 2 {
+        for round in 0..MAX_ROUNDS {
+            // The first time tells a pair from one that imitates it, and is never left out.
+            if claimed.effects.len() < 2 || round > 0 && !self.budget.allows_more() {
                 break;
             }
             let (better, others) = self.replaced(&claimed, &tried);

@@ -179,9 +179,9 @@ fn without_wobble(extrema: Vec<Extremum>) -> Vec<Extremum> {
     kept
 }
 
-/// The time between neighbours within which half of the way is gone.
+/// The time between neighbours, each with the square of its way for a weight: many small ways are no large one.
 fn typical_s(extrema: &[Extremum]) -> f64 {
-    let step = |pair: &[Extremum]| (pair[1].time_s - pair[0].time_s, pair[0].size(&pair[1]));
+    let step = |pair: &[Extremum]| (pair[1].time_s - pair[0].time_s, pair[0].size(&pair[1]).powi(2));
     weighted_median(extrema.windows(2).map(step).collect())
 }
 

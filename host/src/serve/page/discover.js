@@ -45,7 +45,7 @@ function showWords() {
   const reasons = {
     'too-short': 'there are too few periods to check it on',
     'slight': 'by less than a tenth of what is claimed, whose own law may be as far from the truth',
-    'out-of-range': 'only as strong as it can be at most: these swings ask for more of it, or for something else',
+    'out-of-range': 'only at the end of its range: these swings ask for more than it can be, or for something else',
     'vague': 'all its numbers are within their own errors, so that nobody knows by what',
     'partly': 'not on every part of the swings',
   };
