@@ -38,6 +38,7 @@ pub mod region;
 mod report;
 pub mod response;
 pub mod ridge;
+mod rounding;
 pub mod runs;
 mod scouts;
 pub mod sequential;

@@ -5,12 +5,14 @@
 //! the residuals' memory. A model that lacks physics errs coherently over the whole decay: there no number is taken to
 //! be surer than its scatter over the [`super::clusters`], and than what these would move it by. The same goes for counts of
 //! an encoder: where the pendulum turns they are wrong alike for many swings, and there is no noise that would mix them.
+//! What the rounding of any sensor does to the numbers where no noise hides its steps stands in [`super::rounding`].
 //! Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980) 817, for the sandwich.
 
 use super::arrow::Arrow;
 use super::clusters::{clusters, spread, upward_crossings};
 use super::linear::{Linear, SwingLinear, dot};
 use super::problem::{PER_SWING, Problem, Start};
+use super::rounding::{Rounding, rounding};
 use crate::verdict::NO_CHANCE_STDS;
 use nalgebra::{DMatrix, DVector};
 
@@ -103,8 +105,29 @@ fn with_memory(linear: &Linear, least: usize) -> Option<Covariance> {
     Some(Covariance { matrix, coloured: memory > 0 })
 }
 
-/// The covariance at a linearisation of swings that began thus, with the error of the model in it where it shows.
+/// The covariance at a linearisation of swings that began thus, with the error of the model in it where it shows, and with
+/// what rounding to the steps of the sensor does.
 pub fn with_model_error(on: &Problem, linear: &Linear, starts: &[Start]) -> Option<Covariance> {
+    let covariance = of_noise_and_misfit(on, linear, starts)?;
+    Some(match rounding(on, linear) {
+        Some(rounding) => with_rounding(covariance, &rounding),
+        None => covariance,
+    })
+}
+
+/// Rounding takes the place of its share of the noise; no number becomes surer by it.
+fn with_rounding(covariance: Covariance, rounding: &Rounding) -> Covariance {
+    let Covariance { matrix: before, coloured } = covariance;
+    let has_effect = |i: usize| before[(i, i)].is_finite();
+    let after = DMatrix::from_fn(before.nrows(), before.ncols(), |i, j| match has_effect(i) && has_effect(j) {
+        true => (1.0 - rounding.share) * before[(i, j)] + rounding.matrix[(i, j)],
+        false => before[(i, j)],
+    });
+    Covariance { matrix: larger_diagonal(after, &before), coloured }
+}
+
+/// The same but for rounding.
+fn of_noise_and_misfit(on: &Problem, linear: &Linear, starts: &[Start]) -> Option<Covariance> {
     let is_counted = on.swings.iter().any(|swing| swing.is_counted);
     let runs = on.swings.iter().filter(|swing| swing.is_counted).map(|swing| longest_run(&swing.angles_rad));
     let covariance = with_memory(linear, runs.max().unwrap_or(0).div_ceil(BLOCK_OF_MEMORIES))?;
