@@ -47,9 +47,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
             [0.0, 0.7, 0.2, 0.0],
             [0.0, -0.7, 0.2, 0.0],
             [0.0, 0.0, 0.6, 0.0],
-            // A wide swing passes magnets far out, and a small magnet is narrow: from the others, their promise is none.
-            [0.0, 1.3, 0.4, 0.0],
-            [0.0, -1.3, 0.4, 0.0],
+            // A small magnet is narrow: from the others, its promise is none.
             [0.0, 0.0, 0.08, 0.0],
             [0.0, 0.15, 0.08, 0.0],
             [0.0, -0.15, 0.08, 0.0],
@@ -57,7 +55,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         family: Family::Angle,
         generalises: None,
         is_fine: false,
-        rules: Rules { n_starts_left_to_diagnosis: 5, ..Rules::NONE },
+        rules: Rules { n_starts_left_to_diagnosis: 3, ..Rules::NONE },
         action: Action::Friction(torque),
     }
 }

@@ -83,7 +83,8 @@ impl Calibration for Potentiometer {
     ];
     const KEEPS_ZERO: bool = true;
     const IS_QUIET: bool = false;
-    const EXPECTED: &'static str = "expected radians_per_code not zero and at most 1, and zero_code between 0 and full_scale";
+    const EXPECTED: &'static str =
+        "expected radians_per_code not zero and at most 1, and zero_code between 0 and full_scale";
     const WIRES: &'static str = "check the potentiometer's three wires";
 
     fn of_numbers(numbers: &[f64]) -> Self {

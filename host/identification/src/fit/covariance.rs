@@ -5,7 +5,7 @@
 //! the residuals' memory. A model that lacks physics errs coherently over the whole decay: there no number is taken to
 //! be surer than its scatter over the [`super::clusters`], and than what these would move it by. The same goes for counts of
 //! an encoder: where the pendulum turns they are wrong alike for many swings, and there is no noise that would mix them.
-//! What the rounding of any sensor does to the numbers where no noise hides its steps stands in [`super::rounding`].
+//! What the rounding of any sensor does to the numbers where no noise hides its steps stands in `fit/rounding.rs`.
 //! Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980) 817, for the sandwich.
 
 use super::arrow::Arrow;
