@@ -29,6 +29,7 @@ pub mod resemblance;
 pub mod score;
 pub mod search;
 mod shape;
+mod strength;
 mod summary;
 mod ties;
 pub mod value;

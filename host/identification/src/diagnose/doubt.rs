@@ -1,7 +1,7 @@
 //! What speaks against an effect that explains the fitted swings: numbers within their own errors, held-out swings that
 //! contradict it, and an exponent that says it is another one.
 
-use super::holds::strengths;
+use super::strength::strengths;
 use super::summary::SpecialCase;
 use super::value::values;
 use super::verdict::Judge;

@@ -2,10 +2,10 @@
 //! is easily taken for an effect that is not there.
 
 use super::extension::grown;
-use super::holds::is_as_strong_as_can_be;
 use super::models::{is_explained, near_the_best};
 use super::physical::is_sound;
 use super::score::{Prediction, predictions};
+use super::strength::is_as_strong_as_can_be;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;

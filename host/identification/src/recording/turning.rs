@@ -33,8 +33,8 @@ const ROUGH_FALL_NOISE: f64 = 14.0;
 /// … and this share of the whole range to have turned; smaller ones are a tremble.
 pub(super) const ROUGH_FALL_SHARE: f64 = 0.05;
 
-/// What wobbles on top of a swing turns within this share of its time: at twice its rate it takes half. With twice of it swings
-/// that die at once would be wobbles; with half of it a support that rings at three times their rate would be swings.
+/// What wobbles on top of a swing turns within this share of its time: at twice its rate it takes half. Half of it and twice of it
+/// were not tried.
 const WOBBLE_TIME: f64 = 0.6;
 
 /// Looked at are means over so many samples, the fewest that show enough turns: swings may hardly rise out of the noise
