@@ -39,7 +39,7 @@ pub struct Line {
 pub fn line(zero_code: f64, known: &[Known], nominal: f64) -> Result<Line, CalibrationError> {
     let line = through(zero_code, known);
     if !is_line(&line) {
-        return Err(no_line(zero_code, known, &line));
+        return Err(no_line(zero_code, known, &line, nominal));
     }
     if !(1.0 / GAIN_FACTOR..GAIN_FACTOR).contains(&(line.radian_per_code.abs() / nominal)) {
         return Err(CalibrationError::Absurd { mrad: 1e3 * line.radian_per_code, nominal_mrad: 1e3 * nominal });
@@ -68,14 +68,14 @@ fn through(zero_code: f64, known: &[Known]) -> Line {
     Line { radian_per_code, std, off_rad }
 }
 
-/// Which reading is off, and which angles would be right.
-fn no_line(zero_code: f64, known: &[Known], line: &Line) -> CalibrationError {
+/// Which reading is off, by how much of the `nominal` gain, because that of no line is any, and which angles would be right.
+fn no_line(zero_code: f64, known: &[Known], line: &Line, nominal: f64) -> CalibrationError {
     let suggested = [by_size(known), by_side(zero_code, known)].into_iter().find(|angles| {
         let other: Vec<Known> = known.iter().zip(angles).map(|(point, angle_rad)| at(*angle_rad, point)).collect();
         is_line(&through(zero_code, &other))
     });
     let odd = odd_one(zero_code, known).unwrap_or_else(|| worst(line));
-    let off_degrees = line.off_rad[odd].abs().to_degrees();
+    let off_degrees = (line.off_rad[odd] * nominal / line.radian_per_code).abs().to_degrees();
     CalibrationError::NoLine {
         odd_degrees: known[odd].angle_rad.to_degrees(),
         off_degrees,

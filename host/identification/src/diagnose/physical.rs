@@ -46,7 +46,7 @@ fn is_sure(problem: &Problem, model: &Fitted, id: u16, index: usize) -> bool {
     let Some(column) = model.unknowns.iter().position(is_it) else { return false };
     let (unknown, value) = (&model.unknowns[column], model.unknowns[column].get(&model.parameters));
     let std = covariance(&model.linearised(problem)).and_then(|known| known.std(column));
-    value > unknown.low && value < unknown.high && std.is_some_and(|std| value.abs() > NO_CHANCE_STDS * std)
+    !unknown.is_at_end(&model.parameters) && std.is_some_and(|std| value.abs() > NO_CHANCE_STDS * std)
 }
 
 /// Does friction brake everywhere on the way? Dry friction, which is all there is at low speed, must not hide behind

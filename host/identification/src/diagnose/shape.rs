@@ -64,9 +64,7 @@ impl Judge<'_, '_> {
 
 /// Does a number of the rig lie on its bound?
 fn is_cornered(model: &Fitted) -> bool {
-    let is_at_bound = |value: f64, low: f64, high: f64| value <= low || value >= high;
-    let mut own = model.unknowns.iter().filter(|unknown| unknown.is_of_the_rig());
-    own.any(|unknown| is_at_bound(unknown.get(&model.parameters), unknown.low, unknown.high))
+    model.unknowns.iter().any(|unknown| unknown.is_of_the_rig() && unknown.is_at_end(&model.parameters))
 }
 
 /// The ± of a number of this size, with what it has where nothing is on a bound and how far it moves beside.

@@ -21,20 +21,20 @@ pub(super) fn strengths(effect: &Effect<f64>) -> Vec<usize> {
 
 /// Does a number of an effect lie on an end of its range that must lie within?
 pub(super) fn stands_for_another(model: &Fitted, effect: &Effect<f64>) -> bool {
-    let must = effect.rules.must_lie_within.map(usize::from);
-    model.unknowns.iter().enumerate().any(|(j, unknown)| {
-        let value = unknown.get(&model.parameters);
-        must.is_some() && index_in(model, effect, j) == must && (value <= unknown.low || value >= unknown.high)
-    })
+    let Some(must) = effect.rules.must_lie_within.map(usize::from) else { return false };
+    model
+        .unknowns
+        .iter()
+        .enumerate()
+        .any(|(j, unknown)| index_in(model, effect, j) == Some(must) && unknown.is_at_end(&model.parameters))
 }
 
 /// Does a strength of an effect lie on the end of its range? Zero, where the range of many begins, is none.
 pub(super) fn is_as_strong_as_can_be(model: &Fitted, effect: &Effect<f64>) -> bool {
     let strong = strengths(effect);
     model.unknowns.iter().enumerate().any(|(j, unknown)| {
-        let value = unknown.get(&model.parameters);
         let is_strength = index_in(model, effect, j).is_some_and(|index| strong.contains(&index));
-        is_strength && value != 0.0 && (value <= unknown.low || value >= unknown.high)
+        is_strength && unknown.get(&model.parameters) != 0.0 && unknown.is_at_end(&model.parameters)
     })
 }
 

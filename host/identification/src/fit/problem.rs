@@ -150,6 +150,12 @@ impl Unknown {
         (0..effect.parameters.len()).map(|index| Self::of_effect(effect, index, parameters)).collect()
     }
 
+    /// Does its value in a set of parameters lie on an end of its range?
+    pub fn is_at_end(&self, parameters: &Parameters<f64>) -> bool {
+        let value = self.get(parameters);
+        value <= self.low || value >= self.high
+    }
+
     /// Its value in a set of parameters; zero for an absent effect.
     pub fn get(&self, parameters: &Parameters<f64>) -> f64 {
         match self.quantity {

@@ -33,7 +33,7 @@ const MAX_RELEASES_TRIED: usize = 4000;
 
 /// A hand pushed if a release with a velocity leaves less than this share of what one from rest does. Of eleven simulated pushes it
 /// was 0.01 to 0.70, of 27 recordings without a push 0.97 and more, and once, where next to nothing is left, 0.75; with half of it
-/// pushes of 1.5 and 2 rad/s towards the lowest point were taken for falls that began 25 and 17 ms before they did.
+/// two pushes towards the lowest point and the strongest one were taken for falls that began 16 to 25 ms before they did.
 const PUSHED: f64 = 0.8;
 
 /// … and by so many noise variances less. Those pushes gained 68 and more, the 27 recordings 4.5 at most: half of it and twice of it
