@@ -41,7 +41,7 @@ pub fn line(zero_code: f64, known: &[Known], nominal: f64) -> Result<Line, Calib
     if !is_line(&line) {
         return Err(no_line(zero_code, known, &line, nominal));
     }
-    if !(1.0 / GAIN_FACTOR..GAIN_FACTOR).contains(&(line.radian_per_code.abs() / nominal)) {
+    if !is_possible(&line, nominal) {
         return Err(CalibrationError::Absurd { mrad: 1e3 * line.radian_per_code, nominal_mrad: 1e3 * nominal });
     }
     Ok(line)
@@ -50,6 +50,11 @@ pub fn line(zero_code: f64, known: &[Known], nominal: f64) -> Result<Line, Calib
 /// The most that a reading may be off its line, rad: of the track by its data sheet, and of the hand.
 fn most_off_rad() -> f64 {
     f64::from(LINEARITY * ELECTRICAL_TRAVEL_RAD) + SETTING_RAD
+}
+
+/// Can the data sheet's gain be meant?
+fn is_possible(line: &Line, nominal: f64) -> bool {
+    (1.0 / GAIN_FACTOR..GAIN_FACTOR).contains(&(line.radian_per_code.abs() / nominal))
 }
 
 fn is_line(line: &Line) -> bool {
@@ -68,14 +73,15 @@ fn through(zero_code: f64, known: &[Known]) -> Line {
     Line { radian_per_code, std, off_rad }
 }
 
-/// Which reading is off, by how much of the `nominal` gain, because that of no line is any, and which angles would be right.
+/// Which reading is off, by how much (by the `nominal` gain where the slope means nothing), and which angles would be right.
 fn no_line(zero_code: f64, known: &[Known], line: &Line, nominal: f64) -> CalibrationError {
     let suggested = [by_size(known), by_side(zero_code, known)].into_iter().find(|angles| {
         let other: Vec<Known> = known.iter().zip(angles).map(|(point, angle_rad)| at(*angle_rad, point)).collect();
         is_line(&through(zero_code, &other))
     });
     let odd = odd_one(zero_code, known).unwrap_or_else(|| worst(line));
-    let off_degrees = (line.off_rad[odd] * nominal / line.radian_per_code).abs().to_degrees();
+    let by_nominal = if is_possible(line, nominal) { 1.0 } else { nominal / line.radian_per_code };
+    let off_degrees = (by_nominal * line.off_rad[odd]).abs().to_degrees();
     CalibrationError::NoLine {
         odd_degrees: known[odd].angle_rad.to_degrees(),
         off_degrees,
@@ -161,6 +167,14 @@ mod tests {
     fn angles_in_another_order_are_refused_with_the_one_that_would_be_a_line() {
         check_refused(&[(90.0, 45.0), (45.0, 90.0), (-45.0, -45.0)], 45.0, Some(&[45.0, 90.0, -45.0]));
         check_refused(&[(45.0, 60.0), (60.0, 45.0)], 45.0, Some(&[60.0, 45.0]));
+    }
+
+    /// Held so, they have next to no slope.
+    #[test]
+    fn what_is_off_a_line_of_no_slope_is_off_by_what_the_data_sheet_makes_of_its_codes() {
+        let error = held(&[(90.0, 90.0), (45.0, -70.0), (-70.0, 45.0)]).unwrap_err();
+        let CalibrationError::NoLine { off_degrees, .. } = error else { panic!("{error}") };
+        assert!((60.0..95.0).contains(&off_degrees), "{off_degrees}");
     }
 
     #[test]
