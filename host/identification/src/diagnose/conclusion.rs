@@ -112,6 +112,8 @@ impl<'a, 'b> Bench<'a, 'b> {
             undecided = judge.not_separated(&claimed, &others);
             offset_is_missing = offset_is_missing && zero::is_missing(problem, &claimed);
         }
+        // Beside another law that is not claimed, what is claimed may not hold.
+        unproven.retain(|holding| !claimed.has(holding.effect));
         Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others }
     }
 

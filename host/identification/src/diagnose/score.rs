@@ -33,6 +33,12 @@ impl Prediction {
         self.model.refined(on, Band::Held, Tolerance::SCREEN)
     }
 
+    /// Begun with the first swings: over many periods a step that changes the period leads into a side valley, or into one so
+    /// narrow that a fit ends on the way.
+    pub fn grown(&self, on: &Problem) -> Fitted {
+        self.model.regrown(on).refined(on, Band::Held, Tolerance::ROUGH)
+    }
+
     /// The same on decimated swings, where it stops found anew once all swings but the last are followed.
     pub fn stopped_anew(&self, decimated: &Problem) -> Fitted {
         levels(decimated, &self.model.lively(decimated, Tolerance::SCREEN)).swap_remove(0)

@@ -42,6 +42,11 @@ pub(super) fn narrowed(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
     narrow.filter(|model| is_sound(rough, model)).collect()
 }
 
+/// A model whose error is this share of the motion is late by up to a sixth of a radian in the end, where first-order answers err
+/// by a tenth. A spring that hardens, before a gyroscope, is found only so, at 0.22; with none, another pair of laws was missed
+/// for the time it takes. Half and twice were not tried.
+const LOST_SHARE: f64 = 0.1;
+
 /// A law of a model, and its wider form.
 struct Widening<'a> {
     model: &'a Fitted,
@@ -56,20 +61,26 @@ fn widenings(model: &Fitted) -> impl Iterator<Item = Widening<'_>> {
 impl Widening<'_> {
     /// From the numbers of the usual law and from each start of what the wider one has beyond them the best.
     fn wide(&self, rough: &Problem) -> Option<Fitted> {
-        let fits = self.wide.starts.iter().filter_map(|start| {
+        let from_usual = self.wide.starts.iter().filter_map(|start| {
             let wide = exchanged(self.model, self.usual, self.wide, *start)?;
             Some(wide.refined(rough, Band::Held, Tolerance::SCREEN))
         });
-        let anew = is_as_strong_as_can_be(self.model, self.usual).then(|| self.anew(rough));
-        let best = fits.chain(anew.into_iter().flatten()).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let mut fits: Vec<Fitted> = from_usual.collect();
+        if !fits.iter().any(|wide| is_explained(rough, wide)) {
+            fits.extend(self.anew(rough));
+        }
+        let best = fits.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         Some(levels(rough, &best).swap_remove(0))
     }
 
-    /// Begun as if the usual law had never been tried: where that is as strong as it can be, its numbers mean nothing, nor do
-    /// those beside it.
+    /// Begun as if the usual law had never been tried, where that is as strong as it can be, or what it was added to had lost the
+    /// swings: then its numbers mean nothing, nor do those beside it.
     fn anew(&self, rough: &Problem) -> Vec<Fitted> {
         let rest = self.model.without(self.usual.id).refined(rough, Band::Held, Tolerance::SCREEN);
-        let fitted = |prediction: &Prediction| grown(rough, &prediction.fitted(rough));
+        if rough.share_of_motion(rest.cost) < LOST_SHARE && !is_as_strong_as_can_be(self.model, self.usual) {
+            return Vec::new();
+        }
+        let fitted = |prediction: &Prediction| prediction.fitted(rough).better(prediction.grown(rough));
         predictions(rough, &grown(rough, &rest), &[self.wide]).iter().map(fitted).collect()
     }
 

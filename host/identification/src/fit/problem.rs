@@ -451,9 +451,14 @@ impl<'a> Problem<'a> {
 
     /// Does a model of this cost follow the swings at all?
     pub fn is_followed(&self, cost: f64) -> bool {
+        self.share_of_motion(cost) <= HOPELESS_SHARE
+    }
+
+    /// The error of a cost as a share of the readings, both root mean square.
+    pub fn share_of_motion(&self, cost: f64) -> f64 {
         let readings = || self.swings.iter().flat_map(|swing| &swing.angles_rad);
         let motion = (readings().map(|angle| angle * angle).sum::<f64>() / readings().count().max(1) as f64).sqrt();
-        self.rmse_rad(cost) <= HOPELESS_SHARE * motion
+        self.rmse_rad(cost) / motion
     }
 
     /// The cost that noise alone leaves, rad².
