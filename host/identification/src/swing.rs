@@ -89,8 +89,6 @@ pub struct Swing {
     pub noise_rad: f64,
     /// Present if it is coloured.
     pub colour: Option<Colour>,
-    /// Is that the rounding to a count, which comes again with every swing, instead of noise?
-    pub is_counted: bool,
     /// Does it not become smaller? Then something drives the pendulum.
     pub is_driven: bool,
     /// What speaks against the recording, in words.
@@ -137,8 +135,8 @@ impl Swing {
     pub fn like(&self, times_s: &[f64], readings: &[f64]) -> Self {
         let other = Self::build(&self.name, self.measured, self.reading_per_rad, times_s, readings, self.noise_rad);
         let (begins_s, doubts) = (self.begins_s, self.doubts.clone());
-        let Self { colour, is_counted, is_driven, .. } = *self;
-        Self { begins_s, colour, is_counted, is_driven, doubts, ..other }
+        let Self { colour, is_driven, .. } = *self;
+        Self { begins_s, colour, is_driven, doubts, ..other }
     }
 
     /// A part of it, of which the model knows when it begins.
@@ -175,7 +173,6 @@ impl Swing {
             pace,
             noise_rad,
             colour: None,
-            is_counted: false,
             is_driven: false,
             doubts: Vec::new(),
             longest_step_s,
@@ -230,11 +227,10 @@ impl Swing {
             // Whoever asks for the noise of the recording shall judge alike.
             (swing.noise_rad, segments.noise.total_rms) = (least, least);
         }
-        let is_counted = recording.header().sensor.is_some();
         let notes = recording.notes().iter().chain(&segments.notes);
         let doubts = notes.filter_map(|note| note.strip_prefix("doubtful: ")).map(str::to_owned).collect();
         let colour = segments.noise.colour;
-        Ok((Self { colour, is_counted, is_driven: !segments.fades, doubts, ..swing }, segments))
+        Ok((Self { colour, is_driven: !segments.fades, doubts, ..swing }, segments))
     }
 
     /// Is its noise only what a simulation is accurate to?
@@ -271,7 +267,14 @@ impl Swing {
     /// Does it end at rest? Its last samples then scatter no more than the noise, about a line because a zero may drift.
     pub fn comes_to_rest(&self) -> bool {
         let last = self.last_readings();
-        last.len() >= MIN_START_SAMPLES && rms_about_line(last) < REST_NOISES * self.noise_rad
+        let is_still = || rms_about_line(last) < REST_NOISES * self.noise_rad;
+        last.len() >= MIN_START_SAMPLES && (is_still() || self.are_neighbours(last))
+    }
+
+    /// Two codes beside each other: a quiet sensor that rests on the edge between them scatters by half a step.
+    fn are_neighbours(&self, readings: &[f64]) -> bool {
+        let (low, high) = readings.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+        high - low < NEIGHBOURS_NOISES * self.noise_rad && readings.iter().all(|x| *x == low || *x == high)
     }
 
     /// The mean of its last readings: where it rests, if it does.
@@ -388,6 +391,10 @@ fn too_little_noise(measured: Measured, noise: f64, least: f64) -> String {
 const REST_S: f64 = 0.4;
 const REST_NOISES: f64 = 1.5;
 
+/// Two values that are less than so many noises apart are neighbours: of a sensor without noise a step is √12 of them, and
+/// two steps are 6.9; with more noise they are less.
+const NEIGHBOURS_NOISES: f64 = 5.0;
+
 /// A period of the usual pace and half of it, because a pace is a power of two, s.
 const LAST_PERIOD_S: f64 = 1.5;
 
@@ -414,5 +421,24 @@ mod tests {
         assert_eq!(part.angles_rad, angles_rad[600..1300]);
         // So does it with fewer samples.
         assert_eq!(part.decimated().begins_s, part.begins_s);
+    }
+
+    /// A second of swinging in steps and a second of readings behind it.
+    fn ending_with(last_steps: impl Fn(usize) -> f64, noise_steps: f64) -> Swing {
+        let times_s: Vec<f64> = (0..400).map(|i| f64::from(i) * 5e-3).collect();
+        let swinging = |i: usize| (300.0 * (0.03 * i as f64).cos()).round();
+        let steps = (0..400).map(|i| if i < 200 { swinging(i) } else { last_steps(i) });
+        let angles_rad: Vec<f64> = steps.map(|steps| 1e-3 * steps).collect();
+        Swing::new("in steps", &times_s, &angles_rad, 1e-3 * noise_steps)
+    }
+
+    #[test]
+    fn a_quiet_sensor_rests_on_the_edge_between_two_codes_too() {
+        // A tenth of a step of noise, and what rounding makes.
+        let noise_steps = (0.01_f64 + 1.0 / 12.0).sqrt();
+        let every_other = |i: usize| f64::from(u8::from(i.is_multiple_of(2)));
+        assert!(ending_with(every_other, noise_steps).comes_to_rest());
+        assert!(!ending_with(|i| 2.0 * every_other(i), noise_steps).comes_to_rest());
+        assert!(!ending_with(|i| every_other(i) + every_other(i / 2), noise_steps).comes_to_rest());
     }
 }

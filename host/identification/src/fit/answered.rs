@@ -26,29 +26,50 @@ pub(super) struct Answer {
     pub(super) step: DVector<f64>,
 }
 
+/// What pairs leave of each swing while everything else stays as it is.
+pub(super) struct Left<'a> {
+    pair_problem: Problem<'a>,
+    pairs: Vec<Vec<f64>>,
+    starts: &'a [Start],
+}
+
+impl<'a> Left<'a> {
+    pub(super) fn by(problem: &Problem<'a>, point: &'a Point, tried: &[Stiction]) -> Self {
+        let levels = problem.unknowns.iter().zip(&point.values).filter(|(unknown, _)| unknown.name == levels::NAME);
+        let (levels, at): (Vec<Unknown>, Vec<f64>) = levels.map(|(level, value)| (level.clone(), *value)).unzip();
+        let pair_problem = Problem {
+            unknowns: [stiction_unknowns(&problem.template), levels].concat(),
+            template: problem.parameters(&point.values),
+            ..problem.clone()
+        };
+        let pair = |pair: &Stiction| [&[pair.level_nm, pair.velocity_band], at.as_slice()].concat();
+        let pairs: Vec<Vec<f64>> = tried.iter().map(pair).collect();
+        Self { pair_problem, pairs, starts: &point.starts }
+    }
+
+    /// The residuals of one swing, a vector a pair.
+    pub(super) fn of_swing(&self, swing_idx: usize) -> Vec<Vec<f64>> {
+        let swing = &self.pair_problem.swings[swing_idx];
+        let start = self.starts[swing_idx];
+        let guesses: Vec<(&[f64], Start)> = self.pairs.iter().map(|pair| (pair.as_slice(), start)).collect();
+        let mut predicted = self.pair_problem.predict(swing_idx, swing.len(), &guesses);
+        let subtract = |column: &mut Vec<f64>| {
+            column.iter_mut().zip(&swing.angles_rad).for_each(|(p, m)| *p = m - *p - start.offset_rad);
+        };
+        predicted.iter_mut().for_each(subtract);
+        predicted
+    }
+}
+
 pub(super) fn answers(problem: &Problem, linear: &Linear, point: &Point, tried: &[Stiction]) -> Vec<Answer> {
-    let levels = problem.unknowns.iter().zip(&point.values).filter(|(unknown, _)| unknown.name == levels::NAME);
-    let (levels, at): (Vec<Unknown>, Vec<f64>) = levels.map(|(level, value)| (level.clone(), *value)).unzip();
-    let pair_problem = Problem {
-        unknowns: [stiction_unknowns(&problem.template), levels].concat(),
-        template: problem.parameters(&point.values),
-        ..problem.clone()
-    };
-    let pair = |pair: &Stiction| [&[pair.level_nm, pair.velocity_band], at.as_slice()].concat();
-    let pairs: Vec<Vec<f64>> = tried.iter().map(pair).collect();
+    let left = Left::by(problem, point, tried);
     let n_unknowns = problem.unknowns.len();
     let of_swing = |swing_idx: usize, known: &SwingLinear| -> Vec<(f64, Vec<f64>)> {
-        let swing = &problem.swings[swing_idx];
-        let start = point.starts[swing_idx];
-        let guesses: Vec<(&[f64], Start)> = pairs.iter().map(|pair| (pair.as_slice(), start)).collect();
-        let predicted = pair_problem.predict(swing_idx, swing.len(), &guesses);
-        let judge = |column: &Vec<f64>| {
-            let residuals: Vec<f64> =
-                swing.angles_rad.iter().zip(column).map(|(m, p)| m - p - start.offset_rad).collect();
-            let slopes = known.columns.iter().map(|column| dot(column, &residuals)).collect();
-            (dot(&residuals, &residuals), slopes)
+        let judge = |residuals: &Vec<f64>| {
+            let slopes = known.columns.iter().map(|column| dot(column, residuals)).collect();
+            (dot(residuals, residuals), slopes)
         };
-        predicted.iter().map(judge).collect()
+        left.of_swing(swing_idx).iter().map(judge).collect()
     };
     let per_swing = linear.each(of_swing);
     let equations = &linear.equations;
@@ -70,7 +91,7 @@ pub(super) fn answers(problem: &Problem, linear: &Linear, point: &Point, tried: 
 }
 
 /// Rise of the error, in variances, at the 95 % bound of one number (chi-square with one degree of freedom, one-sided).
-const PROFILE_95: f64 = 2.71;
+pub(super) const PROFILE_95: f64 = 2.71;
 
 /// The error may rise by so much with a number that is moved, rad²: beyond that the number is unlikely.
 pub(super) fn likely_rise(on: &Problem, linear: &Linear) -> f64 {

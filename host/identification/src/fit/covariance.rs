@@ -3,17 +3,16 @@
 //! For white residuals the covariance is s²·(JᵀJ)⁻¹. Real residuals are correlated from sample to sample, so the
 //! covariance S of the scores stands in the middle: (JᵀJ)⁻¹·S·(JᵀJ)⁻¹, with S from sums over blocks that are longer than
 //! the residuals' memory. A model that lacks physics errs coherently over the whole decay: there no number is taken to
-//! be surer than its scatter over the [`super::clusters`], and than what these would move it by. The same goes for counts of
-//! an encoder: where the pendulum turns they are wrong alike for many swings, and there is no noise that would mix them.
-//! What the rounding of any sensor does to the numbers where no noise hides its steps stands in `fit/rounding.rs`.
+//! be surer than its scatter over the [`super::clusters`], and than what these would move it by. What rounding does to the
+//! numbers where no noise hides the steps of a sensor stands in `fit/rounding.rs`, and makes no residual coloured.
 //! Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980) 817, for the sandwich.
 
 use super::arrow::Arrow;
 use super::clusters::{clusters, spread, upward_crossings};
 use super::linear::{Linear, SwingLinear, dot};
+use super::memory::Residuals;
 use super::problem::{PER_SWING, Problem, Start};
 use super::rounding::{Rounding, rounding};
-use crate::verdict::NO_CHANCE_STDS;
 use nalgebra::{DMatrix, DVector};
 
 /// Blocks at least this many times longer than the residuals' memory.
@@ -64,11 +63,12 @@ const SINGULAR: f64 = 1e-13;
 
 /// The covariance at a linearisation; a column without effect has an infinite variance. `None` if rounding spoils all.
 pub fn covariance(linear: &Linear) -> Option<Covariance> {
-    with_memory(linear, 0)
+    let memories = linear.each(|_, swing| Residuals::new(&swing.residuals).memory());
+    with_memory(linear, memories.into_iter().max().unwrap_or(0))
 }
 
-/// The same where residuals stay alike for so many samples at least, whatever their correlation says.
-fn with_memory(linear: &Linear, least: usize) -> Option<Covariance> {
+/// The same where residuals stay alike for so many samples.
+fn with_memory(linear: &Linear, memory: usize) -> Option<Covariance> {
     let equations = &linear.equations;
     let size = equations.gradient.len();
     let normal = equations.normal.dense();
@@ -82,7 +82,6 @@ fn with_memory(linear: &Linear, least: usize) -> Option<Covariance> {
     });
     let inverse = unit.cholesky()?.inverse();
     let dof = equations.n_samples.saturating_sub(size).max(1) as f64;
-    let memory = linear.each(|_, swing| memory(swing)).into_iter().fold(least, usize::max);
     let middle = if memory == 0 {
         &inverse * (equations.cost / dof)
     } else {
@@ -128,17 +127,15 @@ fn with_rounding(covariance: Covariance, rounding: &Rounding) -> Covariance {
 
 /// The same but for rounding.
 fn of_noise_and_misfit(on: &Problem, linear: &Linear, starts: &[Start]) -> Option<Covariance> {
-    let is_counted = on.swings.iter().any(|swing| swing.is_counted);
-    let runs = on.swings.iter().filter(|swing| swing.is_counted).map(|swing| longest_run(&swing.angles_rad));
-    let covariance = with_memory(linear, runs.max().unwrap_or(0).div_ceil(BLOCK_OF_MEMORIES))?;
-    if !covariance.coloured && !is_counted {
-        return Some(covariance);
-    }
-    let comes_again = |swing_idx: usize, swing: &SwingLinear| {
-        let crossings = upward_crossings(on, swing, swing_idx, starts[swing_idx].offset_rad);
-        comes_again(swing, &crossings)
+    let look = |swing_idx: usize, swing: &SwingLinear| {
+        let mut residuals = Residuals::rounded(&on.swings[swing_idx], &swing.residuals);
+        let memory = residuals.memory();
+        let crossings = || upward_crossings(on, swing, swing_idx, starts[swing_idx].offset_rad);
+        (memory, memory > 0 && residuals.come_again(&crossings(), memory))
     };
-    if !is_counted && !linear.each(comes_again).contains(&true) {
+    let (memories, come_again): (Vec<usize>, Vec<bool>) = linear.each(look).into_iter().unzip();
+    let covariance = with_memory(linear, memories.into_iter().max().unwrap_or(0))?;
+    if !come_again.contains(&true) {
         return Some(covariance);
     }
     let Some(spread) = spread(&clusters(on, linear, starts, |_| true)) else { return Some(covariance) };
@@ -164,23 +161,6 @@ fn by_the_others(covariance: &Covariance, least: &DMatrix<f64>, i: usize) -> f64
     moved.filter(|variance| variance.is_finite()).fold(0.0, f64::max)
 }
 
-/// Samples for which a counted angle stays the same, and with it how much it is rounded: at rest, and where it turns.
-fn longest_run(angles_rad: &[f64]) -> usize {
-    angles_rad.chunk_by(|a, b| a == b).map(<[f64]>::len).max().unwrap_or(0)
-}
-
-/// Are residuals a period apart alike? An error of the model comes again with every swing; noise that a filter has coloured
-/// does not, and blocks say all about it.
-fn comes_again(swing: &SwingLinear, crossings: &[usize]) -> bool {
-    let Some((first, last)) = crossings.first().zip(crossings.last()).filter(|(first, last)| first < last) else {
-        return true;
-    };
-    let period = (last - first) / (crossings.len() - 1);
-    let n_independent = swing.residuals.len() as f64 / memory(swing).max(1) as f64;
-    let (now, later) = (&swing.residuals, &swing.residuals[period.min(swing.residuals.len())..]);
-    dot(&now[..later.len()], later) > NO_CHANCE_STDS / n_independent.sqrt() * dot(now, now)
-}
-
 /// Scales rows and columns so that no variance is below that of `least`.
 fn larger_diagonal(matrix: DMatrix<f64>, least: &DMatrix<f64>) -> DMatrix<f64> {
     let factor = |i: usize| match matrix[(i, i)].is_finite() {
@@ -188,19 +168,6 @@ fn larger_diagonal(matrix: DMatrix<f64>, least: &DMatrix<f64>) -> DMatrix<f64> {
         false => 1.0,
     };
     DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] * factor(i) * factor(j))
-}
-
-/// Samples over which residuals stay correlated: 0 for white ones.
-fn memory(swing: &SwingLinear) -> usize {
-    let residuals = &swing.residuals;
-    let n_samples = residuals.len();
-    let square: f64 = residuals.iter().map(|r| r * r).sum();
-    let significant = NO_CHANCE_STDS / (n_samples as f64).sqrt();
-    let correlated = |lag: &usize| {
-        let product: f64 = residuals[*lag..].iter().zip(residuals).map(|(a, b)| a * b).sum();
-        product > significant * square
-    };
-    (1..n_samples / 4).take_while(correlated).count()
 }
 
 /// Sum over blocks of the products of Jᵀr: the covariance of the scores when blocks are independent.

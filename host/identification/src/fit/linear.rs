@@ -88,6 +88,16 @@ impl<'a> Linear<'a> {
         }
     }
 
+    /// One vector of what the swings share and of what is each one's own.
+    pub(super) fn together<'b>(&self, swings: impl Iterator<Item = Option<&'b Vec<f64>>>) -> DVector<f64> {
+        let mut sum = DVector::zeros(self.equations.gradient.len());
+        for (swing_idx, values) in swings.enumerate() {
+            let place = |j: usize| if j < self.n_unknowns { j } else { j + PER_SWING * swing_idx };
+            values.into_iter().flatten().enumerate().for_each(|(j, value)| sum[place(j)] += value);
+        }
+        sum
+    }
+
     /// How many numbers the swings share.
     pub fn n_unknowns(&self) -> usize {
         self.n_unknowns

@@ -11,11 +11,11 @@
 //! Source: B. Widrow, I. Kollár, Quantization Noise (Cambridge 2008), chapters 4 and 9.
 
 use super::linear::{Linear, SwingLinear, dot};
-use super::problem::{PER_SWING, Problem};
+use super::problem::Problem;
 use super::solve::Factor;
 use crate::recording::noise::smallest_step;
 use crate::swing::Swing;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use std::f64::consts::{PI, TAU};
 
 /// Harmonics of the saw tooth: what is left of its variance, 6 %, is as good as white.
@@ -44,11 +44,17 @@ pub(super) fn rounding(on: &Problem, linear: &Linear) -> Option<Rounding> {
     let mut matrix = DMatrix::zeros(equations.gradient.len(), equations.gradient.len());
     for k in 0..2 * HARMONICS {
         // Swings of one sensor are rounded by one grid.
-        let moved = factor.solve(&together(linear, swings.iter().map(|swing| swing.scores.get(k))));
+        let moved = factor.solve(&linear.together(swings.iter().map(|swing| swing.scores.get(k))));
         matrix += &moved * moved.transpose();
     }
     let square: f64 = swings.iter().map(|swing| swing.square).sum();
     Some(Rounding { matrix, share: (square / equations.cost).min(1.0) })
+}
+
+/// Has a sensor steps that its noise does not hide?
+pub(super) fn has_open_steps(on: &Problem, linear: &Linear) -> bool {
+    let of_swing = |swing_idx: usize, swing: &SwingLinear| Grid::of(&on.swings[swing_idx], &swing.residuals);
+    linear.each(of_swing).iter().any(Option::is_some)
 }
 
 /// What rounding does to one swing.
@@ -61,43 +67,69 @@ struct Rounded {
 }
 
 fn of_swing(swing: &Swing, linear: &SwingLinear) -> Rounded {
-    let Some(step) = smallest_step(&swing.angles_rad) else { return Rounded::default() };
-    let n_samples = linear.residuals.len();
-    let left = dot(&linear.residuals, &linear.residuals) / n_samples.max(1) as f64;
-    // Both hold the noise and the rounding, and either may hold more.
-    let white = (left.min(swing.noise_rad.powi(2)) - step * step / 12.0).max(0.0);
-    if weight(1, step, white) < NEGLIGIBLE * left {
-        return Rounded::default();
-    }
-    let of_harmonic = |k: usize| {
-        let size = weight(k, step, white).sqrt();
-        let turn = TAU * k as f64 / step;
-        let score = |wave: fn(f64) -> f64| {
-            let errors: Vec<f64> = linear.residuals.iter().map(|residual| size * wave(turn * residual)).collect();
-            linear.columns.iter().map(|column| dot(column, &errors)).collect::<Vec<f64>>()
-        };
-        [score(f64::sin), score(f64::cos)]
-    };
-    let scores = (1..=HARMONICS).flat_map(of_harmonic).collect();
-    let square = n_samples as f64 * (1..=HARMONICS).map(|k| weight(k, step, white)).sum::<f64>();
+    let Some(grid) = Grid::of(swing, &linear.residuals) else { return Rounded::default() };
+    let score = |wave: Vec<f64>| linear.columns.iter().map(|column| dot(column, &wave)).collect::<Vec<f64>>();
+    let scores = grid.waves(&linear.residuals).map(score).collect();
+    let square = linear.residuals.len() as f64 * (1..=HARMONICS).map(|k| grid.variance(k)).sum::<f64>();
     Rounded { scores, square }
 }
+
+/// Grid of a sensor that its noise does not hide.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
+    step: f64,
+    /// Variance that was there before rounding.
+    white: f64,
+}
+
+impl Grid {
+    /// Of a swing and what a model leaves of it; `None` where there are none, or noise hides them.
+    pub(super) fn of(swing: &Swing, residuals: &[f64]) -> Option<Self> {
+        let step = smallest_step(&swing.angles_rad)?;
+        let left = dot(residuals, residuals) / residuals.len().max(1) as f64;
+        // Both hold the noise and the rounding, and either may hold more.
+        let white = (left.min(swing.noise_rad.powi(2)) - step * step / 12.0).max(0.0);
+        let grid = Self { step, white };
+        (grid.variance(1) >= NEGLIGIBLE * left).then_some(grid)
+    }
+
+    /// Variance that a harmonic of the saw tooth has.
+    fn variance(&self, k: usize) -> f64 {
+        weight(k, self.step, self.white)
+    }
+
+    /// Sines and cosines of all harmonics, of readings that leave these residuals: the sum of their squares is the mean of
+    /// the square of the error over all places of the grid, sample by sample and for any sum of samples.
+    pub(super) fn waves(self, residuals: &[f64]) -> impl Iterator<Item = Vec<f64>> {
+        (1..=HARMONICS).flat_map(move |k| {
+            let (size, turn) = (self.variance(k).sqrt(), TAU * k as f64 / self.step);
+            [f64::sin, f64::cos].map(|wave: fn(f64) -> f64| {
+                residuals.iter().map(|residual| size * wave(turn * residual)).collect::<Vec<f64>>()
+            })
+        })
+    }
+
+    /// The errors that rounding would make of the same angles on grids that lie elsewhere, evenly spread.
+    pub(super) fn errors_elsewhere(self, residuals: &[f64]) -> Vec<Vec<f64>> {
+        const FINE: usize = 16;
+        let n = N_PLACES * FINE;
+        let phase = |i: usize| TAU * i as f64 / n as f64;
+        let error = |i| (1..=HARMONICS).map(|k| (2.0 * self.variance(k)).sqrt() * (k as f64 * phase(i)).sin()).sum();
+        let saw_tooth: Vec<f64> = (0..n).map(error).collect();
+        let place = |residual: &f64| ((residual / self.step).rem_euclid(1.0) * n as f64) as usize;
+        let places: Vec<usize> = residuals.iter().map(place).collect();
+        let shifted = |shift: usize| places.iter().map(|place| saw_tooth[(place + shift * FINE) % n]).collect();
+        (0..N_PLACES).map(shifted).collect()
+    }
+}
+
+/// Places of the grid that are tried, of which the extremes are nearly those of all.
+const N_PLACES: usize = 16;
 
 /// Variance that a harmonic of the saw tooth has where a `white` one was there before rounding, rad².
 fn weight(k: usize, step: f64, white: f64) -> f64 {
     let k = k as f64;
     0.5 * (step / (PI * k)).powi(2) * (-white * (TAU * k / step).powi(2)).exp()
-}
-
-/// One vector of what the swings share and of what is each one's own.
-fn together<'a>(linear: &Linear, swings: impl Iterator<Item = Option<&'a Vec<f64>>>) -> DVector<f64> {
-    let n_unknowns = linear.n_unknowns();
-    let mut sum = DVector::zeros(linear.equations.gradient.len());
-    for (swing_idx, score) in swings.enumerate() {
-        let place = |j: usize| if j < n_unknowns { j } else { j + PER_SWING * swing_idx };
-        score.into_iter().flatten().enumerate().for_each(|(j, score)| sum[place(j)] += score);
-    }
-    sum
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! Ms alone: with DV = 0 the error depends on it only through the turning points at which the pendulum stays, so that
 //! only the torques between two of them need be tried.
 
-use super::answered::{MAX_ROUNDS, answered_costs};
+use super::answered::{MAX_ROUNDS, PROFILE_95, answered_costs};
 use super::descent::Tolerance;
 use super::fitted::{Fitted, Stiction, sort};
 use super::linear::{Linear, Steps, linearise};
 use super::problem::{Point, Problem};
+use super::rounded_stop::rounded_between;
 use crate::swing::{Swing, Window};
 use rayon::prelude::*;
 use shared::parameters::base;
@@ -134,7 +135,8 @@ fn middle((low, high): &Range) -> Stiction {
 }
 
 /// All levels that suit a fitted model about as well as its own: ranges beside it that cost less than `allowed` (rad²)
-/// more, the other numbers answering to first order.
+/// more, or than rounding may make of what sets them apart, the other numbers answering to first order. Costs are odds,
+/// and so are widths: a narrow range beside a wide one has to be that much better.
 pub(super) fn likely(on: &Problem, model: &Fitted, allowed: f64) -> Range {
     let free = model.with_stiction(Stiction::NONE);
     let (problem, point) = (free.problem(on), free.point());
@@ -145,7 +147,12 @@ pub(super) fn likely(on: &Problem, model: &Fitted, allowed: f64) -> Range {
     let linear = linearise(&problem, &point, Window::Whole, &mut Steps::found(&problem, &point));
     let tried: Vec<Stiction> = ranges[from..to].iter().map(middle).collect();
     let costs = answered_costs(&problem, &linear, &point, &tried);
-    let suits = |i: &usize| costs[*i - from] < costs[at - from] + allowed;
+    let rounded = rounded_between(&problem, &linear, &point, &tried, at - from);
+    // A wider range was likelier before any reading.
+    let width = |i: usize| ranges[i].1 - ranges[i].0;
+    let odds = |i: usize| 2.0 * (width(i) / width(at)).ln().max(0.0);
+    let allowed = |i: usize| (PROFILE_95 + odds(i)) * rounded[i - from].max(allowed / PROFILE_95);
+    let suits = |i: &usize| costs[*i - from] < costs[at - from] + allowed(*i);
     let low = (from..at).rev().take_while(suits).last().unwrap_or(at);
     let high = (at + 1..to).take_while(suits).last().unwrap_or(at);
     (ranges[low].0.min(own.0), ranges[high].1.max(own.1))

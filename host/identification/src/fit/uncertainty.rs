@@ -12,6 +12,7 @@ use super::fitted::{Fitted, Stiction};
 use super::linear::{Linear, Steps, SwingLinear, linearise};
 pub use super::number::{Number, Status, Uncertainty};
 use super::problem::{PER_SWING, Problem, Quantity, Unknown};
+use super::rounding::has_open_steps;
 use super::stop_level;
 use super::tolerated::tolerated;
 use super::unseen::with_unseen_band;
@@ -32,10 +33,13 @@ const PROFILE_FROM: f64 = 0.02;
 /// The uncertainty of a model that was fitted to the swings of a problem.
 pub fn uncertainty(on: &Problem, model: &Fitted) -> Uncertainty {
     let (mut found, smooth) = of_smooth_numbers(on, model);
-    if let [.., level, band] = found.numbers.as_mut_slice()
-        && !smooth.has_stiction
-    {
-        bound_stiction(on, model, &smooth, level, band);
+    if let [.., level, band] = found.numbers.as_mut_slice() {
+        if !smooth.has_stiction {
+            bound_stiction(on, model, &smooth, level, band);
+        } else if band.status == Status::NotIdentified {
+            // Without a band, where the pendulum stops depends on Ms in jumps, of which no slope at a band tells.
+            level.status = Status::NotIdentified;
+        }
     }
     tolerated(on, model, found)
 }
@@ -117,8 +121,12 @@ fn bound_stiction(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut Num
     let of_bands = [model.stiction(), lightest].map(|from| bound(from, band_scale, &wider));
     band.upper = larger(of_bands, |at| at.velocity_band);
     if on.swings.iter().any(Swing::comes_to_rest) {
-        let (low, high) = stop_level::likely(&rough, model, allowed);
-        let spread = (high - low).powi(2) / 12.0 + stop_variance(&smooth.linear, smooth.covariance.as_ref(), model);
+        // What rounding leaves open is alike in so many samples as there are.
+        let (looked_at, allowed) =
+            if has_open_steps(on, &smooth.linear) { (on, likely_rise(on, &smooth.linear)) } else { (&rough, allowed) };
+        let (low, high) = stop_level::likely(looked_at, model, allowed);
+        let spread = mean_square_about(level.value, (low, high))
+            + stop_variance(&smooth.linear, smooth.covariance.as_ref(), model);
         level.std = (high > low).then(|| spread.sqrt());
         let is_known = level.std.is_some_and(|std| std < UNKNOWN_SHARE * level.value);
         level.status = if is_known { Status::Identified } else { Status::NotIdentified };
@@ -128,6 +136,11 @@ fn bound_stiction(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut Num
         let of_levels = [model.stiction(), lightest].map(|from| bound(from, level_scale, &higher));
         level.upper = larger(of_levels, |at| at.level_nm);
     }
+}
+
+/// Of values that are as likely anywhere in a range, about one that need not be in its middle.
+fn mean_square_about(value: f64, (low, high): (f64, f64)) -> f64 {
+    ((low + high) / 2.0 - value).powi(2) + (high - low).powi(2) / 12.0
 }
 
 /// How many of the samples of a problem another one has.
