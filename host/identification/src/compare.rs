@@ -28,6 +28,7 @@ pub mod weak;
 
 use crate::fit::identify::FitError;
 use crate::fit::tolerance::KnownRig;
+use crate::fit::touch::{self, Touch};
 use crate::geometry::{self, GeometryError};
 use crate::recording::Measured;
 use crate::swing::{MixedReadings, Swing, one_kind};
@@ -93,6 +94,8 @@ pub struct Comparison {
     pub totals: Totals,
     /// Over the held-out ones.
     pub held_out_totals: Option<Totals>,
+    /// What touched the pendulum on its way.
+    pub touches: Vec<Touch>,
     /// Where the residual is larger than elsewhere.
     pub places: Vec<Place>,
     /// Each recording.
@@ -147,6 +150,8 @@ pub fn compare<'r>(
     let recordings = if is_foreign { judge_all(measurements, follow) } else { as_fitted };
     let held_out = judge_all(held_out, follow);
     let mismatches = mismatches(&swings, &recordings, &parameters);
+    let starts: Vec<_> = recordings.iter().map(|recording| recording.start).collect();
+    let touches = if mismatches.is_empty() { touch::touches(&swings, &parameters, &starts) } else { Vec::new() };
     let totals = Totals::of(&recordings);
     let held_out_totals = (!held_out.is_empty()).then(|| Totals::of(&held_out));
     let knowledge = mismatches.is_empty().then(|| {
@@ -164,6 +169,7 @@ pub fn compare<'r>(
         held_out: &held_out,
         totals: &totals,
         held_out_totals: held_out_totals.as_ref(),
+        touches: &touches,
         places: &places,
         energy: &energy,
         torque: torque.as_ref(),
@@ -181,6 +187,7 @@ pub fn compare<'r>(
         limits: limits::limits(measurements, &recordings),
         totals,
         held_out_totals,
+        touches,
         places,
         energy,
         torque,

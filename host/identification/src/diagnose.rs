@@ -55,6 +55,7 @@ use crate::fit::identify::problem_of;
 use crate::fit::problem::Problem;
 use crate::fit::tally::Tally;
 use crate::fit::tolerance::KnownRig;
+use crate::fit::touch;
 use crate::formula::effect_of;
 use crate::geometry;
 use crate::look::Look;
@@ -104,6 +105,12 @@ pub fn diagnose_counted<'r>(
     let (began, rig) = (Instant::now(), rig.into());
     let problem = base_problem(swings, rig, count);
     let base = fitted_as_it_is(&problem);
+    let touches = touch::touches(swings, &base.parameters, &base.starts);
+    if !touches.is_empty() {
+        let mut found = diagnose_counted(&touch::longest(swings, &touches), held_out, rig, wishes, count);
+        found.touches.splice(0..0, touches);
+        return Diagnosis { seconds: began.elapsed().as_secs_f64(), ..found };
+    }
     let first_look = first_look(swings, &base.parameters);
     if let (Some(look), Some(tell)) = (&first_look, wishes.at_first_look) {
         tell(look);

@@ -53,6 +53,7 @@ pub mod stop_level;
 pub mod tally;
 pub mod tolerance;
 pub mod tolerated;
+pub mod touch;
 pub mod uncertainty;
 mod unseen;
 pub mod windows;

@@ -79,6 +79,8 @@ pub struct Swing {
     pub name: String,
     /// Seconds since the first sample, rising strictly.
     pub times_s: Arc<[f64]>,
+    /// When the first sample was taken, s of the recording.
+    pub from_s: f64,
     /// Seconds from the release to the first sample: friction that changes on the way does not begin anew with a part.
     pub begins_s: f64,
     /// What was measured.
@@ -134,9 +136,9 @@ impl Swing {
     /// Other readings of the same sensor on the same pendulum.
     pub fn like(&self, times_s: &[f64], readings: &[f64]) -> Self {
         let other = Self::build(&self.name, self.measured, self.reading_per_rad, times_s, readings, self.noise_rad);
-        let (begins_s, doubts) = (self.begins_s, self.doubts.clone());
+        let (from_s, begins_s, doubts) = (self.from_s + other.from_s, self.begins_s, self.doubts.clone());
         let Self { colour, is_driven, .. } = *self;
-        Self { begins_s, colour, is_driven, doubts, ..other }
+        Self { from_s, begins_s, colour, is_driven, doubts, ..other }
     }
 
     /// A part of it, of which the model knows when it begins.
@@ -153,6 +155,7 @@ impl Swing {
         readings: &[f64],
         noise_rad: f64,
     ) -> Self {
+        let from_s = times_s[0];
         let times_s: Arc<[f64]> = times_s.iter().map(|t| t - times_s[0]).collect();
         let sizes_rad: Vec<f64> = readings.iter().map(|reading| reading / reading_per_rad).collect();
         let n_lively = n_lively(&sizes_rad);
@@ -169,6 +172,7 @@ impl Swing {
             reading_per_rad,
             schedules: schedules(&times_s, longest_step_s, pace, 1.0, measured),
             times_s,
+            from_s,
             begins_s: 0.0,
             pace,
             noise_rad,

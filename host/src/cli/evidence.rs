@@ -8,6 +8,7 @@ use crate::diagnose::value::BASE_TITLE;
 use crate::diagnose::zero::PUT_RIGHT;
 use crate::diagnose::{Candidate, Diagnosis, Holding, NotTried, Standing, Step, Suggestion, Value};
 use crate::fit::identify::Carries;
+use crate::fit::touch::Touch;
 use crate::formula::effect_of;
 use crate::geometry::{PER_GRAVITY, is_unknown};
 use crate::number::{angle, noises, with_spread};
@@ -45,7 +46,8 @@ pub(super) fn sentences(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// What is missing, or likely missing.
 fn said(diagnosis: &Diagnosis) -> Vec<String> {
-    let mut parts: Vec<String> = driven(diagnosis).into_iter().chain(lost(diagnosis)).collect();
+    let mut parts: Vec<String> = diagnosis.touches.iter().map(touched).collect();
+    parts.extend(driven(diagnosis).into_iter().chain(lost(diagnosis)));
     if diagnosis.follows || diagnosis.unexplained || !diagnosis.verdict.is_empty() {
         parts.push(verdict(diagnosis));
     }
@@ -87,6 +89,14 @@ fn doubts(diagnosis: &Diagnosis) -> Vec<String> {
     parts.extend(not_tried(diagnosis));
     parts.extend(is_unknown(&diagnosis.parameters.pendulum).then(|| wrapped(PER_GRAVITY, 0)));
     parts
+}
+
+/// What a touch leaves must not be taken for a law.
+fn touched(touch: &Touch) -> String {
+    let words = touch.words();
+    let (first, rest) = words.split_at(1);
+    let longer = "Only the longer part of that swing is looked at here, as if by ";
+    wrapped(&format!("{}{rest}. {longer}{}.", first.to_uppercase(), touch.alone("diagnose")), 0)
 }
 
 /// That a motor or a hand drives the swings.

@@ -11,6 +11,7 @@ use crate::fit::problem::Start;
 use crate::fit::quality::Responses;
 use crate::fit::sequential::Stage;
 use crate::fit::tolerance::KnownRig;
+use crate::fit::touch::Touch;
 use crate::improve::{Change, change};
 use crate::recording::Measured;
 use crate::swing::{Swing, kind};
@@ -105,6 +106,7 @@ pub struct Fields<'a> {
     responses_before: &'a Responses,
     lowered: &'a [After],
     stages: &'a [Stage],
+    touches: &'a [Touch],
     warnings: &'a [String],
     simulations: usize,
     seconds: f64,
@@ -174,6 +176,7 @@ impl Outcome {
             responses_before: &fit.responses_before,
             lowered: &self.stages,
             stages: &fit.stages,
+            touches: &fit.touches,
             warnings: &fit.warnings,
             simulations: fit.n_simulations,
             seconds: fit.seconds,
@@ -186,10 +189,23 @@ impl Outcome {
 /// The model's readings at a swing's times, from a start: rad, or rad/s where rates were measured.
 pub fn modelled(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Vec<f64> {
     let model = Model::new(parameters);
-    let state = model.release(start.angle_rad, start.velocity_rad_s);
+    let mut state = model.release(start.angle_rad, start.velocity_rad_s);
+    state.time_s = swing.begins_s;
     let mut readings = Vec::with_capacity(swing.len());
     let schedule = swing.schedule(parameters);
     simulate(&model, state, schedule, swing.len(), |_, reading: f64| readings.push(reading + start.offset_rad));
+    readings
+}
+
+/// The same of a fitted swing, where the model begins anew behind whatever touched the pendulum.
+pub fn modelled_by(fit: &Fit, swing_idx: usize, swing: &Swing) -> Vec<f64> {
+    let mut readings = modelled(swing, &fit.starts[swing_idx], &fit.parameters);
+    for touch in fit.touches.iter().filter(|touch| touch.swing_idx == swing_idx) {
+        if let Some(start) = &touch.anew {
+            let behind = touch.samples.end..swing.len();
+            readings.splice(behind.clone(), modelled(&swing.part(behind), start, &fit.parameters));
+        }
+    }
     readings
 }
 

@@ -9,6 +9,7 @@ use super::recording::Judged;
 use super::rms;
 use super::torque::TorqueMap;
 use crate::diagnose::zero;
+use crate::fit::touch::Touch;
 use crate::number::{angle, noises, significant, with_spread};
 use crate::recording::Measured;
 use crate::verdict::Left;
@@ -88,6 +89,8 @@ pub struct Seen<'a> {
     pub totals: &'a Totals,
     /// Over the held-out ones.
     pub held_out_totals: Option<&'a Totals>,
+    /// What touched the pendulum on its way.
+    pub touches: &'a [Touch],
     /// Where the residual is larger than elsewhere, worst first.
     pub places: &'a [Place],
     /// Energy and period against amplitude.
@@ -126,6 +129,7 @@ impl Seen<'_> {
     /// The verdict, a sentence an entry.
     pub fn sentences(&self) -> Vec<String> {
         let mut words = vec![explained(self.totals)];
+        words.extend(self.touches.iter().map(touched));
         match self.answer() {
             Answer::NumbersDoNotFit => words.extend(numbers(self)),
             Answer::DoesNotFit => {
@@ -202,6 +206,17 @@ pub fn in_mrad(angle_rad: f64) -> String {
     let value = 1e3 * angle_rad;
     let digits = (2 - value.abs().max(1e-3).log10().floor() as i32).clamp(0, 5) as usize;
     format!("{value:.digits$}")
+}
+
+/// What a touch leaves is no missing physics.
+fn touched(touch: &Touch) -> String {
+    let words = touch.words();
+    let (first, rest) = words.split_at(1);
+    format!(
+        "{}{rest}. What is left from there on is no missing physics before {} shows it too.",
+        first.to_uppercase(),
+        touch.alone("compare")
+    )
 }
 
 /// The recordings were compared with their zeros taken off; one that is off is missing all the same.
@@ -339,6 +354,7 @@ mod tests {
             held_out: &[],
             totals,
             held_out_totals: None,
+            touches: &[],
             places: &[],
             energy,
             torque: None,

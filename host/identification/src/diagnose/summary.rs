@@ -15,6 +15,7 @@ use super::zero;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, held_out_rmse};
 use crate::fit::tally::Tally;
+use crate::fit::touch::Touch;
 use crate::look::{Look, of_reason};
 use crate::recording::Measured;
 use crate::swing::{Swing, Window};
@@ -86,6 +87,8 @@ pub struct Diagnosis {
     pub first_look: Option<Look>,
     /// Recordings whose swings don't become smaller: something drives them, and no verdict on them means anything.
     pub driven: Vec<String>,
+    /// What touched the pendulum on its way. All that is told is of the longest part of each swing that nothing touched.
+    pub touches: Vec<Touch>,
     /// Does the model that is told follow the swings at all? If not, whatever is said of it means nothing.
     pub follows: bool,
     /// Effects claimed to be missing from the base model; empty: nothing is missing, or nothing could be named.
@@ -292,6 +295,7 @@ impl Summary<'_, '_, '_> {
             measured,
             first_look: self.first_look,
             driven: Swing::driven(problem.swings),
+            touches: Vec::new(),
             follows: problem.is_followed(self.claimed.cost),
             family: family(&self.claimed, &self.undecided),
             not_tried: self.not_tried.into_iter().filter(|it| !self.undecided.contains(&it.effect)).collect(),

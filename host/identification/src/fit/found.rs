@@ -4,6 +4,7 @@ use super::problem::Start;
 use super::quality::Responses;
 use super::sequential::Stage;
 use super::tolerance::{KnownRig, Tolerances};
+use super::touch::Touch;
 use super::uncertainty::Status;
 use crate::verdict::Left;
 use serde::Serialize;
@@ -60,6 +61,8 @@ pub struct Fit {
     pub rmse_rad: f64,
     /// What the model leaves.
     pub left: Left,
+    /// What touched the pendulum on its way. The model begins anew behind each, unless response surfaces alone were asked for.
+    pub touches: Vec<Touch>,
     /// Noise of the measurement, rad.
     pub noise_rad: f64,
     /// Root mean square error on the held-out swings, rad.

@@ -1,7 +1,7 @@
 //! The whole identification: response surfaces, least squares, or one after the other; from a rig and its swings to
 //! numbers with uncertainties and warnings.
 
-use super::by_least_squares::{least_squares, not_worse_than_given, polish};
+use super::by_least_squares::{fitted_as_it_is, least_squares, not_worse_than_given, polish};
 use super::by_surfaces::{finish_surfaces, surfaces};
 pub use super::error::FitError;
 use super::fitted::Fitted;
@@ -15,7 +15,8 @@ use super::runs::responses_at;
 use super::scouts::scouted;
 use super::sequential::Stage;
 use super::tolerance::KnownRig;
-use super::{ranges, start};
+use super::touch::Touch;
+use super::{ranges, start, touch};
 use crate::fit::tally::Tally;
 use crate::formula::effect_of;
 use crate::geometry;
@@ -88,9 +89,30 @@ pub fn fit<'r>(
             (not_worse_than_given(&problem, found), stages)
         }
     };
+    let mut touches = touch::touches(swings, &model.parameters, &model.starts);
+    let is_anew = !touches.is_empty() && options.method != Method::Rsm;
+    let parts = if is_anew { touch::parted(swings, &touches) } else { Vec::new() };
+    let anew = is_anew.then(|| problem_of(&parts, rig, &count));
+    let model = anew.as_ref().map_or(model, fitted_as_it_is);
     progress(Progress::Uncertainty);
-    let report = Report { problem: &problem, model, given: &options.ranges };
-    report.build(held_out, responses_before, stages, &count, began)
+    let report = Report { problem: anew.as_ref().unwrap_or(&problem), model, given: &options.ranges };
+    let mut fit = report.build(held_out, responses_before, stages, &count, began)?;
+    if is_anew {
+        fit.starts = touch::given_back(&fit.starts, swings.len(), &mut touches);
+    }
+    fit.warnings.splice(0..0, touches.iter().map(words_of));
+    Ok(Fit { touches, ..fit })
+}
+
+/// What a touch does to the numbers, and what to do next.
+fn words_of(touch: &Touch) -> String {
+    let (words, alone) = (touch.words(), touch.alone("fit"));
+    match touch.anew {
+        Some(_) => format!(
+            "{words}; the model begins anew behind it, so that it spoils no number; {alone} does without the rest"
+        ),
+        None => format!("{words}, which spoils the numbers; {alone} fits the longer part alone"),
+    }
 }
 
 /// Response surfaces, then least squares from there.

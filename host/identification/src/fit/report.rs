@@ -66,6 +66,7 @@ impl Report<'_, '_> {
             parameters: problem.tolerances.settled(&self.model.parameters),
             tolerances: problem.tolerances,
             starts: self.model.starts,
+            touches: Vec::new(),
         })
     }
 

@@ -19,7 +19,7 @@ const STEP_S: f64 = 6e-3;
 const FORGOTTEN: f64 = 1e-9;
 
 /// From δ at one instant to δ at another.
-type Transition = [[f64; 2]; 2];
+pub type Transition = [[f64; 2]; 2];
 
 /// One short step of a model along a swing.
 struct Step {
@@ -62,6 +62,19 @@ impl Path {
         std::iter::once(self.from).chain(behind)
     }
 
+    /// How angle and velocity at each sample answer angle and velocity at the first one.
+    pub fn from_the_first(&self) -> Vec<Transition> {
+        let mut so_far = [[1.0, 0.0], [0.0, 1.0]];
+        let mut all = vec![so_far];
+        for step in &self.steps {
+            so_far = product(&step.transition, &so_far);
+            if step.is_sample {
+                all.push(so_far);
+            }
+        }
+        all
+    }
+
     /// What each of so many torques, of 1 N·m where its weight is one, does to the readings: a column a torque. The
     /// weights belong to an angle and a velocity.
     pub fn answers(&self, n_torques: usize, weights: impl Fn([f64; 2]) -> Vec<(usize, f64)>) -> Vec<Vec<f64>> {
@@ -81,7 +94,8 @@ impl Path {
         columns
     }
 
-    fn read(&self, [angle, velocity]: [f64; 2]) -> f64 {
+    /// What is read of a small change.
+    pub fn read(&self, [angle, velocity]: [f64; 2]) -> f64 {
         match self.measured {
             Measured::Angle => angle,
             Measured::Rate => velocity,
@@ -89,7 +103,8 @@ impl Path {
     }
 }
 
-fn moved(by: &Transition, delta: [f64; 2]) -> [f64; 2] {
+/// What a transition makes of a small change.
+pub fn moved(by: &Transition, delta: [f64; 2]) -> [f64; 2] {
     by.map(|row| row[0] * delta[0] + row[1] * delta[1])
 }
 
@@ -126,7 +141,12 @@ impl Follower {
     }
 }
 
-fn inverse([[a, b], [c, d]]: &Transition) -> Option<Transition> {
+fn product(second: &Transition, first: &Transition) -> Transition {
+    second.map(|row| [0, 1].map(|j| row[0] * first[0][j] + row[1] * first[1][j]))
+}
+
+/// The way back; `None` where it is forgotten.
+pub fn inverse([[a, b], [c, d]]: &Transition) -> Option<Transition> {
     let determinant = a * d - b * c;
     let is_known = determinant.abs() > FORGOTTEN && determinant.is_finite();
     is_known.then(|| [[d / determinant, -b / determinant], [-c / determinant, a / determinant]])

@@ -3,16 +3,14 @@
 use crate::cli::output;
 use crate::error::Failure;
 use crate::fit::identify::Fit;
-use crate::fit::problem::Start;
 use crate::geometry::is_unknown;
-use crate::operations::fit::modelled;
+use crate::operations::fit::modelled_by;
 use crate::paper::data::Published;
 use crate::paper::replay::Replay;
 use crate::plot::overlay::{Overlay, Row};
 use crate::recording::Measured;
 use crate::shorten::shortened;
 use crate::swing::Swing;
-use shared::parameters::Parameters;
 use std::path::Path;
 
 /// A longer name would leave the drawing together with what stands behind it.
@@ -21,7 +19,7 @@ const LONGEST_NAME: usize = 70;
 /// Draws all fitted swings.
 pub(super) fn of_fit(path: &Path, fit: &Fit, swings: &[Swing], force: bool) -> Result<(), Failure> {
     let rows: Vec<Row> =
-        swings.iter().zip(&fit.starts).map(|(swing, start)| row(swing, start, &fit.parameters)).collect();
+        swings.iter().enumerate().map(|(idx, swing)| row(swing, modelled_by(fit, idx, swing))).collect();
     let title = match swings {
         [_] => "Measured against model".to_owned(),
         _ => format!("Measured against model: {} swings", swings.len()),
@@ -58,8 +56,7 @@ pub(super) fn of_paper(path: &Path, force: bool) -> Result<(), Failure> {
     output::write(path, &overlay.svg(), force)
 }
 
-fn row(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Row {
-    let model_rad = modelled(swing, start, parameters);
+fn row(swing: &Swing, model_rad: Vec<f64>) -> Row {
     let squares: f64 = swing.angles_rad.iter().zip(&model_rad).map(|(m, s)| (m - s).powi(2)).sum();
     let rmse_mrad = 1e3 * (squares / swing.len() as f64).sqrt();
     let name = Path::new(&swing.name).file_name().map_or(swing.name.as_str().into(), |name| name.to_string_lossy());
