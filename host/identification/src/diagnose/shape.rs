@@ -12,7 +12,7 @@ use super::verdict::{INDISTINGUISHABLE, Judge};
 use super::widening::{in_usual_form, in_wider_forms};
 use crate::fit::fitted::Fitted;
 use crate::fit::refine::on_all;
-use crate::fit::uncertainty::{Status, UNKNOWN_SHARE, Uncertainty, size, with_the_rig_free, without_bounds};
+use crate::fit::uncertainty::{Status, UNKNOWN_SHARE, size, with_the_rig_free};
 use crate::verdict::Left;
 
 impl Judge<'_, '_> {
@@ -28,12 +28,9 @@ impl Judge<'_, '_> {
             true => with_the_rig_free(self.problem, claimed).numbers,
             false => Vec::new(),
         };
-        let known: Vec<Uncertainty> = alike.iter().map(|model| without_bounds(self.problem, model)).collect();
         for unknown in claimed.unknowns.iter().filter(|unknown| unknown.is_of_the_rig()) {
             let at = |model: &Fitted| unknown.get(&model.parameters);
-            let has_meaning = |known: &Uncertainty| !known.is_made_up_for_by_an_effect(unknown.quantity);
-            let meant = alike.iter().zip(&known).filter(|(_, known)| has_meaning(known));
-            let moved = meant.map(|(model, _)| (at(model) - at(claimed)).abs()).fold(0.0, f64::max);
+            let moved = alike.iter().map(|model| (at(model) - at(claimed)).abs()).fold(0.0, f64::max);
             let own = free.iter().find(|number| number.unknown.quantity == unknown.quantity).and_then(|it| it.std);
             let value = values.iter_mut().find(|value| value.symbol == unknown.symbol && value.effect == unknown.name);
             if let Some(value) = value {

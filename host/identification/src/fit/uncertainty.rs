@@ -153,13 +153,6 @@ impl Uncertainty {
     pub fn index_of(&self, quantity: Quantity) -> Option<usize> {
         self.numbers.iter().position(|number| number.unknown.quantity == quantity)
     }
-
-    /// Does a number of an added effect make up for a quantity of the rig, so that only both together mean something?
-    pub fn is_made_up_for_by_an_effect(&self, quantity: Quantity) -> bool {
-        let Some(at) = self.index_of(quantity) else { return false };
-        let is_alike = |j: usize| self.correlations[at][j].is_some_and(|r| r.abs() > ALIKE_CORRELATION);
-        (0..self.numbers.len()).any(|j| j != at && !self.numbers[j].unknown.is_of_the_rig() && is_alike(j))
-    }
 }
 
 /// What a standard deviation is compared with: the inertia about the centre is a small part of the one about the pivot,
