@@ -219,6 +219,35 @@ fn rates_in_degrees_are_told_from_rates_in_radians_by_the_fastest_fall() {
     assert!(refused.contains("radians a second") && refused.contains("rate=1:rad/s"), "{refused}");
 }
 
+/// `A exp(−t/40 s) cos ωt`: a wheel on a spiral spring, whose period never changes.
+#[test]
+fn a_torsion_pendulum_is_refused_by_its_rates_as_by_its_angles() {
+    const AMPLITUDE_RAD: f64 = 2.4;
+    const ANGULAR_HZ: f64 = 3.33;
+    let times_s = || (0..900).map(|idx| f64::from(idx) * 0.1);
+    let size = |time_s: f64| AMPLITUDE_RAD * (-time_s / 40.0).exp();
+    let in_file = |name: &str, reading: &dyn Fn(f64) -> f64| {
+        let rows: Vec<String> = times_s().map(|time_s| format!("{time_s:.1},{:.2}", reading(time_s))).collect();
+        format!("t (s),{name}\n{}\n", rows.join("\n"))
+    };
+    let rate =
+        |time_s: f64| -size(time_s) * ((ANGULAR_HZ * time_s).sin() * ANGULAR_HZ + (ANGULAR_HZ * time_s).cos() / 40.0);
+    let in_radians = in_file("omega (rad/s)", &rate);
+    let files = [
+        in_file("theta (rad)", &|time_s| size(time_s) * (ANGULAR_HZ * time_s).cos()),
+        in_radians.clone(),
+        in_file("omega (deg/s)", &|time_s| rate(time_s).to_degrees()),
+        in_file("omega", &rate),
+    ];
+    for text in files {
+        let read = read_bytes("wheel.csv", text.as_bytes(), &ReadOptions::default());
+        let refused = read.map(|_| ()).unwrap_err().to_string();
+        assert!(refused.contains("or a spring swings it and no gravity, as in a torsion pendulum"), "{refused}");
+    }
+    let told = read_bytes("wheel.csv", in_radians.as_bytes(), &columns("t=0,rate=1:rad/s")).unwrap();
+    assert!(told.notes().iter().any(|note| note.starts_with("doubtful: ")), "{:?}", told.notes());
+}
+
 #[test]
 fn what_would_be_read_wrongly_is_refused_with_the_cure() {
     for (name, words) in REFUSED {

@@ -78,10 +78,13 @@ impl Rates<'_> {
         let largest = swings.largest_rad;
         let fastest = 2.0 * swings.small_rad_s();
         let is_degrees = unit.is_some_and(|unit| unit.angle == AngleUnit::Degrees);
-        let fault = match swings.in_angles().scale() {
+        let scale = swings.in_angles().scale();
+        // The file says so, and no other unit would show this growth.
+        let is_stated = unit.is_some() && matches!(scale, Scale::TooLarge { may_be_none: false, .. });
+        let fault = match scale {
             _ if largest > FASTEST_MARGIN * fastest => Fault::too_fast(largest, fastest, told),
-            Scale::TooLarge { predicted_percent, found_percent, .. } if unit.is_none() => {
-                Fault::too_even(largest, predicted_percent, found_percent, told)
+            Scale::TooLarge { predicted_percent, found_percent, .. } => {
+                Fault::too_even(largest, (predicted_percent, found_percent), unit.is_some(), told)
             }
             Scale::TooSmall { factor } if is_degrees => {
                 Fault::NotDegreesPerSecond { unit: "degrees a second", largest_rad_s: largest, factor, told }
@@ -94,7 +97,7 @@ impl Rates<'_> {
                 .columns
                 .as_ref()
                 .is_some_and(|columns| columns.rate.as_ref().is_some_and(|r| r.1.is_some()));
-        if is_told {
+        if is_told || is_stated {
             self.notes.push(format!("doubtful: {fault}"));
             return Ok(());
         }

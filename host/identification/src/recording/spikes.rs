@@ -8,6 +8,7 @@
 //! 15 to 120 samples a period), of which 653 are found and nothing else, and on the real recordings that come with the
 //! project and four made-up ones.
 
+use super::noise::smallest_step;
 use super::smooth::LocalFit;
 use super::{median, median_step_s, turning};
 use std::ops::Range;
@@ -51,7 +52,9 @@ pub(super) fn spikes(times: &[f64], readings: &[f64]) -> Vec<bool> {
     }
     let readings = &near(readings)[..];
     let misses: Vec<f64> = (0..readings.len()).map(|idx| miss(times, readings, idx)).collect();
-    let usual = median(&mut misses.iter().map(|miss| miss.abs()).collect::<Vec<f64>>()) / 0.6745;
+    let seen = median(&mut misses.iter().map(|miss| miss.abs()).collect::<Vec<f64>>()) / 0.6745;
+    // A coarse sensor that stays at its steps misses nothing most of the time, and yet rounds all.
+    let usual = seen.max(smallest_step(readings).unwrap_or(0.0) / 12_f64.sqrt());
     let least = (SUSPECT * usual).max(LEAST_SHARE * range(readings));
     let Some(half_swing) = turning::half_swing_s(times, readings, usual) else { return none };
     let in_half_swing = (half_swing / median_step_s(times)) as usize;
@@ -198,6 +201,25 @@ mod tests {
         {
             let n = spikes(&times, &readings).iter().filter(|is_spike| **is_spike).count();
             assert_eq!(n, 0, "{name}");
+        }
+    }
+
+    /// Small swings of a coarse encoder before a long rest: they turn on plateaus of many readings, one step beyond what stands
+    /// beside them.
+    #[test]
+    fn turning_points_one_step_of_an_encoder_beyond_their_neighbours_are_no_losses() {
+        for steps in [3.6, 5.6, 7.6] {
+            let times: Vec<f64> = (0..6000_u32).map(|idx| f64::from(idx) / 100.0).collect();
+            let count = |t: &f64| (steps * (1.0 - t / 12.0).max(0.0) * (6.2 * t).cos()).round();
+            let mut readings: Vec<f64> = times.iter().map(count).collect();
+            let found = |readings: &[f64]| {
+                let found = spikes(&times, readings);
+                (0..found.len()).filter(|idx| found[*idx]).collect::<Vec<usize>>()
+            };
+            assert_eq!(found(&readings), [0_usize; 0], "{steps}");
+            // What goes farther than rounding does is lost.
+            readings[333..336].fill(-60.0);
+            assert_eq!(found(&readings), [333, 334, 335], "{steps}");
         }
     }
 

@@ -35,14 +35,26 @@ impl Fault {
         Self::NotRadiansPerSecond { largest, against, instead }
     }
 
-    /// Rates (rad/s) with which the period does not grow.
-    pub(in crate::recording) fn too_even(largest: f64, predicted_percent: f64, found_percent: f64, told: Told) -> Self {
-        let instead = format!(
-            "these are degrees a second (say --columns {}), or a spring swings it and no gravity, which can't be fitted; if \
-             they are rad/s all the same, say --columns {}",
-            told.rate(":deg/s"),
-            told.rate(":rad/s")
-        );
-        Self::NotRadiansPerSecond { largest, against: growth_in_words(predicted_percent, found_percent), instead }
+    /// Rates (rad/s) with which the period does not grow as it should, percent.
+    pub(in crate::recording) fn too_even(
+        largest: f64,
+        (predicted, found): (f64, f64),
+        is_stated: bool,
+        told: Told,
+    ) -> Self {
+        const SPRING: &str = "or a spring swings it and no gravity, as in a torsion pendulum, which can't be fitted";
+        let instead = if is_stated {
+            let other = told.rate(":mrad/s");
+            format!(
+                "these are in another unit (--columns {other}), {SPRING}; if the unit is right all the same, say it so"
+            )
+        } else {
+            let (degrees, radians) = (told.rate(":deg/s"), told.rate(":rad/s"));
+            format!(
+                "these are degrees a second (say --columns {degrees}), {SPRING}; if they are rad/s all the same, say \
+                 --columns {radians}"
+            )
+        };
+        Self::NotRadiansPerSecond { largest, against: growth_in_words(predicted, found), instead }
     }
 }
