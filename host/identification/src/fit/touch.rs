@@ -3,7 +3,7 @@
 //! In: swings with a fitted model. Out: when the rate jumped, and by how much. Friction and inertia are fitted to all of a
 //! swing, so that one jump of 0.02 rad/s moves them by many of their ±, and what is left then looks like missing physics.
 //!
-//! [`scan`] asks every place of a swing which jump would explain the motion about it best. A model that errs smoothly errs
+//! The scan asks every place of a swing which jump would explain the motion about it best. A model that errs smoothly errs
 //! everywhere, and by no single jump. So a touch is a place where a jump is beyond chance, explains most of what is left
 //! about it, and stands far out of what the other places of the same swing show. Where that can't be asked, because a swing
 //! is short, nothing is said: missing physics that is taken for a touch would be worse than a touch that is missed.
