@@ -11,6 +11,7 @@ use super::row::{Key, Number, Origin, Outcome, Row, word};
 use crate::fit::identify::{self, Fit, Method};
 use crate::geometry;
 use crate::now;
+use crate::operations::fit::modelled;
 use crate::recording::plausible::Swings;
 use crate::recording::segment::SegmentOptions;
 use crate::recording::{self, Measured, ReadOptions, Recording};
@@ -83,7 +84,19 @@ fn fitted(rig: &Rig, swing: Swing, mut notes: Vec<String>) -> Result<Outcome, St
     Ok(outcome(&swings[0], &fit, notes))
 }
 
+/// The error of a fit and what it leaves. Of a swing that was touched a fit takes the parts; here it counts as a whole, and as
+/// pushed: friction of one swing is compared with that of others, which nobody touched.
+fn error_of(swing: &Swing, fit: &Fit) -> (f64, Left) {
+    if fit.touches.is_empty() {
+        return (fit.rmse_rad, fit.left);
+    }
+    let modelled = modelled(swing, &fit.starts[0], &fit.parameters);
+    let squares = swing.angles_rad.iter().zip(modelled).map(|(measured, modelled)| (measured - modelled).powi(2));
+    ((squares.sum::<f64>() / swing.len() as f64).sqrt(), Left::Missing)
+}
+
 fn outcome(swing: &Swing, fit: &Fit, notes: Vec<String>) -> Outcome {
+    let (error_rad, left) = error_of(swing, fit);
     let seen = Swings::of(&swing.times_s, &swing.angles_rad);
     let seen = seen.map(|seen| if swing.measured == Measured::Rate { seen.in_angles() } else { seen });
     Outcome {
@@ -92,8 +105,8 @@ fn outcome(swing: &Swing, fit: &Fit, notes: Vec<String>) -> Outcome {
         amplitude_rad: swing.angles_rad.iter().fold(0.0, |largest, angle| f64::max(largest, angle.abs())),
         period_s: seen.map(|seen| seen.small_period_s()),
         noise_rad: fit.noise_rad,
-        error_rad: fit.rmse_rad,
-        left: word(&fit.left),
+        error_rad,
+        left: word(&left),
         notes: notes.into_iter().chain(fit.warnings.iter().cloned()).collect(),
         numbers: fit.identified.iter().map(Number::from).collect(),
     }

