@@ -93,10 +93,8 @@ fn doubts(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// What a touch leaves must not be taken for a law.
 fn touched(touch: &Touch) -> String {
-    let words = touch.words();
-    let (first, rest) = words.split_at(1);
-    let longer = "Only the longer part of that swing is looked at here, as if by ";
-    wrapped(&format!("{}{rest}. {longer}{}.", first.to_uppercase(), touch.alone("diagnose")), 0)
+    let (sentence, alone) = (touch.sentence(), touch.alone("diagnose"));
+    wrapped(&format!("{sentence} Only the longer part of that swing is looked at here, as if by {alone}."), 0)
 }
 
 /// That a motor or a hand drives the swings.

@@ -8,6 +8,7 @@
 
 use super::folder::{Rig, path_of};
 use super::row::{Key, Number, Origin, Outcome, Row, word};
+use crate::compare::rms;
 use crate::fit::identify::{self, Fit, Method};
 use crate::geometry;
 use crate::now;
@@ -91,8 +92,8 @@ fn error_of(swing: &Swing, fit: &Fit) -> (f64, Left) {
         return (fit.rmse_rad, fit.left);
     }
     let modelled = modelled(swing, &fit.starts[0], &fit.parameters);
-    let squares = swing.angles_rad.iter().zip(modelled).map(|(measured, modelled)| (measured - modelled).powi(2));
-    ((squares.sum::<f64>() / swing.len() as f64).sqrt(), Left::Missing)
+    let residuals: Vec<f64> = swing.angles_rad.iter().zip(modelled).map(|(a, b)| a - b).collect();
+    (rms(&residuals), Left::Missing)
 }
 
 fn outcome(swing: &Swing, fit: &Fit, notes: Vec<String>) -> Outcome {

@@ -210,13 +210,8 @@ pub fn in_mrad(angle_rad: f64) -> String {
 
 /// What a touch leaves is no missing physics.
 fn touched(touch: &Touch) -> String {
-    let words = touch.words();
-    let (first, rest) = words.split_at(1);
-    format!(
-        "{}{rest}. What is left from there on is no missing physics before {} shows it too.",
-        first.to_uppercase(),
-        touch.alone("compare")
-    )
+    let (sentence, alone) = (touch.sentence(), touch.alone("compare"));
+    format!("{sentence} What is left from there on is no missing physics before {alone} shows it too.")
 }
 
 /// The recordings were compared with their zeros taken off; one that is off is missing all the same.

@@ -106,6 +106,13 @@ impl Touch {
         )
     }
 
+    /// The same as a sentence of its own.
+    pub fn sentence(&self) -> String {
+        let words = self.words();
+        let (first, rest) = words.split_at(1);
+        format!("{}{rest}.", first.to_uppercase())
+    }
+
     /// The command that looks at the longer part alone.
     pub fn alone(&self, command: &str) -> String {
         let part = match (self.from_s, self.to_s) {
