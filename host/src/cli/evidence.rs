@@ -308,7 +308,8 @@ fn claimed(diagnosis: &Diagnosis, name: &str) -> Option<String> {
 
 fn number(value: &Value) -> String {
     let unit = if value.unit == "1" { "" } else { value.unit };
-    format!("{:<4} = {} {unit}", value.symbol, with_spread(value.value, value.std)).trim_end().to_owned()
+    let end = if value.is_on_an_end() { ", the end of its range" } else { "" };
+    format!("{:<4} = {} {unit}", value.symbol, with_spread(value.value, value.std)).trim_end().to_owned() + end
 }
 
 /// What the formulas say that were found for the rest, and how far they can be trusted.
@@ -415,6 +416,7 @@ const SHOWN: usize = 8;
 mod tests {
     use super::*;
     use crate::examples::{claim, diagnosis};
+    use crate::fit::uncertainty::Status;
 
     fn told(diagnosis: Diagnosis) -> Diagnosis {
         Diagnosis { rmse_before: 5e-3, rmse_after: 1.5e-3, noise: 1e-3, ..diagnosis }
@@ -444,6 +446,22 @@ mod tests {
         let words = staircase(&with_drag());
         let widths: Vec<usize> = words.lines().skip(1).map(|line| line.matches('█').count()).collect();
         assert_eq!(widths, [30, 9, 6], "{words}");
+    }
+
+    #[test]
+    fn a_number_on_the_end_of_its_range_is_told_to_be_there() {
+        let exponent = |status| Value {
+            effect: "general-presliding",
+            symbol: "iD",
+            value: 0.25,
+            std: None,
+            unit: "1",
+            status,
+            upper: None,
+        };
+        assert_eq!(number(&exponent(Status::AtBound)), "iD   = 0.2500, the end of its range");
+        assert_eq!(number(&exponent(Status::Identified)), "iD   = 0.2500");
+        assert_eq!(number(&Value { value: 0.0, ..exponent(Status::AtBound) }), "iD   = 0");
     }
 
     #[test]

@@ -58,7 +58,8 @@ fn claimed(diagnosis: &Diagnosis, name: &str) -> Markup {
 
 fn number(value: &Value) -> Markup {
     let unit = if value.unit == "1" { "" } else { value.unit };
-    html! { tr { td { (value.symbol) } td { (with_spread(value.value, value.std)) } td { (unit) } } }
+    let end = if value.is_on_an_end() { "the end of its range" } else { "" };
+    html! { tr { td { (value.symbol) } td { (with_spread(value.value, value.std)) } td { (unit) } td { (end) } } }
 }
 
 fn holds_on(claim: &Holding) -> Markup {

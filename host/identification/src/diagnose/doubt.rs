@@ -31,7 +31,8 @@ impl Judge<'_, '_> {
     /// wider law that may be since its numbers make up for each other; its special case has fewer.
     pub(super) fn beyond_their_errors(&self, claimed: Fitted) -> Fitted {
         let Some(effect) = self.vague(&claimed) else { return claimed };
-        let surer = self.special_case_of(&claimed, effect).or_else(|| self.surer(&claimed));
+        let surer =
+            self.special_case_of(&claimed, effect).or_else(|| self.surer(&claimed)).or_else(|| self.surest(&claimed));
         self.beyond_their_errors(surer.unwrap_or_else(|| self.without_doubtful(&claimed, effect.name)))
     }
 
@@ -59,6 +60,14 @@ impl Judge<'_, '_> {
             .collect();
         simpler.sort_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b)));
         simpler.into_iter().find(|model| self.vague(model).is_none()).cloned()
+    }
+
+    /// In place of a single law that is vague, the best one that is not and is worth it, though it leaves more.
+    fn surest(&self, claimed: &Fitted) -> Option<Fitted> {
+        let level = self.found.levels.first().filter(|_| claimed.effects.len() == 1)?;
+        let is_worth_it = |model: &&Fitted| self.is_worth_it(&self.found.base, model) && self.vague(model).is_none();
+        let others = level.iter().filter(|model| model.n_added() < claimed.n_added()).filter(is_worth_it);
+        others.min_by(|a, b| self.criterion(a).total_cmp(&self.criterion(b))).cloned()
     }
 
     /// The claimed model with the special case in place of one of its laws, as the search fitted it.

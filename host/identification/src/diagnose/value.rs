@@ -30,6 +30,11 @@ impl Value {
     pub fn is_within_its_error(&self) -> bool {
         self.std.is_some_and(|std| self.value.abs() < std)
     }
+
+    /// Do the swings ask for more of it than there can be? Where the range begins with nothing, nothing is no end of it.
+    pub fn is_on_an_end(&self) -> bool {
+        self.status == Status::AtBound && self.value != 0.0
+    }
 }
 
 /// A model that was fitted.

@@ -5,6 +5,7 @@ use super::models::{ALIKE_NOISES, MOST_LEFT, MOST_LEFT_UNEXPLAINED, NEAR, excess
 use super::physical::is_sound;
 use super::replacement::Replacements;
 use super::search::Found;
+use super::strength::is_as_far_from_special_as_can_be;
 use super::value::{Candidate, values};
 use super::widening::in_usual_form;
 use crate::fit::descent::Tolerance;
@@ -124,13 +125,18 @@ impl Judge<'_, '_> {
     }
 
     /// The claimed model with each law in its usual form, where that is as good begun from its numbers on all samples: the
-    /// search may have it in a side valley, which decimated swings lead to. And those in whose place they are.
+    /// search may have it in a side valley, which decimated swings lead to. One whose shape lies on the end of its range is not
+    /// known by it, and need only leave about as much. And those in whose place they are.
     pub(super) fn in_usual_forms(&self, mut claimed: Fitted) -> (Fitted, Vec<Fitted>) {
         let mut wider = Vec::new();
         for wide in claimed.effects.clone() {
             let Some(usual) = in_usual_form(self.problem, &claimed, wide) else { continue };
             let usual = usual.refined(self.problem, Band::Free, Tolerance::JUDGE);
-            if is_sound(self.problem, &usual) && self.is_as_good(&usual, &claimed) {
+            let is_enough = |usual: &Fitted| match is_as_far_from_special_as_can_be(&claimed, wide) {
+                true => self.leaves_about_as_much(usual, &claimed),
+                false => self.is_as_good(usual, &claimed),
+            };
+            if is_sound(self.problem, &usual) && is_enough(&usual) {
                 wider.push(std::mem::replace(&mut claimed, usual));
             }
         }

@@ -43,6 +43,11 @@ const BLOCK: usize = 32;
 /// Fewer still samples than this give no noise of their own.
 const MIN_STILL: usize = 20;
 
+/// Noise beyond so many times what most samples have is not theirs: that of a camera that blurs, or of rates that are worse the
+/// faster it swings, is within a few times of it. A reading on the other side of a swing of 30° in 25 frames a second makes it 30
+/// times. Half and twice: that reading is told as well.
+const OUTWEIGHED: f64 = 8.0;
+
 /// The median size of what is normally distributed, in standard deviations.
 const MEDIAN_SIZE: f64 = 0.6745;
 
@@ -130,6 +135,13 @@ fn robust_of_samples(times_s: &[f64], angles_rad: &[f64]) -> f64 {
     let (order, _) = agreeing_order(times_s, angles_rad, &none_frozen);
     let windows = times_s.windows(order + 1).zip(angles_rad.windows(order + 1));
     robust_spread(&windows.map(|(times_s, angles_rad)| difference(times_s, angles_rad)).collect::<Vec<f64>>())
+}
+
+/// White noise (rms) of most samples where a few outweigh all others, as when a tracker takes another point; else the noise as
+/// it is.
+pub(in crate::recording) fn of_most_samples(times_s: &[f64], angles_rad: &[f64], noise: &Noise) -> f64 {
+    let most = robust_of_samples(times_s, angles_rad).max(noise.quantisation_rms);
+    if most > 0.0 && noise.total_rms > OUTWEIGHED * most { most } else { noise.total_rms }
 }
 
 /// Noise of a stretch in which the pendulum is still (held before the release, or at rest); a slow drift is removed.

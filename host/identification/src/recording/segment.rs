@@ -206,9 +206,10 @@ impl<'a> Cut<'a> {
     fn new(recording: &'a Recording, asked: Range<usize>) -> Result<Self, SegmentError> {
         let (times_s, angles_rad) = (&recording.times_s()[asked.clone()], &recording.angles_rad()[asked.clone()]);
         let noise = noise::estimate(recording);
-        let rough_s = turning::half_swing_s(times_s, angles_rad, noise.total_rms);
-        let of_means = |half_swing_s| noise::noise_of_means(times_s, angles_rad, noise.total_rms, half_swing_s);
-        let noise_rms_rad = rough_s.map_or(noise.total_rms, of_means);
+        let white_rad = noise::of_most_samples(times_s, angles_rad, &noise);
+        let rough_s = turning::half_swing_s(times_s, angles_rad, white_rad);
+        let of_means = |half_swing_s| noise::noise_of_means(times_s, angles_rad, white_rad, half_swing_s);
+        let noise_rms_rad = rough_s.map_or(white_rad, of_means);
         let turns = turning::turning_points(times_s, angles_rad, noise_rms_rad);
         let half_swing_s = turning::half_swing_s(times_s, angles_rad, noise_rms_rad);
         let duration_s = times_s[times_s.len() - 1] - times_s[0];
@@ -216,7 +217,7 @@ impl<'a> Cut<'a> {
         let (Some(half_swing_s), true) = (half_swing_s, turns.len() >= MIN_TURNING_POINTS) else { return Err(too_few) };
         let width_s = turning::quartic_width_s(half_swing_s, recording.step_s());
         // What its colour adds to accelerations shows in how far they are off the law anyway.
-        let states = states(times_s, angles_rad, noise.total_rms, width_s);
+        let states = states(times_s, angles_rad, white_rad, width_s);
         let mut cut = Self {
             recording,
             asked,

@@ -32,6 +32,11 @@ const LOST_AFTER_A_MOTOR: f64 = 4.0;
 /// friction alone would deny it; half was not tried.
 const LOST_AT_ONCE: f64 = 0.25;
 
+/// A motor holds a swing: where it had been so many times as large in the same stretch, it came down freely, and what it loses in the
+/// end is a tail that a tracker follows in steps. A motor that begins beats up to twice as far as it then holds; with twice of it a
+/// tail of a fourth would still be cut off.
+const FALLEN_BEFORE: f64 = 2.0;
+
 /// Half swings before and after, at least; with half of them dry friction that changes with the place would be a motor.
 const STEADY_SWINGS: usize = 8;
 
@@ -246,6 +251,11 @@ impl Cut<'_> {
         let spread_rad = median(&mut inside.iter().map(|turn| turn.spread_rad).collect::<Vec<f64>>());
         let size_at = |idx: usize| median(&mut sizes[idx - 1..=idx + 1].to_vec());
         let time_s = |idx: usize| inside[idx].time_s;
+        let larger = |largest: &mut f64, size: &f64| {
+            *largest = largest.max(*size);
+            Some(*largest)
+        };
+        let largest_before: Vec<f64> = sizes.iter().scan(0.0, larger).collect();
         let knee = |idx: usize| {
             let n = (idx - 1).min(sizes.len() - 2 - idx);
             let (lost_before, lost_after) = (size_at(idx - n) - size_at(idx), size_at(idx) - size_at(idx + n));
@@ -254,7 +264,8 @@ impl Cut<'_> {
             let more_rad = lost_after - LOST_AFTER_A_MOTOR * lost_before.max(0.0) * after_s / before_s;
             // From the start on: a tracker that loses the last swings makes these small.
             let at_once = size_at(idx) - size_at(idx + n / 2) > LOST_AT_ONCE * lost_after;
-            let is_seen = more_rad > SURE * LOST_AFTER_A_MOTOR * spread_rad && at_once;
+            let was_held = largest_before[idx] < FALLEN_BEFORE * size_at(idx);
+            let is_seen = more_rad > SURE * LOST_AFTER_A_MOTOR * spread_rad && at_once && was_held;
             is_seen.then_some((more_rad / after_s, idx))
         };
         let knees = (STEADY_SWINGS..sizes.len().saturating_sub(STEADY_SWINGS)).filter_map(knee);

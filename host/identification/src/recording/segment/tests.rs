@@ -360,6 +360,31 @@ fn where_a_tracker_loses_some_swings_no_motor_is_switched_off_before() {
     assert!(start_s < 1.0 && (59.0..62.0).contains(&end_s), "{segments:?}");
 }
 
+/// From 0.2 rad down to 5 mrad, which a tracker of few pixels sees for forty seconds, and then less again.
+#[test]
+fn a_tail_that_a_tracker_follows_in_steps_is_no_motor_that_is_switched_off() {
+    let size_rad = |time_s: f64| match 0.2 * (-time_s / 20.0).exp() {
+        size_rad if time_s < 74.0 => size_rad,
+        _ => 5e-3 * (-(time_s - 114.0).max(0.0) / 15.0).exp(),
+    };
+    let angle = |idx: u32| size_rad(f64::from(idx) * STEP_S) * (70_f64.sqrt() * f64::from(idx) * STEP_S).cos();
+    let segments = in_noise(&(0..27_000).map(angle).collect::<Vec<f64>>(), 1e-7);
+    assert!((segments.free.start as f64) * STEP_S < 1.0, "{segments:?}");
+}
+
+/// At 25 samples a second, as a camera takes them.
+#[test]
+fn a_reading_on_the_other_side_does_not_make_small_swings_a_rest() {
+    let mut angles_rad: Vec<f64> = noisy(&swing(0.6, 20.0)).angles_rad().iter().step_by(8).copied().collect();
+    let of_camera = |angles_rad: &[f64]| {
+        segment(&Recording::uniform(25.0, angles_rad.to_vec()).unwrap(), &SegmentOptions::default()).unwrap()
+    };
+    let clean = of_camera(&angles_rad);
+    angles_rad[9] = -angles_rad[9];
+    let spoilt = of_camera(&angles_rad);
+    assert_eq!((clean.free.end, clean.rest), (spoilt.free.end, spoilt.rest), "{:?}", spoilt.notes);
+}
+
 /// A motor holds the swing for a minute, then something strikes it twice: what lies between is too short to be free.
 #[test]
 fn a_short_piece_beside_a_driven_swing_is_not_taken_for_a_free_one() {
