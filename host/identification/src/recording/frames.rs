@@ -10,7 +10,7 @@
 //! found. Missing ones are found in five of seven other videos; in four of these rows fall behind the rounded times likewise.
 
 mod glance;
-mod swing;
+pub(super) mod swing;
 
 use super::noise;
 use super::slip::Slip;
