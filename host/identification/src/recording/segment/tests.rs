@@ -55,6 +55,38 @@ fn a_held_pendulum_is_free_just_after_its_release() {
     }
 }
 
+/// Without the rows in between (s), whatever hangs or turns there.
+fn find_past_hole(angles_rad: &[f64], from_s: f64, to_s: f64) -> Segments {
+    let whole = noisy(angles_rad);
+    let kept = || (0..whole.len()).filter(|idx| !(from_s..to_s).contains(&whole.times_s()[*idx]));
+    let of = |list: &[f64]| kept().map(|idx| list[idx]).collect::<Vec<f64>>();
+    let recording = Recording::new(whole.header().clone(), of(whole.times_s()), of(whole.angles_rad()), None).unwrap();
+    segment(&recording, &SegmentOptions::default()).unwrap()
+}
+
+#[test]
+fn a_hole_in_the_rows_that_hides_where_it_turned_is_bridged() {
+    // A period takes 0.75 s at first.
+    let free = swing(0.8, 20.0);
+    for from in 0..25 {
+        for length_s in [0.1, 0.2, 0.3, 0.5, 0.7] {
+            let from_s = 5.0 + 0.03 * f64::from(from);
+            let segments = find_past_hole(&free, from_s, from_s + length_s);
+            assert!(segments.free.start == 0 && segments.notes.is_empty(), "{from_s} {length_s} {segments:?}");
+        }
+    }
+}
+
+#[test]
+fn a_push_in_a_hole_of_the_rows_is_seen_behind_it() {
+    // Along its way, for most of one half swing.
+    let push = |t: f64| if (5.35..5.65).contains(&t) { -6.0 } else { 0.0 };
+    let pushed = moved_swing(0.8, 20.0, push);
+    let segments = find_past_hole(&pushed, 5.3, 5.7);
+    let start_s = segments.free.start as f64 * STEP_S + 0.4;
+    assert!((5.7..7.0).contains(&start_s), "{start_s} {segments:?}");
+}
+
 #[test]
 fn a_push_at_the_release_begins_where_it_was_given() {
     for (angle_rad, push_rad_s) in [(1.2, 2.0), (1.2, 3.0), (0.4, 1.0), (0.4, -1.5), (-0.8, -2.0)] {
