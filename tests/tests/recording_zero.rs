@@ -77,3 +77,16 @@ fn an_encoder_that_has_turned_before_is_read_in_radians() {
     let told = ReadOptions { zero: Some(-2.0 * std::f64::consts::TAU), ..ReadOptions::default() };
     assert!(hangs_at(&reads(&turned, &told).0).abs() < 0.01);
 }
+
+/// Accelerations in thousandths of g scatter about 1000, which no angle of a pendulum is.
+#[test]
+fn a_middle_beyond_a_turn_and_at_no_half_turn_is_doubted() {
+    let options = ReadOptions { angle_unit: Some(host::recording::AngleUnit::Degrees), ..ReadOptions::default() };
+    for (middle_deg, is_doubted) in [(1051.7, true), (-500.0, true), (720.0, false), (900.0, false), (60.0, false)] {
+        let angles: Vec<f64> = swing(0.5, 20).iter().map(|angle| angle.to_degrees() + middle_deg).collect();
+        let (_, notes) = reads(&angles, &options);
+        let says =
+            notes.iter().any(|note| note.contains("doubtful: it swings about") && note.contains("accelerations"));
+        assert_eq!(says, is_doubted, "{middle_deg}: {notes:?}");
+    }
+}
