@@ -115,9 +115,11 @@ impl Cut<'_> {
     }
 
     /// The still part at the beginning, if there is one. What falls goes on: if it is no further off some windows later, it
-    /// was chance, or a knock.
+    /// was chance, or a knock; with few samples a swing it is back again some windows later.
     fn still_beginning(&self) -> Option<Range<usize>> {
-        let goes_on = |left_rad: f64, later_rad: Option<f64>| later_rad.is_none_or(|later| later / left_rad > 1.0);
+        let goes_on = |left_rad: f64, later_rad: Option<f64>| {
+            self.has_few_samples() || later_rad.is_none_or(|later| later / left_rad > 1.0)
+        };
         let still = self.still_from(self.asked.clone(), goes_on);
         self.is_long(&still).then_some(still)
     }
@@ -138,13 +140,20 @@ impl Cut<'_> {
         found
     }
 
-    /// At least three windows.
+    /// At least three windows; of few samples a swing as many as what turns would not be still for.
     fn is_long(&self, still: &Range<usize>) -> bool {
-        still.len() >= 3 * self.n_still_window()
+        let would_fall = || self.fall_rad(still) > STOPS_FALL_NOISE * self.noise_rms_rad;
+        still.len() >= 3 * self.n_in(self.width_s / 4.0) || (self.has_few_samples() && would_fall())
     }
 
+    /// A window of three samples is then most of a half swing.
     fn n_still_window(&self) -> usize {
-        self.n_in(self.width_s / 4.0)
+        if self.has_few_samples() { 1 } else { self.n_in(self.width_s / 4.0) }
+    }
+
+    /// So few a swing that no acceleration is seen.
+    fn has_few_samples(&self) -> bool {
+        self.states.is_empty() && self.recording.measured() == Measured::Angle
     }
 
     /// How long it is still from the first sample of a range on, at least a window. It ends where a window is off, if how far

@@ -55,6 +55,28 @@ fn a_held_pendulum_is_free_just_after_its_release() {
     }
 }
 
+/// A hold of some samples, and twelve or eight of a swing of 0.75 s: too few for accelerations.
+#[test]
+fn a_hold_of_few_samples_a_swing_is_cut_and_a_swing_from_its_turn_is_not() {
+    for every in [12, 18] {
+        let rate_hz = 1.0 / (STEP_S * f64::from(every));
+        let fewer = |angles_rad: &[f64]| {
+            let mut noise = crate::random::Noise::new(2);
+            let kept = angles_rad.iter().step_by(every as usize).map(|angle| angle + 1e-3 * noise.normal());
+            segment(&Recording::uniform(rate_hz, kept.collect()).unwrap(), &SegmentOptions::default()).unwrap()
+        };
+        for n_held in [0, 3, 5, 7, 20] {
+            for angle_rad in [0.1, 0.5, -0.9] {
+                let held = vec![angle_rad; n_held * every as usize];
+                let segments = fewer(&[held, swing(angle_rad, 20.0)].concat());
+                // The sample at the release itself is one of the hold, and the next one may not have fallen far.
+                let expected = if n_held == 0 { 0..=0 } else { n_held..=n_held + 2 };
+                assert!(expected.contains(&segments.free.start), "{every} {n_held} {angle_rad} {segments:?}");
+            }
+        }
+    }
+}
+
 /// Without the rows in between (s), whatever hangs or turns there.
 fn find_past_hole(angles_rad: &[f64], from_s: f64, to_s: f64) -> Segments {
     let whole = noisy(angles_rad);
