@@ -1,6 +1,7 @@
 //! How the free swing begins: at once, with a release, or with a hand that lets go.
 
 use super::super::Measured;
+use super::super::carrier::Carrier;
 use super::{Cut, STILL_SPREADS, mean};
 use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::PI;
@@ -45,6 +46,9 @@ const SURE_OF_PUSH: f64 = 25.0;
 /// release 0.013 rad from upright was left at 0.9 rad, with response surfaces before them at 0.025). With half of it the
 /// unknown is twice as large as here, with twice of it half as large, and 0.7/ω0 more of the swing is lost.
 const BALANCED_RAD: f64 = 0.2;
+
+/// Half swings in which a cart may roll on. Half of it tells the same; a cart that rolls for twice as long is doubted.
+const ROLLS_HALF_SWINGS: f64 = 2.0;
 
 /// How the free swing begins.
 pub(super) struct Start {
@@ -112,6 +116,15 @@ impl Cut<'_> {
         }
         let is_balanced = |idx: &usize| self.angles_rad()[*idx].cos() < -BALANCED_RAD.cos();
         (from..end).find(|idx| !is_balanced(idx)).unwrap_or(from)
+    }
+
+    /// The first sample from this one on at which what carries it stands too, and its column, where the file has one: a cart that is
+    /// pushed to start the swing rolls on for less than a swing.
+    pub(super) fn carried_until(&self, from: usize, end: usize) -> Option<(usize, &str)> {
+        let n_first = self.n_in(ROLLS_HALF_SWINGS * self.half_swing_s);
+        let stands = |carrier: &'_ Carrier| carrier.stands_from(&(from..end), n_first, self.angles_rad());
+        let carriers = self.recording.carriers.iter();
+        carriers.filter_map(|carrier| Some((stands(carrier)?, carrier.column.as_str()))).max_by_key(|(idx, _)| *idx)
     }
 
     /// The still part at the beginning, if there is one. What falls goes on: if it is no further off some windows later, it
