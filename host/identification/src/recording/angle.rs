@@ -183,7 +183,8 @@ impl Angles<'_> {
     /// the swings where it is nothing of that.
     fn set_zero(&mut self, swings: &Swings, quarter: &str, angles_rad: &mut [f64]) {
         let middle_rad = swings.middle_rad;
-        if middle_rad.abs() < FAR_OFF_RAD {
+        // What swings about 0 passes it, however small.
+        if middle_rad.abs() < FAR_OFF_RAD.min(swings.largest_rad) {
             return;
         }
         let middle_deg = middle_rad.to_degrees();
@@ -194,7 +195,7 @@ impl Angles<'_> {
             return;
         }
         let quarters = (middle_rad / FRAC_PI_2).round();
-        let is_quarter = (middle_rad - quarters * FRAC_PI_2).abs() < NEAR_QUARTER_RAD;
+        let is_quarter = quarters != 0.0 && (middle_rad - quarters * FRAC_PI_2).abs() < NEAR_QUARTER_RAD;
         let off_rad = if is_quarter { quarters * FRAC_PI_2 } else { middle_rad };
         angles_rad.iter_mut().for_each(|angle| *angle -= off_rad);
         let from = match quarters.rem_euclid(4.0) as u8 {
