@@ -77,3 +77,31 @@ fn an_encoder_that_has_turned_before_is_read_in_radians() {
     let told = ReadOptions { zero: Some(-2.0 * std::f64::consts::TAU), ..ReadOptions::default() };
     assert!(hangs_at(&reads(&turned, &told).0).abs() < 0.01);
 }
+
+/// A potentiometer whose zero is off by a little more than the swing is wide: no pendulum that hangs at 0 stays on one side.
+#[test]
+fn a_swing_that_never_passes_zero_is_about_its_own_middle_however_near() {
+    for (release_rad, zero_rad) in [(0.15, 0.21), (-0.05, -0.08), (0.15, -0.3)] {
+        let angles: Vec<f64> = swing(release_rad, 20).iter().map(|angle| angle + zero_rad).collect();
+        let (recording, notes) = reads(&angles, &ReadOptions::default());
+        assert!(notes.iter().any(|note| note.contains("which is taken off: it must hang at 0")), "{notes:?}");
+        assert!(hangs_at(&recording).abs() < 0.02, "{release_rad} {zero_rad}: {}", hangs_at(&recording));
+    }
+    // It passes 0, so that 0 may be where it hangs.
+    let angles: Vec<f64> = swing(0.3, 20).iter().map(|angle| angle + 0.2).collect();
+    let (recording, notes) = reads(&angles, &ReadOptions::default());
+    assert!((hangs_at(&recording) - 0.2).abs() < 0.02, "{notes:?}");
+}
+
+/// Accelerations in thousandths of g scatter about 1000, which no angle of a pendulum is.
+#[test]
+fn a_middle_beyond_a_turn_and_at_no_half_turn_is_doubted() {
+    let options = ReadOptions { angle_unit: Some(host::recording::AngleUnit::Degrees), ..ReadOptions::default() };
+    for (middle_deg, is_doubted) in [(1051.7, true), (-500.0, true), (720.0, false), (900.0, false), (60.0, false)] {
+        let angles: Vec<f64> = swing(0.5, 20).iter().map(|angle| angle.to_degrees() + middle_deg).collect();
+        let (_, notes) = reads(&angles, &options);
+        let says =
+            notes.iter().any(|note| note.contains("doubtful: it swings about") && note.contains("accelerations"));
+        assert_eq!(says, is_doubted, "{middle_deg}: {notes:?}");
+    }
+}

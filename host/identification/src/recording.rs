@@ -46,6 +46,7 @@ mod slip;
 pub(crate) mod smooth;
 mod source;
 mod spikes;
+mod straight;
 mod table;
 mod ticks;
 mod told;

@@ -122,3 +122,20 @@ fn what_the_user_chooses_is_doubted_where_a_motor_moves_in_it() {
     assert!(said(4.0).contains("doubtful: 2 (u) goes from -1"), "{}", said(4.0));
     assert!(!said(11.0).contains("(u)"), "{}", said(11.0));
 }
+
+/// Pushed to start the swing, a cart rolls on by 25 mm for a third of a second, and stands.
+#[test]
+fn a_swing_on_a_cart_begins_where_the_cart_stands() {
+    let cart = |rolls_s: f64| {
+        let text = table("time,PendPos,CartPos\n", |(t, a, _)| {
+            let left = if t < rolls_s { (1.0 - t / rolls_s).powi(2) } else { 0.0 };
+            format!("{t:.2},{a:.5},{:.5}", -0.078 + 0.025 * left + 1e-4 * (6.3 * t).sin())
+        });
+        let recording = open(text.as_bytes(), &ReadOptions::default()).unwrap();
+        segment(&recording, &SegmentOptions::default()).unwrap()
+    };
+    let rolling = cart(0.33);
+    assert!((20..=33).contains(&rolling.free.start), "{rolling:?}");
+    assert!(rolling.notes.iter().any(|note| note.contains("more in which 2 (CartPos) still moves")), "{rolling:?}");
+    assert_eq!((cart(0.0).free.start, cart(0.0).notes), (0, Vec::new()));
+}

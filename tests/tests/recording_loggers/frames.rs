@@ -1,6 +1,7 @@
 //! Frames of a video that are missing or stand there twice.
 
 use crate::swing::{open, swing_from};
+use host::recording::segment::{SegmentOptions, segment};
 use host::recording::{ReadOptions, Recording};
 use tests::chance::Chance;
 
@@ -127,4 +128,34 @@ fn repeated_readings_that_shift_no_time_keep_their_times() {
         let recording = open(text(&rows).as_bytes(), &ReadOptions::default()).unwrap();
         assert!(!says_frames(&recording), "{seed}: {:?}", recording.notes());
     }
+}
+
+/// A tracker that lost its point for a third of a second where it turned, and was told where it was before and behind.
+#[test]
+fn frames_that_a_tracker_filled_in_along_a_line_are_a_gap_and_the_swing_goes_on() {
+    let (rate_hz, n_lost) = (60, 20);
+    let mut chance = Chance::new(4);
+    let mut points: Vec<[f64; 2]> = angles(rate_hz, 40)
+        .into_iter()
+        .map(|angle_rad| {
+            let [x, y] = [angle_rad.sin(), -angle_rad.cos()].map(|at| 0.7 * at);
+            [x + 1e-4 * chance.normal(), y + 1e-4 * chance.normal()]
+        })
+        .collect();
+    let turn = (1200..1260).max_by(|a, b| points[*a][0].total_cmp(&points[*b][0])).unwrap();
+    let (first, last) = (turn - n_lost / 2, turn + n_lost / 2 - 1);
+    let (from, to) = (points[first], points[last]);
+    for idx in first..=last {
+        let share = (idx - first) as f64 / (last - first) as f64;
+        points[idx] = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+    }
+    let row = |(idx, [x, y]): (usize, &[f64; 2])| format!("{:.6},{x:.8},{y:.8}\n", idx as f64 / rate_hz as f64);
+    let rows: String = points.iter().enumerate().map(row).collect();
+    let recording = open(format!("t,x,y\n{rows}").as_bytes(), &ReadOptions::default()).unwrap();
+    let notes = recording.notes().join("; ");
+    let said = format!("{n_lost} readings lie on an exact straight line at {:.3} s", first as f64 / rate_hz as f64);
+    assert!(notes.contains(&said), "{said}: {notes}");
+    assert_eq!(recording.len(), points.len() - n_lost);
+    let segments = segment(&recording, &SegmentOptions::default()).unwrap();
+    assert_eq!((segments.free, segments.notes), (0..recording.len(), Vec::new()));
 }

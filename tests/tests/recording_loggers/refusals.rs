@@ -213,3 +213,20 @@ fn gx_gy_and_gz_are_asked_for_as_the_axes_of_a_gyroscope() {
     }
     assert!(open(table("t,gx,gy,gz\n", row).as_bytes(), &told("t=0,rate=3:rad/s")).is_ok());
 }
+
+/// A length a row, and beside it how long some swings took, with the unit of the length alone below its name.
+#[test]
+fn a_table_of_times_beside_lengths_is_refused_as_one() {
+    for units in ["(m),,,", "m,,,", "[m],,,", "(m),(s),(s),(s)"] {
+        let rows: String = (1..=10)
+            .map(|n| f64::from(n) / 10.0)
+            .map(|length_m| {
+                let ten_s = 20.0 * std::f64::consts::PI * (length_m / 9.81).sqrt();
+                format!("{length_m:.1},{ten_s:.1},{:.1},{:.1}\n", ten_s + 0.2, ten_s - 0.1)
+            })
+            .collect();
+        let text = format!("Length,1st run (second),2nd run (second),3rd Run (second)\n{units}\n{rows}");
+        let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("among them are durations"), "{units}: {refused}");
+    }
+}

@@ -11,7 +11,7 @@ use super::ticks;
 use super::told::Told;
 use super::units::AngleUnit;
 use std::borrow::Cow;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Angles of unstated unit beyond this leave a note: more than half a turn is rare.
 const NOTED_UNSTATED_RAD: f64 = 3.3;
@@ -66,12 +66,16 @@ impl Angles<'_> {
     /// From a point on the pendulum; where its pivot is, if that is known without the user.
     pub(super) fn of_point(mut self, x: &[f64], y: &[f64], pivot: Option<[f64; 2]>) -> Result<Vec<f64>, Fault> {
         let circle = Circle::through(x, y, self.options.pivot.or(pivot))?;
-        self.notes.push(circle.in_words());
         let mut angles_rad = circle.angles_rad(x, y);
         plausible::unwrap(&mut angles_rad);
         let zero_rad = self.options.zero.unwrap_or(0.0).to_radians();
         angles_rad.iter_mut().for_each(|angle| *angle -= zero_rad);
-        if let Some(swings) = Swings::of(self.times_s, &angles_rad) {
+        let swings = Swings::of(self.times_s, &angles_rad);
+        self.notes.push(match &swings {
+            Some(swings) => circle.unless_period_tells(swings.small_period_s()).in_words(),
+            None => circle.in_words(),
+        });
+        if let Some(swings) = swings {
             swings.judge_period(self.told)?;
             self.set_zero(&swings, "the picture is turned", &mut angles_rad);
         }
@@ -179,7 +183,8 @@ impl Angles<'_> {
     /// the swings where it is nothing of that.
     fn set_zero(&mut self, swings: &Swings, quarter: &str, angles_rad: &mut [f64]) {
         let middle_rad = swings.middle_rad;
-        if middle_rad.abs() < FAR_OFF_RAD {
+        // What swings about 0 passes it, however small.
+        if middle_rad.abs() < FAR_OFF_RAD.min(swings.largest_rad) {
             return;
         }
         let middle_deg = middle_rad.to_degrees();
@@ -190,7 +195,7 @@ impl Angles<'_> {
             return;
         }
         let quarters = (middle_rad / FRAC_PI_2).round();
-        let is_quarter = (middle_rad - quarters * FRAC_PI_2).abs() < NEAR_QUARTER_RAD;
+        let is_quarter = quarters != 0.0 && (middle_rad - quarters * FRAC_PI_2).abs() < NEAR_QUARTER_RAD;
         let off_rad = if is_quarter { quarters * FRAC_PI_2 } else { middle_rad };
         angles_rad.iter_mut().for_each(|angle| *angle -= off_rad);
         let from = match quarters.rem_euclid(4.0) as u8 {
@@ -200,6 +205,11 @@ impl Angles<'_> {
         };
         self.notes.push(match is_quarter {
             true => format!("it swings about {middle_deg:.1}°: {from}, {:.0}° taken off", off_rad.to_degrees()),
+            false if middle_rad.abs() > TAU => format!(
+                "doubtful: it swings about {middle_rad:.1} rad ({middle_deg:.0}°), more than a whole turn away and no number of half \
+                 turns, and that is taken off; are these angles, and no accelerations, volts or counts? --zero says what the \
+                 sensor reads where it hangs"
+            ),
             false => format!(
                 "it swings about {middle_rad:.3} rad ({middle_deg:.1}°), which is taken off: it must hang at 0; --zero says \
                  better what the sensor reads there"

@@ -8,6 +8,10 @@ use super::limits::HARDLY;
 use super::noise::smallest_step;
 use std::ops::Range;
 
+/// What rolls before it stands goes so many times as far as it then trembles. With half of it a cart that the pendulum pulls to and
+/// fro would have stopped somewhere; with twice of it one that is pushed by a hand's breadth and trembles by 2 mm would not.
+const FAR: f64 = 5.0;
+
 /// A column of what carries the pendulum.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Carrier {
@@ -40,6 +44,21 @@ impl Carrier {
     }
 }
 
+impl Carrier {
+    /// The first sample of a range from which on it stands, where that is within the first samples of the range and it moved before.
+    pub(super) fn stands_from(&self, range: &Range<usize>, n_first: usize, angles_rad: &[f64]) -> Option<usize> {
+        let (first, behind) = (range.start..range.start + n_first, range.start + n_first..range.end);
+        let (low, high) = ends_of_nearly_all(self.values.get(behind.clone())?);
+        let (least, most) = ends(&angles_rad[range.clone()]);
+        let trembles = high - low + smallest_step(&self.values).unwrap_or(0.0);
+        let off = |idx: usize| (low - self.values[idx]).max(self.values[idx] - high);
+        let moved = first.clone().map(off).fold(0.0, f64::max);
+        let has_moved = moved > (FAR * trembles).max(HARDLY * self.per_rad * (most - least));
+        let is_standing = self.within(&behind, &angles_rad[behind.clone()]).is_none();
+        first.rev().find(|idx| off(*idx) > trembles).filter(|_| is_standing && has_moved).map(|last| last + 1)
+    }
+}
+
 fn ends(values: &[f64]) -> (f64, f64) {
     let known = values.iter().filter(|value| value.is_finite());
     known.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)))
@@ -56,6 +75,30 @@ fn ends_of_nearly_all(values: &[f64]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Pushed by 25 mm, it stops after a quarter of a second, and trembles by 0.2 mm as the pendulum swings on it.
+    #[test]
+    fn a_cart_stands_where_it_has_come_to_rest_and_one_that_rolls_on_does_not() {
+        let angles_rad: Vec<f64> = (0..1000).map(|idx| 0.8 * (f64::from(idx) / 10.0).cos()).collect();
+        let cart = |stops_at: u32| {
+            let place = |idx: u32| match idx {
+                idx if idx < stops_at => 0.025 * (1.0 - f64::from(idx) / f64::from(stops_at)).powi(2),
+                _ => 1e-4 * (f64::from(idx) / 10.0).cos(),
+            };
+            Carrier::new("3 (CartPos)".to_owned(), (0..1000).map(place).collect(), 1.0)
+        };
+        let stands = |stops_at: u32| cart(stops_at).stands_from(&(0..1000), 60, &angles_rad);
+        // It is nearly there before.
+        assert!((20..=26).contains(&stands(26).unwrap()), "{:?}", stands(26));
+        assert_eq!([stands(0), stands(900)], [None, None]);
+        let (standing, pulled) = (cart(0), |idx: u32| 0.02 * (f64::from(idx) / 10.0).cos());
+        assert_eq!(standing.stands_from(&(500..1000), 60, &angles_rad), None);
+        let pulled = Carrier::new(String::new(), (0..1000).map(pulled).collect(), 1.0);
+        assert_eq!(pulled.stands_from(&(0..1000), 60, &angles_rad), None);
+        let by_steps = (0..1000).map(|idx| -0.8204 + 6e-5 * f64::from(3 - (idx / 10).min(3))).collect();
+        let by_steps = Carrier::new(String::new(), by_steps, 1.0);
+        assert_eq!(by_steps.stands_from(&(0..1000), 60, &angles_rad), None);
+    }
 
     #[test]
     fn an_arm_that_is_held_trembles_by_a_step_and_one_that_is_loose_swings_too() {

@@ -10,7 +10,7 @@
 //! found. Missing ones are found in five of seven other videos; in four of these rows fall behind the rounded times likewise.
 
 mod glance;
-mod swing;
+pub(super) mod swing;
 
 use super::noise;
 use super::slip::Slip;
@@ -59,11 +59,22 @@ const SEEN: f64 = 5.0;
 /// larger or smaller by more than such a share of that.
 const FAST: f64 = 0.5;
 
+/// Steps that differ by less of themselves are the same: no digit of a time says less.
+const SAME_STEP: f64 = 1e-6;
+
 /// So many places are told.
 const TOLD: usize = 12;
 
-/// The places where one frame is missing or stands there twice, in order of time.
+/// Steps of even times that are written with some digits are of three lengths, and with fewer digits later on of three for
+/// each number of them; those of a clock are of nearly as many as there are rows. Half and twice of it tell the same.
+const MOST_STEPS: usize = 24;
+
+/// The places where one frame is missing or stands there twice, in order of time. A clock of its own shows what is missing, and
+/// goes on where a reading is repeated.
 pub(super) fn slips(times_s: &[f64], readings: &[f64]) -> Vec<Slip> {
+    if are_of_clock(times_s) {
+        return Vec::new();
+    }
     let lsb = noise::smallest_step(readings);
     let noise_rms = noise::of_samples(times_s, readings, lsb).total_rms;
     let Some(half_swing_s) = turning::half_swing_s(times_s, readings, noise_rms) else { return Vec::new() };
@@ -106,6 +117,17 @@ pub(super) fn note(slips: &[Slip], times_s: &[f64]) -> Option<String> {
     let missing = of(1, "that are missing", "where what follows is a frame later");
     let told: Vec<String> = doubled.into_iter().chain(missing).collect();
     (!told.is_empty()).then(|| format!("{}; the swing before and after shows it", told.join("; ")))
+}
+
+/// Are the steps from row to row of many lengths?
+fn are_of_clock(times_s: &[f64]) -> bool {
+    let step_s = median_step_s(times_s);
+    let steps = times_s.windows(2).map(|pair| (pair[1] - pair[0]) / step_s);
+    let mut lengths: Vec<u32> =
+        steps.filter(|step| (0.5..1.5).contains(step)).map(|step| (step / SAME_STEP).round() as u32).collect();
+    lengths.sort_unstable();
+    lengths.dedup();
+    lengths.len() > MOST_STEPS
 }
 
 /// The recording that is looked at.
@@ -272,6 +294,20 @@ mod tests {
         let fast = both.iter().position(|frame| *frame == FAST_AT + 181).unwrap();
         let both = both[..fast].iter().chain(&both[fast - 1..]).copied();
         assert_eq!(found(both).len(), 2);
+    }
+
+    /// A sensor that is asked oftener than it measures repeats a reading; the times are those of the one who asks.
+    #[test]
+    fn a_clock_of_its_own_is_not_moved() {
+        let (times_s, readings) = seen((0..FAST_AT).chain(FAST_AT - 1..1200));
+        let mut noise = crate::random::Noise::new(1);
+        let of_clock: Vec<f64> = times_s.iter().map(|time_s| time_s + 1e-5 * noise.normal()).collect();
+        assert_eq!(slips(&of_clock, &readings), []);
+        // However few digits even times have, and however many.
+        for digit in [1e-6, 1e-5, 1e-4, 1e-3] {
+            let rounded: Vec<f64> = times_s.iter().map(|time_s| (time_s / digit).round() * digit).collect();
+            assert_eq!(slips(&rounded, &readings).len(), 1, "{digit}");
+        }
     }
 
     #[test]

@@ -54,10 +54,9 @@ pub(super) fn make_even(times_s: &mut [f64], notes: &mut Vec<String>) {
     if moved_s < 10.0 * READ_SHARE * digit_s || moved_s < READ_SHARE * step_s {
         return;
     }
-    let rate_hz = (even.len() - 1) as f64 / (even[even.len() - 1] - even[0]);
-    notes.push(format!(
-        "the times are rounded to {to} and fit even ones, {rate_hz:.4} a second on the average: these are taken"
-    ));
+    // Of the grid: where rows are missing there are fewer.
+    let rate_hz = median_step_s(&even).recip();
+    notes.push(format!("the times are rounded to {to} and fit even ones, {rate_hz:.4} a second: these are taken"));
     times_s.copy_from_slice(&even);
 }
 
@@ -209,6 +208,9 @@ mod tests {
             make_even(&mut times, &mut notes);
             let off_s = times.iter().zip(&truth).map(|(time, truth)| (time - truth).abs()).fold(0.0, f64::max);
             assert!(off_s < 0.1 * digit_s && notes.len() == 1, "{rate_hz} {off_s} {notes:?}");
+            let said: f64 =
+                notes[0].split(", ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap().parse().unwrap();
+            assert!((said / rate_hz - 1.0).abs() < 1e-4, "{rate_hz} {notes:?}");
         }
     }
 

@@ -22,11 +22,13 @@ pub(super) fn names(lines_above: &[&str], separator: Separator, n_columns: usize
 fn like_the_rows(lines: &[&str], separator: Separator, n_columns: usize) -> Option<Vec<String>> {
     let last = lines.last()?;
     let cells = wide_cells(last, separator, n_columns).unwrap_or_else(|| cells(last, separator));
-    let n_names = cells.iter().filter(|name| !name.is_empty()).count();
-    let is_whole = n_columns == 1 || (n_names > 1 && cells.len() >= n_columns);
     // A row behind the prompt of a terminal has numbers.
     let is_row = n_columns > 1 && n_numbers(last, separator) > 0 && !is_known(&cells);
-    (is_whole && !is_row).then(|| with_units(lines, separator, cells))
+    // A unit may stand below the first name alone.
+    let names = with_units(lines, separator, cells);
+    let n_names = names.iter().filter(|name| !name.is_empty()).count();
+    let is_whole = n_columns == 1 || (n_names > 1 && names.len() >= n_columns);
+    (is_whole && !is_row).then_some(names)
 }
 
 /// The last line, parted like the rows or otherwise, if each column has a name and some of them are known.
@@ -121,6 +123,8 @@ mod tests {
         let some = ["Time,Event Time,State at A,State at B,Comment", "s,s,State,State,", ""];
         let joined = ["Time s", "Event Time s", "State at A State", "State at B State", "Comment "];
         check(&some, Comma, 5, &joined);
+        let runs = ["Length,1st run (second),2nd run (second)", "(m),,"];
+        check(&runs, Comma, 3, &["Length (m)", "1st run (second) ", "2nd run (second) "]);
         check(&["run 7,a", "s,deg"], Comma, 2, &["run 7 s", "a deg"]);
         check(&["what,who", "t,theta"], Comma, 2, &["t", "theta"]);
         check(&["what,who", "s,State"], Comma, 2, &["s", "State"]);

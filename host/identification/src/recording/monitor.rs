@@ -143,11 +143,14 @@ fn between_bars(line: &str) -> Option<String> {
     (cells.len() > 1).then(|| if is_rule { String::new() } else { cells.join("\t") })
 }
 
-/// `(0.1, 0.2)` and `[0.1, 0.2]`, as a program prints several values at once; `(ms),(V)` are two pairs.
+/// `(0.1, 0.2)` and `[0.1, 0.2]`, as a program prints several values at once; `(ms),(V)` are two pairs, and `(m),` is a unit beside
+/// an empty cell.
 fn between_brackets(line: &str) -> Option<&str> {
-    let line = line.trim().trim_end_matches(',');
+    let line = line.trim();
+    let line = line.strip_suffix(',').unwrap_or(line);
     let inside = |open, close| line.strip_prefix(open)?.strip_suffix(close).filter(|row| !row.contains([open, close]));
-    inside('(', ')').or_else(|| inside('[', ']'))
+    let has_values = |row: &&str| row.contains(',') || row.bytes().any(|byte| byte.is_ascii_digit());
+    inside('(', ')').or_else(|| inside('[', ']')).filter(has_values)
 }
 
 /// A label, its number, and the unit behind it.

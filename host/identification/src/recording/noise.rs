@@ -31,7 +31,7 @@ const HIGHEST_ORDER: usize = 10;
 const AGREEMENT: f64 = 0.01;
 
 /// A window across a step longer than this many median steps is left out.
-const GAP_STEPS: f64 = 1.5;
+pub(in crate::recording) const GAP_STEPS: f64 = 1.5;
 
 /// A step that is off the median by less than this share is even: so little are numbers rounded, and 10 rad/s then leak less
 /// than a nanoradian.

@@ -220,7 +220,7 @@ impl Opened<'_> {
         let mut times_s = sources.time.times_s(&samples, sources.told(), &mut notes)?;
         if !is_ours && samples.codes.is_empty() {
             grid::make_even(&mut times_s, &mut notes);
-            samples.leave_out_spikes(&mut times_s, &mut notes);
+            samples.leave_out_losses(&mut times_s, &mut notes);
         }
         let mut readings = sources.readings(table, &samples, &times_s, header, options, &mut notes)?;
         // Rigs of ours count their samples.

@@ -10,6 +10,7 @@ use super::median_step_s;
 use super::number::{Cell, Numerals};
 use super::order;
 use super::spikes;
+use super::straight;
 use super::table::Table;
 use super::ticks;
 use super::words;
@@ -355,30 +356,28 @@ impl Samples {
         keep(&mut self.rows, kept);
     }
 
-    /// Readings that jump out of the swing and back become gaps; of several axes none is looked at before one is chosen.
-    pub(super) fn leave_out_spikes(&mut self, times_s: &mut Vec<f64>, notes: &mut Vec<String>) {
+    /// Readings that nobody took and those that jump out of the swing and back become gaps; of several axes none is looked at
+    /// before one is chosen.
+    pub(super) fn leave_out_losses(&mut self, times_s: &mut Vec<f64>, notes: &mut Vec<String>) {
         if self.readings.len() > 2 || times_s.len() != self.len() {
             return;
         }
-        let mut kept = vec![true; self.len()];
-        // Of a point x tells: y is level where the pendulum hangs, and stands there in steps.
-        for list in self.readings.iter().take(1) {
-            spikes::spikes(times_s, list).iter().zip(&mut kept).for_each(|(is_spike, kept)| *kept &= !is_spike);
+        let lists: Vec<&[f64]> = self.readings.iter().map(Vec::as_slice).collect();
+        let is_drawn = straight::drawn(times_s, &lists);
+        if let Some(note) = straight::note(&is_drawn, times_s) {
+            notes.push(note);
+            self.leave_out(times_s, &is_drawn);
         }
-        let Some(first) = kept.iter().position(|kept| !kept) else { return };
-        let n = kept.iter().filter(|kept| !**kept).count();
-        let n_places = 1 + kept[first + 1..].windows(2).filter(|pair| pair[0] && !pair[1]).count();
-        notes.push(format!(
-            "{} out of the swing and back, at {:.3} s{}, as when a tracker or a bus loses it: left out as {}",
-            match (n, n_places) {
-                (1, _) => "1 reading jumps".to_owned(),
-                (n, 1) => format!("{n} readings at 1 place jump"),
-                (n, n_places) => format!("{n} readings at {n_places} places jump"),
-            },
-            times_s[first],
-            if n_places == 1 { "" } else { " first" },
-            if n_places == 1 { "a gap" } else { "gaps" }
-        ));
+        // Of a point x tells: y is level where the pendulum hangs, and stands there in steps.
+        let is_spike = self.readings.first().map_or(Vec::new(), |list| spikes::spikes(times_s, list));
+        if let Some(note) = spikes::note(&is_spike, times_s) {
+            notes.push(note);
+            self.leave_out(times_s, &is_spike);
+        }
+    }
+
+    fn leave_out(&mut self, times_s: &mut Vec<f64>, which: &[bool]) {
+        let kept: Vec<bool> = which.iter().map(|is_out| !is_out).collect();
         keep(times_s, &kept);
         self.keep(&kept);
     }

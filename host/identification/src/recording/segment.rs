@@ -150,7 +150,10 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
         None if options.to_s.is_some() => asked.end,
         None => stretch.end,
     };
-    let begin = if options.from_s.is_some() { start.free_idx } else { cut.fallen(start.free_idx, end) };
+    let fallen = if options.from_s.is_some() { start.free_idx } else { cut.fallen(start.free_idx, end) };
+    let is_enough = |(idx, _): &(usize, &str)| cut.count_turns(&(*idx..end)) >= MIN_TURNING_POINTS;
+    let carried = cut.carried_until(fallen, end).filter(is_enough).filter(|_| options.from_s.is_none());
+    let begin = carried.map_or(fallen, |(idx, _)| idx);
     let free = begin..end.max(begin);
     let n_turning_points = cut.count_turns(&free);
     let duration_s = cut.duration_s(&free);
@@ -162,7 +165,11 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
     }
     let (held, hanging) = if start.was_held { (start.lead_in.clone(), None) } else { (None, start.lead_in.clone()) };
     let noise = cut.noise(&free).beside_still(recording, [hanging, rest.clone()], held);
-    let mut notes = notes(&cut, options, &start, &free, rest.as_ref());
+    let mut notes = notes(&cut, options, &start, &(fallen..free.end), rest.as_ref());
+    notes.extend(carried.map(|(idx, column)| {
+        let more_s = cut.times_s()[idx] - cut.times_s()[fallen];
+        format!("cut {more_s:.2} s more in which {column} still moves; --from begins earlier")
+    }));
     notes.extend(wandering(recording, &noise));
     let still = noise.still_rms.map_or("nothing known".to_owned(), |rms| format!("{rms:.3e} rad"));
     log::debug!(

@@ -75,6 +75,11 @@ impl<const N: usize> LocalFit<N> {
         Some(self.centre_s + x * self.half_width_s)
     }
 
+    /// Does it bend down at a time, as where it is highest?
+    pub(crate) fn bends_down(&self, time_s: f64) -> bool {
+        self.slope_and_curvature(self.x(time_s)).1 < 0.0
+    }
+
     fn slope_and_curvature(&self, x: f64) -> (f64, f64) {
         let slope = (1..N).map(|power| power as f64 * self.coefficients[power] * x.powi(power as i32 - 1)).sum();
         let curvature = |power: usize| (power * (power - 1)) as f64 * x.powi(power as i32 - 2);

@@ -75,6 +75,24 @@ pub(super) fn spikes(times: &[f64], readings: &[f64]) -> Vec<bool> {
     if n as f64 > MOST_SHARE * readings.len() as f64 { none } else { is_spike }
 }
 
+/// What is said of them.
+pub(super) fn note(is_spike: &[bool], times_s: &[f64]) -> Option<String> {
+    let first = is_spike.iter().position(|is_spike| *is_spike)?;
+    let n = is_spike.iter().filter(|is_spike| **is_spike).count();
+    let n_places = 1 + is_spike[first + 1..].windows(2).filter(|pair| !pair[0] && pair[1]).count();
+    Some(format!(
+        "{} out of the swing and back, at {:.3} s{}, as when a tracker or a bus loses it: left out as {}",
+        match (n, n_places) {
+            (1, _) => "1 reading jumps".to_owned(),
+            (n, 1) => format!("{n} readings at 1 place jump"),
+            (n, n_places) => format!("{n} readings at {n_places} places jump"),
+        },
+        times_s[first],
+        if n_places == 1 { "" } else { " first" },
+        if n_places == 1 { "a gap" } else { "gaps" }
+    ))
+}
+
 /// How far a reading is from the cubic through two neighbours on either side.
 fn miss(times: &[f64], readings: &[f64], idx: usize) -> f64 {
     if idx < 2 || idx + 2 >= readings.len() {

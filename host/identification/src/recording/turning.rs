@@ -206,7 +206,8 @@ fn fine_extrema(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64, half_sw
     without_wobble(extrema(&times_s, &angles_rad, fall_rad))
 }
 
-/// The top of a quartic, centred a second time on its own top. In small noisy swings a quartic may have no top within
+/// The top of a quartic, centred a second time on its own top; where it bends the other way it is the turn before or behind a hole
+/// in the rows. In small noisy swings a quartic may have no top within
 /// its stretch; a parabola still has.
 fn refine(
     times_s: &[f64],
@@ -215,18 +216,26 @@ fn refine(
     rough: Extremum,
     width_s: f64,
 ) -> Option<TurningPoint> {
-    let top = |centre_s: f64| top_of::<5>(times_s, angles_rad, centre_s, width_s);
+    let is_maximum = rough.is_maximum;
+    let top = |centre_s: f64| top_of::<5>(times_s, angles_rad, centre_s, width_s, is_maximum);
+    let few_s = FEW_BESIDE * median_step_s(times_s);
     let (time_s, angle_rad, spread) = top(rough.time_s)
         .and_then(|(first_s, ..)| top(first_s))
-        .or_else(|| top_of::<3>(times_s, angles_rad, rough.time_s, width_s))
-        .or_else(|| top_of::<3>(times_s, angles_rad, rough.time_s, FEW_BESIDE * median_step_s(times_s)))?;
-    Some(TurningPoint { time_s, angle_rad, spread_rad: noise_rms_rad * spread, is_maximum: rough.is_maximum })
+        .or_else(|| top_of::<3>(times_s, angles_rad, rough.time_s, width_s, is_maximum))
+        .or_else(|| top_of::<3>(times_s, angles_rad, rough.time_s, few_s, is_maximum))?;
+    Some(TurningPoint { time_s, angle_rad, spread_rad: noise_rms_rad * spread, is_maximum })
 }
 
-/// Time, angle and spread per unit of noise where a polynomial of `N` coefficients is level.
-fn top_of<const N: usize>(times_s: &[f64], angles_rad: &[f64], centre_s: f64, width_s: f64) -> Option<(f64, f64, f64)> {
+/// Time, angle and spread per unit of noise where a polynomial of `N` coefficients is level and bends so.
+fn top_of<const N: usize>(
+    times_s: &[f64],
+    angles_rad: &[f64],
+    centre_s: f64,
+    width_s: f64,
+    is_maximum: bool,
+) -> Option<(f64, f64, f64)> {
     let fit = LocalFit::<N>::new(times_s, angles_rad, centre_s, width_s)?;
-    let time_s = fit.stationary_s()?;
+    let time_s = fit.stationary_s().filter(|time_s| fit.bends_down(*time_s) == is_maximum)?;
     Some((time_s, fit.angle_rad(time_s), fit.angle_spread(time_s)))
 }
 
@@ -297,6 +306,22 @@ mod tests {
     #[test]
     fn amplitudes_survive_twenty_hertz() {
         check(20.0, 2e-3);
+    }
+
+    /// What stands at an end of a hole in the rows was once taken for the turn before it.
+    #[test]
+    fn beside_a_hole_in_the_rows_each_turn_is_where_it_was_and_of_its_kind() {
+        let (times_s, angles_rad) = decaying(25.0);
+        for begin in 80..120 {
+            let kept = |list: &[f64]| [&list[..begin], &list[begin + 17..]].concat();
+            let (times_s, angles_rad) = (kept(&times_s), kept(&angles_rad));
+            for turn in turning_points(&times_s, &angles_rad, 1e-5) {
+                let n = (turn.time_s * ANGULAR_HZ + (DECAY_PER_S / ANGULAR_HZ).atan()) / PI;
+                let hole_s = times_s[begin - 1] - 0.1..times_s[begin] + 0.1;
+                assert!(hole_s.contains(&turn.time_s) || (n - n.round()).abs() < 5e-3, "{begin} {turn:?}");
+                assert_eq!(turn.is_maximum, (n.round() as u32).is_multiple_of(2), "{begin} {turn:?}");
+            }
+        }
     }
 
     #[test]

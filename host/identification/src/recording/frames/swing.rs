@@ -29,7 +29,7 @@ pub(super) struct Steps {
 }
 
 /// A swing fitted to readings at places that are counted in samples.
-pub(super) struct Swing {
+pub(in crate::recording) struct Swing {
     places: Vec<f64>,
     readings: Vec<f64>,
     /// rad a sample.
@@ -38,11 +38,11 @@ pub(super) struct Swing {
     beside: f64,
     found: SVector<f64, SWING>,
     /// What is left, rms.
-    pub(super) scatter: f64,
+    pub(in crate::recording) scatter: f64,
 }
 
 impl Swing {
-    pub(super) fn fit(places: Vec<f64>, readings: Vec<f64>, frequency: f64, beside: f64) -> Option<Self> {
+    pub(in crate::recording) fn fit(places: Vec<f64>, readings: Vec<f64>, frequency: f64, beside: f64) -> Option<Self> {
         let n_spare = readings.len().checked_sub(SWING + 1)?;
         let mut swing = Self { places, readings, frequency, beside, found: SVector::zeros(), scatter: 0.0 };
         for left in (0..=BETTERED).rev() {
@@ -75,7 +75,7 @@ impl Swing {
         [0.0, dq, dc, ds, dqc, dqs, dqqc, dqqs, -2.0 * w * s2, 2.0 * w * c2, -3.0 * w * s3, 3.0 * w * c3]
     }
 
-    pub(super) fn at(&self, place: f64) -> f64 {
+    pub(in crate::recording) fn at(&self, place: f64) -> f64 {
         self.sum(&self.row(place))
     }
 

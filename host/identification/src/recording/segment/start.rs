@@ -1,6 +1,7 @@
 //! How the free swing begins: at once, with a release, or with a hand that lets go.
 
 use super::super::Measured;
+use super::super::carrier::Carrier;
 use super::{Cut, STILL_SPREADS, mean};
 use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::PI;
@@ -45,6 +46,9 @@ const SURE_OF_PUSH: f64 = 25.0;
 /// release 0.013 rad from upright was left at 0.9 rad, with response surfaces before them at 0.025). With half of it the
 /// unknown is twice as large as here, with twice of it half as large, and 0.7/ω0 more of the swing is lost.
 const BALANCED_RAD: f64 = 0.2;
+
+/// Half swings in which a cart may roll on. Half of it tells the same; a cart that rolls for twice as long is doubted.
+const ROLLS_HALF_SWINGS: f64 = 2.0;
 
 /// How the free swing begins.
 pub(super) struct Start {
@@ -114,10 +118,21 @@ impl Cut<'_> {
         (from..end).find(|idx| !is_balanced(idx)).unwrap_or(from)
     }
 
+    /// The first sample from this one on at which what carries it stands too, and its column, where the file has one: a cart that is
+    /// pushed to start the swing rolls on for less than a swing.
+    pub(super) fn carried_until(&self, from: usize, end: usize) -> Option<(usize, &str)> {
+        let n_first = self.n_in(ROLLS_HALF_SWINGS * self.half_swing_s);
+        let stands = |carrier: &'_ Carrier| carrier.stands_from(&(from..end), n_first, self.angles_rad());
+        let carriers = self.recording.carriers.iter();
+        carriers.filter_map(|carrier| Some((stands(carrier)?, carrier.column.as_str()))).max_by_key(|(idx, _)| *idx)
+    }
+
     /// The still part at the beginning, if there is one. What falls goes on: if it is no further off some windows later, it
-    /// was chance, or a knock.
+    /// was chance, or a knock; with few samples a swing it is back again some windows later.
     fn still_beginning(&self) -> Option<Range<usize>> {
-        let goes_on = |left_rad: f64, later_rad: Option<f64>| later_rad.is_none_or(|later| later / left_rad > 1.0);
+        let goes_on = |left_rad: f64, later_rad: Option<f64>| {
+            self.has_few_samples() || later_rad.is_none_or(|later| later / left_rad > 1.0)
+        };
         let still = self.still_from(self.asked.clone(), goes_on);
         self.is_long(&still).then_some(still)
     }
@@ -138,13 +153,20 @@ impl Cut<'_> {
         found
     }
 
-    /// At least three windows.
+    /// At least three windows; of few samples a swing as many as what turns would not be still for.
     fn is_long(&self, still: &Range<usize>) -> bool {
-        still.len() >= 3 * self.n_still_window()
+        let would_fall = || self.fall_rad(still) > STOPS_FALL_NOISE * self.noise_rms_rad;
+        still.len() >= 3 * self.n_in(self.width_s / 4.0) || (self.has_few_samples() && would_fall())
     }
 
+    /// A window of three samples is then most of a half swing.
     fn n_still_window(&self) -> usize {
-        self.n_in(self.width_s / 4.0)
+        if self.has_few_samples() { 1 } else { self.n_in(self.width_s / 4.0) }
+    }
+
+    /// So few a swing that no acceleration is seen.
+    fn has_few_samples(&self) -> bool {
+        self.states.is_empty() && self.recording.measured() == Measured::Angle
     }
 
     /// How long it is still from the first sample of a range on, at least a window. It ends where a window is off, if how far

@@ -7,7 +7,7 @@ use super::super::median;
 use super::super::turning::{ROUGH_FALL_SHARE, TurningPoint};
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
 use crate::number::significant;
-use crate::recording::noise::rms_about_line;
+use crate::recording::noise::{GAP_STEPS, rms_about_line};
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -177,13 +177,13 @@ impl Cut<'_> {
 
     /// What lies between the growths, in order: a free swing never grows, so that somebody pushed there.
     fn fading_parts(&self, range: Range<usize>) -> Vec<Range<usize>> {
-        let inside = self.turns_in(&range);
+        let half_swings = self.half_swings_in(&range);
         let mut parts = Vec::new();
         let mut start = range.start;
-        for three in inside.windows(3) {
-            let Some(limit_rad) = self.growth(three) else { continue };
-            let pushed = self.recording.index_at(three[1].time_s)..self.recording.index_at(three[2].time_s);
-            let is_beyond = |idx: &usize| (self.angles_rad()[*idx] - three[1].angle_rad).abs() > limit_rad;
+        for pair in half_swings.windows(2) {
+            let Some(limit_rad) = self.growth(&pair[0], &pair[1]) else { continue };
+            let pushed = self.recording.index_at(pair[0][1].time_s)..self.recording.index_at(pair[1][1].time_s);
+            let is_beyond = |idx: &usize| (self.angles_rad()[*idx] - pair[1][0].angle_rad).abs() > limit_rad;
             let beyond = pushed.clone().find(is_beyond).unwrap_or(pushed.start);
             let end = if self.hung(&(pushed.start..beyond)) { beyond } else { pushed.start };
             parts.push(start..end.max(start));
@@ -198,6 +198,9 @@ impl Cut<'_> {
     /// lifts it that has not turned yet.
     fn lifted_at(&self, part: &Range<usize>) -> Option<usize> {
         let [.., before, last] = self.turns_in(part)[..] else { return None };
+        if !(self.is_seen(before) && self.is_seen(last)) {
+            return None;
+        }
         let size_rad = (last.angle_rad - before.angle_rad).abs();
         let grown_rad = (1.0 + GROWN_SHARE) * size_rad;
         let limit_rad = self.limit_of_growth(grown_rad, [before, last]).max(GROWTH_NOISE * self.noise_rms_rad);
@@ -218,23 +221,38 @@ impl Cut<'_> {
 
     /// That the swings of what was asked for grow more often than not, where none of them can be free.
     fn grows(&self) -> Option<SegmentError> {
-        let inside = self.turns_in(&self.asked);
-        let threes = || inside.windows(3);
-        let growing: Vec<_> = threes().filter(|three| self.growth(three).is_some()).collect();
+        let half_swings = self.half_swings_in(&self.asked);
+        let pairs = || half_swings.windows(2);
+        let growing: Vec<_> = pairs().filter(|pair| self.growth(&pair[0], &pair[1]).is_some()).collect();
         let (first, last) = (growing.first()?, growing.last()?);
-        let amplitude = |a: &TurningPoint, b: &TurningPoint| (a.angle_rad - b.angle_rad).abs() / 2.0;
-        let (from, to) = (amplitude(first[0], first[1]), amplitude(last[1], last[2]));
+        let (from, to) = (size_rad(&first[0]) / 2.0, size_rad(&last[1]) / 2.0);
         let unit = self.recording.measured().unit();
-        (2 * growing.len() > threes().len()).then_some(SegmentError::Grows { from, to, unit })
+        (2 * growing.len() > pairs().len()).then_some(SegmentError::Grows { from, to, unit })
     }
 
-    /// How far from the second of three turning points a free swing reaches at most (rad), where the third lies beyond.
-    fn growth(&self, three: &[&TurningPoint]) -> Option<f64> {
-        let before = (three[0].angle_rad - three[1].angle_rad).abs();
-        let after = (three[2].angle_rad - three[1].angle_rad).abs();
-        let alternate = three[0].is_maximum != three[1].is_maximum && three[1].is_maximum != three[2].is_maximum;
-        let limit_rad = self.limit_of_growth(before, [three[0], three[2]]);
-        (alternate && after > GROWTH_NOISE * self.noise_rms_rad && after > limit_rad).then_some(limit_rad)
+    /// From each turning point to the next where both are seen and it turns to the other side.
+    fn half_swings_in(&self, range: &Range<usize>) -> Vec<HalfSwing<'_>> {
+        let inside = self.turns_in(range);
+        let half_swings = inside.windows(2).map(|pair| [pair[0], pair[1]]);
+        let is_whole =
+            |[from, to]: &HalfSwing| from.is_maximum != to.is_maximum && self.is_seen(from) && self.is_seen(to);
+        half_swings.filter(is_whole).collect()
+    }
+
+    /// Whether no hole in the rows hides where it turned: what stands at an end of one is no turning point.
+    fn is_seen(&self, turn: &TurningPoint) -> bool {
+        let times_s = &self.times_s()[self.asked.start..];
+        let first = times_s.partition_point(|time_s| *time_s < turn.time_s - self.width_s).saturating_sub(1);
+        let last = times_s.partition_point(|time_s| *time_s <= turn.time_s + self.width_s).min(times_s.len() - 1);
+        let hole_s = self.width_s.max(GAP_STEPS * self.recording.step_s());
+        times_s[first..=last].windows(2).all(|pair| pair[1] - pair[0] < hole_s)
+    }
+
+    /// How far from where the second of two half swings begins a free swing reaches at most (rad), where it ends beyond.
+    fn growth(&self, before: &HalfSwing, after: &HalfSwing) -> Option<f64> {
+        let limit_rad = self.limit_of_growth(size_rad(before), [before[0], after[1]]);
+        let after_rad = size_rad(after);
+        (after_rad > GROWTH_NOISE * self.noise_rms_rad && after_rad > limit_rad).then_some(limit_rad)
     }
 
     /// How far a free swing goes at most where the one before went so far, rad.
@@ -246,11 +264,11 @@ impl Cut<'_> {
     /// which is the same just before and just after a moment: where it loses many times as much after, a motor was
     /// switched off.
     fn left_alone(&self, part: &Range<usize>) -> Range<usize> {
-        let inside = self.turns_in(part);
-        let sizes = sizes_rad(&inside);
-        let spread_rad = median(&mut inside.iter().map(|turn| turn.spread_rad).collect::<Vec<f64>>());
+        let half_swings = self.half_swings_in(part);
+        let sizes: Vec<f64> = half_swings.iter().map(size_rad).collect();
+        let spread_rad = median(&mut half_swings.iter().map(|[from, _]| from.spread_rad).collect::<Vec<f64>>());
         let size_at = |idx: usize| median(&mut sizes[idx - 1..=idx + 1].to_vec());
-        let time_s = |idx: usize| inside[idx].time_s;
+        let time_s = |idx: usize| half_swings[idx][0].time_s;
         let larger = |largest: &mut f64, size: &f64| {
             *largest = largest.max(*size);
             Some(*largest)
@@ -363,6 +381,13 @@ impl Thirds {
 /// Whole numbers as they are, others with few digits.
 fn shown(number: f64) -> String {
     if number.fract() == 0.0 { number.to_string() } else { significant(number, N_DIGITS) }
+}
+
+/// From one turning point to the next.
+type HalfSwing<'a> = [&'a TurningPoint; 2];
+
+fn size_rad([from, to]: &HalfSwing) -> f64 {
+    (to.angle_rad - from.angle_rad).abs()
 }
 
 /// From each turning point to the next, rad.

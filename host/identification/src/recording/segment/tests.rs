@@ -55,6 +55,60 @@ fn a_held_pendulum_is_free_just_after_its_release() {
     }
 }
 
+/// A hold of some samples, and twelve or eight of a swing of 0.75 s: too few for accelerations.
+#[test]
+fn a_hold_of_few_samples_a_swing_is_cut_and_a_swing_from_its_turn_is_not() {
+    for every in [12, 18] {
+        let rate_hz = 1.0 / (STEP_S * f64::from(every));
+        let fewer = |angles_rad: &[f64]| {
+            let mut noise = crate::random::Noise::new(2);
+            let kept = angles_rad.iter().step_by(every as usize).map(|angle| angle + 1e-3 * noise.normal());
+            segment(&Recording::uniform(rate_hz, kept.collect()).unwrap(), &SegmentOptions::default()).unwrap()
+        };
+        for n_held in [0, 3, 5, 7, 20] {
+            for angle_rad in [0.1, 0.5, -0.9] {
+                let held = vec![angle_rad; n_held * every as usize];
+                let segments = fewer(&[held, swing(angle_rad, 20.0)].concat());
+                // The sample at the release itself is one of the hold, and the next one may not have fallen far.
+                let expected = if n_held == 0 { 0..=0 } else { n_held..=n_held + 2 };
+                assert!(expected.contains(&segments.free.start), "{every} {n_held} {angle_rad} {segments:?}");
+            }
+        }
+    }
+}
+
+/// Without the rows in between (s), whatever hangs or turns there.
+fn find_past_hole(angles_rad: &[f64], from_s: f64, to_s: f64) -> Segments {
+    let whole = noisy(angles_rad);
+    let kept = || (0..whole.len()).filter(|idx| !(from_s..to_s).contains(&whole.times_s()[*idx]));
+    let of = |list: &[f64]| kept().map(|idx| list[idx]).collect::<Vec<f64>>();
+    let recording = Recording::new(whole.header().clone(), of(whole.times_s()), of(whole.angles_rad()), None).unwrap();
+    segment(&recording, &SegmentOptions::default()).unwrap()
+}
+
+#[test]
+fn a_hole_in_the_rows_that_hides_where_it_turned_is_bridged() {
+    // A period takes 0.75 s at first.
+    let free = swing(0.8, 20.0);
+    for from in 0..25 {
+        for length_s in [0.1, 0.2, 0.3, 0.5, 0.7] {
+            let from_s = 5.0 + 0.03 * f64::from(from);
+            let segments = find_past_hole(&free, from_s, from_s + length_s);
+            assert!(segments.free.start == 0 && segments.notes.is_empty(), "{from_s} {length_s} {segments:?}");
+        }
+    }
+}
+
+#[test]
+fn a_push_in_a_hole_of_the_rows_is_seen_behind_it() {
+    // Along its way, for most of one half swing.
+    let push = |t: f64| if (5.35..5.65).contains(&t) { -6.0 } else { 0.0 };
+    let pushed = moved_swing(0.8, 20.0, push);
+    let segments = find_past_hole(&pushed, 5.3, 5.7);
+    let start_s = segments.free.start as f64 * STEP_S + 0.4;
+    assert!((5.7..7.0).contains(&start_s), "{start_s} {segments:?}");
+}
+
 #[test]
 fn a_push_at_the_release_begins_where_it_was_given() {
     for (angle_rad, push_rad_s) in [(1.2, 2.0), (1.2, 3.0), (0.4, 1.0), (0.4, -1.5), (-0.8, -2.0)] {

@@ -72,6 +72,7 @@ const MUTE: &[&str] = &[
     "signal",
     "simout",
     "untitled",
+    "val",
     "valeur",
     "valor",
     "valore",
