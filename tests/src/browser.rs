@@ -4,7 +4,8 @@ use crate::HANG;
 use fantoccini::{Client, ClientBuilder, Locator};
 use hyper_util::client::legacy::connect::HttpConnector;
 use serde_json::{Value, json};
-use std::io::{BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Write};
+use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -20,6 +21,7 @@ pub struct Browser {
     /// For whatever has no name here.
     pub client: Client,
     driver: Child,
+    port: u16,
 }
 
 impl Browser {
@@ -45,7 +47,7 @@ impl Browser {
         builder.capabilities(capabilities);
         let client = builder.connect(&format!("http://127.0.0.1:{port}")).await.expect("chromium starts");
         client.goto(url).await.expect("the page opens");
-        Self { client, driver }
+        Self { client, driver, port }
     }
 
     /// Runs a script in the page and gives what it returns.
@@ -119,9 +121,20 @@ impl Browser {
 
 impl Drop for Browser {
     fn drop(&mut self) {
+        // Killed at once, the driver would leave the browser of a failed test running.
+        let _ = shut_down(self.port);
         let _ = self.driver.kill();
         let _ = self.driver.wait();
     }
+}
+
+/// Ends the browsers of a driver.
+fn shut_down(port: u16) -> io::Result<()> {
+    let mut stream = TcpStream::connect(("127.0.0.1", port))?;
+    stream.set_read_timeout(Some(HANG))?;
+    stream.write_all(b"GET /shutdown HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")?;
+    io::copy(&mut stream, &mut io::sink())?;
+    Ok(())
 }
 
 /// Where pictures are kept: `target/page-pictures`.
@@ -161,4 +174,30 @@ fn listening_driver() -> Option<(Child, u16)> {
     // What it says later would fill the pipe.
     std::thread::spawn(move || lines.for_each(drop));
     Some((child, port))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Processes whose parent is this one.
+    fn children(parent: u32) -> Vec<PathBuf> {
+        let all = std::fs::read_dir("/proc").unwrap().filter_map(Result::ok).map(|entry| entry.path());
+        let is_child = |process: &PathBuf| {
+            let status = std::fs::read_to_string(process.join("status")).unwrap_or_default();
+            status.lines().any(|line| line == format!("PPid:\t{parent}"))
+        };
+        all.filter(is_child).collect()
+    }
+
+    #[test]
+    fn the_browser_of_a_failed_test_ends_with_it() {
+        tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(async {
+            let browser = Browser::open("about:blank", 800, 600).await;
+            let browsers = children(browser.driver.id());
+            assert!(!browsers.is_empty());
+            drop(browser);
+            assert!(browsers.iter().all(|process| !process.exists()), "{browsers:?}");
+        });
+    }
 }

@@ -26,18 +26,25 @@ pub fn of_the_next_swing(link: &mut Link) -> Result<f64, String> {
     link.ask(Command::Start(Stream { raw: false, live_every: EVERY }))?;
     let n_points = N_SAMPLES / usize::from(EVERY);
     let mut points = Vec::new();
-    let (mut n_read, mut released_at) = (0, None);
+    let mut n_read = 0;
+    let mut rms_rad = None;
     link.collect(|frames| {
         frames[n_read..].iter().for_each(|frame| points.extend(points_of(frame)));
         n_read = frames.len();
-        released_at = released_at.or_else(|| released(&points));
-        released_at.is_some_and(|at| points.len() >= at + n_points)
+        rms_rad = after_a_release(&points, n_points);
+        rms_rad.is_some()
     })?;
     link.ask(Command::Stop)?;
-    let at = released_at.unwrap_or(0);
-    let second_half = &points[at + n_points / 2..at + n_points];
+    rms_rad.ok_or_else(|| "no swing that begins at a positive angle".to_owned())
+}
+
+/// The same of points (angle and innovation, rad), the swing being that many points after their first release from a
+/// positive angle; none before all of them are there.
+pub fn after_a_release(points: &[(f32, f32)], n_points: usize) -> Option<f64> {
+    let at = released(points)?;
+    let second_half = points.get(at + n_points / 2..at + n_points)?;
     let sum: f64 = second_half.iter().map(|(_, innovation_rad)| f64::from(*innovation_rad).powi(2)).sum();
-    Ok((sum / second_half.len() as f64).sqrt())
+    Some((sum / second_half.len() as f64).sqrt())
 }
 
 fn points_of(frame: &Frame) -> Vec<(f32, f32)> {

@@ -11,6 +11,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use tests::browser::Browser;
 use tests::device::Device;
 use tests::hidden::{Gyroscope, Rig};
+use tests::innovation::after_a_release;
 use tests::page::Server;
 use tests::program::host;
 
@@ -40,36 +41,36 @@ fn prepare(folder: &Path) {
 
 const IDLE: &str = "document.body.dataset.busy === 'false'";
 
-/// Notes of the live view, taken by the page itself, so that nothing depends on how often a test looks: the innovation
-/// (mrad) by the seconds of the rig's clock since the stream was begun anew, which shows in a lower count of frames.
-const TAKE_NOTES: &str = "
-    window.notes = [];
-    window.began = null;
-    const text = (id) => document.getElementById(id).textContent;
-    let frames = Number(text('frames'));
-    new MutationObserver(() => {
-        const now = Number(document.body.dataset.liveSeconds);
-        if (Number(text('frames')) < frames) began = now;
-        frames = Number(text('frames'));
-        if (began !== null) notes.push([now - began, parseFloat(text('innovation'))]);
-    }).observe(document.getElementById('frames'), { childList: true, characterData: true, subtree: true });";
+/// The points that the page draws, and how far they are when this is run, s of the rig's clock.
+const TAKE_POINTS: &str =
+    "return import('/live.js').then((live) => { window.kept = live.kept; window.asked = kept.t.at(-1) ?? 0; });";
 
-/// The simulated student lets go 3.5 s after a swing was asked for, and the rig's own figure needs about 20 s to forget
-/// the hand; later the pendulum is too slow to tell models apart. Seconds of the rig's clock.
-const TELLING_S: std::ops::Range<f64> = 22.0..31.0;
+/// The points since then: time, angle and innovation.
+const POINTS: &str =
+    "return kept.t.map((t, k) => [t, kept.measured[k], kept.innovation[k]]).filter(([t]) => t > asked);";
 
-/// The least innovation that the page shows late in a new swing, mrad.
+/// Between two of them, s.
+const POINT_S: f64 = 0.005;
+
+/// So many make the swing that is looked at: 10 s.
+const N_POINTS: usize = 2000;
+
+/// Longer than the simulated student needs to lift the pendulum and let it go, and that swing, s.
+const SWING_S: f64 = 25.0;
+
+/// The innovation in a new swing from 1.5 rad, mrad: of all points that the page draws, by the rig's own clock, so that
+/// it does not matter how quickly anybody looks. In between, the simulated student lets go on the other side or from a
+/// lesser angle; and to a page that was kept from its work points are missing. Then one of the next swings tells.
 async fn innovation_mrad(browser: &Browser) -> f64 {
     loop {
-        browser.run("notes = []; began = null").await;
+        browser.run(TAKE_POINTS).await;
         browser.click("#again").await;
-        browser.wait_for(&format!("notes.some((note) => note[0] > {})", TELLING_S.end)).await;
-        let notes = browser.run("return notes").await;
-        let pairs = notes.as_array().unwrap().iter().filter_map(|note| Some((note[0].as_f64()?, note[1].as_f64()?)));
-        // A page that was kept from its work may have missed all of them: then the next swing tells.
-        let telling = pairs.filter(|(at_s, _)| TELLING_S.contains(at_s)).map(|(_, mrad)| mrad);
-        if let Some(least) = telling.reduce(f64::min) {
-            return least;
+        browser.wait_for(&format!("kept.t.at(-1) > asked + {SWING_S}")).await;
+        let points: Vec<(f64, f32, f32)> = serde_json::from_value(browser.run(POINTS).await).unwrap();
+        let gap = points.windows(2).rposition(|pair| pair[1].0 - pair[0].0 > 1.5 * POINT_S);
+        let whole: Vec<_> = points[gap.map_or(0, |k| k + 1)..].iter().map(|point| (point.1, point.2)).collect();
+        if let Some(rms_rad) = after_a_release(&whole, N_POINTS) {
+            return 1e3 * rms_rad;
         }
     }
 }
@@ -114,7 +115,6 @@ fn a_hidden_effect_is_found_added_and_pushed_and_the_rig_follows_its_pendulum() 
         browser.keep_picture("3-only-noise-is-left").await;
 
         browser.click("#tab-live").await;
-        browser.run(TAKE_NOTES).await;
         let old_mrad = innovation_mrad(&browser).await;
         browser.keep_picture("4-live-before").await;
         browser.click("#tab-model").await;

@@ -258,4 +258,18 @@ mod tests {
         assert_eq!(said(&rig(), Change::Add(drag)), ("+ quadratic-drag".to_owned(), Some(Carries::Confirmed)));
         assert_eq!(said(&truth, Change::Remove(drag)), ("- quadratic-drag".to_owned(), Some(Carries::Contradicted)));
     }
+
+    /// An effect that is not there, beside a drag that is not in the model: what refits the model may lead it astray.
+    #[test]
+    fn a_model_with_an_effect_added_is_never_worse_than_without() {
+        let mut truth = rig();
+        truth.set_friction(5e-4, 3e-3, 6e-3, 0.03);
+        truth.set(Effect::<f64>::by_name("quadratic-drag").unwrap().id, &[2e-4]).unwrap();
+        let swings = [simulated("drag", &truth, 20.0, 1)];
+        for name in ["asymmetric-coulomb", "backlash", "zero-drift"] {
+            let added = Change::Add(Effect::by_name(name).unwrap());
+            let steps = super::change(&swings, &[], &rig(), &[added]).unwrap();
+            assert!(steps[1].rmse <= steps[0].rmse, "{name}: {} instead of {}", steps[1].rmse, steps[0].rmse);
+        }
+    }
 }

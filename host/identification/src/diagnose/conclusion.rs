@@ -46,6 +46,13 @@ pub(super) struct Conclusion {
     pub(super) others: Vec<Fitted>,
 }
 
+/// Of the claims that were dropped on the way those that stay so: what does not hold beside another law may be claimed in the
+/// end without that.
+pub(super) fn not_claimed(mut unproven: Vec<Holding>, claimed: &Fitted) -> Vec<Holding> {
+    unproven.retain(|holding| !claimed.has(holding.effect));
+    unproven
+}
+
 impl<'a, 'b> Bench<'a, 'b> {
     /// Who decides from what a search found.
     pub(super) fn judge<'c>(&'c self, found: &'c Found) -> Judge<'a, 'c>
@@ -118,8 +125,7 @@ impl<'a, 'b> Bench<'a, 'b> {
             undecided = judge.not_separated(&claimed, &others);
             offset_is_missing = offset_is_missing && zero::is_missing(problem, &claimed);
         }
-        // Beside another law that is not claimed, what is claimed may not hold.
-        unproven.retain(|holding| !claimed.has(holding.effect));
+        let unproven = not_claimed(unproven, &claimed);
         Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others }
     }
 

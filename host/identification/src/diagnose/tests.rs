@@ -2,6 +2,7 @@
 //! set by hand.
 
 use super::budget::Budget;
+use super::conclusion::not_claimed;
 use super::extension::extensions;
 use super::holds::{Holding, Standing};
 use super::models::excess;
@@ -448,6 +449,22 @@ fn a_law_that_is_wanted_stronger_than_it_can_be_is_not_claimed() {
 }
 
 #[test]
+fn what_is_claimed_is_not_told_as_dropped_too() {
+    let swings = with_drag();
+    let levels = |on: &Problem| (begun(on, &rig()), Vec::new());
+    let dropped = judged(&swings, levels, |judge| {
+        let with_both = fitted(judge.problem, &rig_with("quadratic-drag", &[DRAG]));
+        let with_both = with_both.with(effect("torsional-spring"), &[1e-3, 0.0]).unwrap().evaluated(judge.problem);
+        let of_both = judge.holdings(&with_both);
+        let names = |claimed: &Fitted| {
+            not_claimed(of_both.clone(), claimed).iter().map(|holding| holding.effect).collect::<Vec<_>>()
+        };
+        [names(&with_both.without(effect("torsional-spring").id)), names(&with_both), names(&judge.found.base)]
+    });
+    assert_eq!(dropped, [vec!["torsional-spring"], Vec::new(), vec!["quadratic-drag", "torsional-spring"]]);
+}
+
+#[test]
 fn a_zero_is_claimed_beside_what_is_claimed_only() {
     // Beside the drag the zero shows; but these swings are too short to prove a drag, and without one it changes nothing.
     let mut swing = simulated("short", &rig_with("quadratic-drag", &[2.0 * DRAG]), 5.0, 1);
@@ -595,6 +612,32 @@ fn a_wider_law_is_begun_anew_where_its_usual_form_is_as_strong_as_it_can_be() {
     let found = widened(&problem, &[with_excess(&problem, &usual, 400.0)]);
     let best = found.iter().map(|model| model.cost).fold(f64::INFINITY, f64::min);
     assert!(best < 1.1 * problem.noise_cost(), "{best} {}", problem.noise_cost());
+}
+
+/// Its spring is far from as stiff as it can be; but without it nothing follows the swing.
+#[test]
+fn a_wider_law_is_begun_anew_where_the_model_without_it_has_lost_the_swings() {
+    for truth in [[0.01, 0.1, 10.0], [0.1, 1.0, 3.0]] {
+        let swings = [simulated("hard", &rig_with("general-spring", &truth), 14.0, 1)];
+        let count = Tally::default();
+        let problem = base_problem(&swings, (&rig()).into(), &count);
+        let mut usual = rig_with("torsional-spring", &[0.1, 0.29]);
+        usual.pendulum.inertia_kg_m2 = 0.02;
+        let found = widened(&problem, &[with_excess(&problem, &usual, 400.0)]);
+        let best = found.iter().map(|model| model.cost).fold(f64::INFINITY, f64::min);
+        assert!(best < 1.1 * problem.noise_cost(), "{truth:?}: {best} {}", problem.noise_cost());
+    }
+}
+
+#[test]
+fn a_small_magnet_is_found_wherever_a_slow_pendulum_passes_it() {
+    for (at_rad, width_rad) in [(0.2, 0.06), (0.0, 0.08), (-0.2, 0.08)] {
+        let swings = [simulated("magnet", &rig_with("eddy-brake", &[8e-3, at_rad, width_rad]), 14.0, 1)];
+        let count = Tally::default();
+        let problem = base_problem(&swings, (&rig()).into(), &count);
+        let best = predictions(&problem, &fitted(&problem, &rig()), &[effect("eddy-brake")]).remove(0).fitted(&problem);
+        assert!(best.cost < 1.1 * problem.noise_cost(), "{at_rad}: {} {}", best.cost, problem.noise_cost());
+    }
 }
 
 /// Rest is at another turn with it than without, so that the level that suits the base leads its fit astray.

@@ -9,7 +9,7 @@ const KEPT_S = 70;
 const DRAW_EVERY_MS = 50;
 
 const columns = ['t', 'measured', 'observed', 'rate', 'velocity', 'innovation', 'friction'];
-const kept = Object.fromEntries(columns.map((name) => [name, []]));
+export const kept = Object.fromEntries(columns.map((name) => [name, []]));
 let drawnAt = 0;
 let rig = {};
 let charts = null;
@@ -28,7 +28,6 @@ function makeCharts() {
 export function take(message) {
   if (message.t[0] < kept.t[kept.t.length - 1]) columns.forEach((name) => { kept[name].length = 0; });
   for (const name of columns) kept[name].push(...message[name]);
-  document.body.dataset.liveSeconds = String(kept.t[kept.t.length - 1]);
   const old = kept.t.findIndex((t) => t > kept.t[kept.t.length - 1] - KEPT_S);
   // Trimmed in large pieces, so that little is moved.
   if (old > 2000) columns.forEach((name) => kept[name].splice(0, old));
