@@ -21,17 +21,12 @@ pub(super) fn strengths(effect: &Effect<f64>) -> Vec<usize> {
 
 /// Does a number of an effect lie on an end of its range that must lie within?
 pub(super) fn stands_for_another(model: &Fitted, effect: &Effect<f64>) -> bool {
-    effect.rules.must_lie_within.is_some_and(|index| is_on_an_end(model, effect, index.into()))
-}
-
-/// Is what a wider law has beyond its special case on an end of its range?
-pub(super) fn is_as_far_from_special_as_can_be(model: &Fitted, wide: &Effect<f64>) -> bool {
-    wide.rules.special_case_at.is_some_and(|(index, _)| is_on_an_end(model, wide, index.into()))
-}
-
-fn is_on_an_end(model: &Fitted, effect: &Effect<f64>, index: usize) -> bool {
-    let mut own = model.unknowns.iter().enumerate().filter(|(j, _)| index_in(model, effect, *j) == Some(index));
-    own.any(|(_, unknown)| unknown.is_at_end(&model.parameters))
+    let Some(must) = effect.rules.must_lie_within.map(usize::from) else { return false };
+    model
+        .unknowns
+        .iter()
+        .enumerate()
+        .any(|(j, unknown)| index_in(model, effect, j) == Some(must) && unknown.is_at_end(&model.parameters))
 }
 
 /// Does a strength of an effect lie on the end of its range? Zero, where the range of many begins, is none.

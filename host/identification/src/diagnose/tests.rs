@@ -572,7 +572,7 @@ fn a_wider_law_that_is_claimed_gives_way_to_its_usual_form_where_that_is_as_good
 }
 
 #[test]
-fn a_shape_on_the_end_of_its_range_gives_way_to_the_usual_one_that_leaves_about_as_much() {
+fn a_shape_that_is_not_known_gives_way_to_the_usual_one_that_leaves_about_as_much() {
     let swings = [simulated("power", &rig_with("power-law-drag", &[DRAG, 2.6]), 14.0, 1)];
     let kept = |exponent: f64| {
         let levels = |on: &Problem| (with_excess(on, &rig(), 60.0), Vec::new());

@@ -8,8 +8,7 @@ use super::limits::HARDLY;
 use super::noise::smallest_step;
 use std::ops::Range;
 
-/// What rolls before it stands goes so many times as far as it then trembles. With half of it a cart that the pendulum pulls to and
-/// fro would have stopped somewhere; with twice of it one that is pushed by a hand's breadth and trembles by 2 mm would not.
+/// What rolls before it stands goes so many times as far as it then trembles. Half and twice were not tried.
 const FAR: f64 = 5.0;
 
 /// A column of what carries the pendulum.

@@ -66,7 +66,7 @@ const SAME_STEP: f64 = 1e-6;
 const TOLD: usize = 12;
 
 /// Steps of even times that are written with some digits are of three lengths, and with fewer digits later on of three for
-/// each number of them; those of a clock are of nearly as many as there are rows. Half and twice of it tell the same.
+/// each number of them; those of a clock are of nearly as many as there are rows. Half and twice were not tried.
 const MOST_STEPS: usize = 24;
 
 /// The places where one frame is missing or stands there twice, in order of time. A clock of its own shows what is missing, and

@@ -47,7 +47,7 @@ const SURE_OF_PUSH: f64 = 25.0;
 /// unknown is twice as large as here, with twice of it half as large, and 0.7/ω0 more of the swing is lost.
 const BALANCED_RAD: f64 = 0.2;
 
-/// Half swings in which a cart may roll on. Half of it tells the same; a cart that rolls for twice as long is doubted.
+/// Half swings in which a cart may roll on. Half and twice were not tried.
 const ROLLS_HALF_SWINGS: f64 = 2.0;
 
 /// How the free swing begins.
