@@ -152,16 +152,17 @@ fn what_explains_nearly_all_but_is_not_proven_is_suspected() {
     assert!(suspect.rmse < 0.2 * diagnosis.rmse_after, "{} of {}", suspect.rmse, diagnosis.rmse_after);
 }
 
-/// Twelve seconds of this cart want presliding as brittle as it can be, and leave about as much with the usual one.
+/// The wider form of presliding has two numbers more than 12 s of this cart tell anything of on their own; with the usual
+/// one the windows suffice.
 #[test]
-fn a_law_whose_shape_is_not_known_is_claimed_in_its_usual_form() {
+fn a_law_that_is_too_wide_for_few_windows_is_claimed_in_its_usual_form() {
     let options = SegmentOptions { from_s: None, to_s: Some(12.0) };
     let recording = load("real/more/dynamicslab_cart_mounted.csv");
     let cart = Measurement::from_recording("cart", &recording, &options).unwrap();
     let diagnosis = diagnose(std::slice::from_ref(&cart.swing), &[], &normalised(&cart));
     assert_eq!(diagnosis.verdict, ["presliding"]);
-    assert!(diagnosis.undecided.contains(&"general-presliding"), "{:?}", diagnosis.undecided);
-    assert!(diagnosis.rmse_after < 0.3 * diagnosis.rmse_before, "{}", diagnosis.rmse_after);
+    assert!(diagnosis.unproven.iter().any(|claim| claim.effect == "general-presliding"), "{:?}", diagnosis.unproven);
+    assert!(diagnosis.rmse_after < 0.4 * diagnosis.rmse_before, "{}", diagnosis.rmse_after);
 }
 
 /// A release that is cut while it still swings far tells nothing of stiction: the model must not hold another one,

@@ -109,15 +109,9 @@ impl<'a, 'b> Bench<'a, 'b> {
         let settled = claimed.clone().settled(problem);
         let settled = if is_sound(problem, &settled) { settled } else { claimed };
         let names = settled.names();
-        // Once nothing moves, a shape may turn out to lie on the end of its range.
-        let (usual, wider) = judge.in_usual_forms(settled);
-        let usual = if wider.is_empty() { usual } else { usual.settled(problem) };
-        others.extend(wider);
-        let mut claimed = judge.beyond_their_errors(usual);
+        let mut claimed = judge.beyond_their_errors(settled);
         if claimed.names() != names {
-            let has_usual_form = |name| Effect::<f64>::by_name(name)?.generalises.filter(|usual| claimed.has(usual));
-            let is_gone = |holding: &Holding| !claimed.has(holding.effect) && has_usual_form(holding.effect).is_none();
-            let vague = holds_on.into_iter().filter(is_gone);
+            let vague = holds_on.into_iter().filter(|holding| !claimed.has(holding.effect));
             unproven.extend(vague.map(|holding| Holding { standing: Standing::Vague, ..holding }));
             let dropped;
             (claimed, dropped, holds_on) = judge.holding(claimed);

@@ -571,22 +571,6 @@ fn a_wider_law_that_is_claimed_gives_way_to_its_usual_form_where_that_is_as_good
     assert_eq!(told(2.6), (wide, Vec::new()));
 }
 
-#[test]
-fn a_shape_that_is_not_known_gives_way_to_the_usual_one_that_leaves_about_as_much() {
-    let swings = [simulated("power", &rig_with("power-law-drag", &[DRAG, 2.6]), 14.0, 1)];
-    let kept = |exponent: f64| {
-        let levels = |on: &Problem| (with_excess(on, &rig(), 60.0), Vec::new());
-        judged(&swings, levels, |judge| {
-            let usual = fitted(judge.problem, &rig_with("quadratic-drag", &[DRAG]));
-            let half = 1.0 + 0.5 * excess(judge.problem, &usual);
-            let wide = with_excess(judge.problem, &rig_with("power-law-drag", &[DRAG, exponent]), half);
-            judge.in_usual_forms(wide).0.name()
-        })
-    };
-    let end = effect("power-law-drag").parameters[1].high;
-    assert_eq!([kept(2.6), kept(end)], ["power-law-drag", "quadratic-drag"]);
-}
-
 /// A spring of nothing is known to no digit.
 #[test]
 fn in_place_of_a_single_law_that_is_vague_stands_the_best_sure_one_that_is_worth_it() {

@@ -11,9 +11,8 @@ use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels, on_all};
-use crate::fit::uncertainty::Status;
 use crate::swing::Window;
-use crate::verdict::{CHANCE_STDS, Left};
+use crate::verdict::Left;
 use shared::effect::Effect;
 
 /// Where the noise is not reached, a simpler model is taken that leaves no more than so many times the excess.
@@ -125,31 +124,17 @@ impl Judge<'_, '_> {
     }
 
     /// The claimed model with each law in its usual form, where that is as good begun from its numbers on all samples: the
-    /// search may have it in a side valley, which decimated swings lead to. Where the shape
-    /// is not known, it need only leave about as much. And those in whose place they are.
+    /// search may have it in a side valley, which decimated swings lead to. And those in whose place they are.
     pub(super) fn in_usual_forms(&self, mut claimed: Fitted) -> (Fitted, Vec<Fitted>) {
         let mut wider = Vec::new();
         for wide in claimed.effects.clone() {
             let Some(usual) = in_usual_form(self.problem, &claimed, wide) else { continue };
             let usual = usual.refined(self.problem, Band::Free, Tolerance::JUDGE);
-            let is_enough = self.is_as_good(&usual, &claimed)
-                || self.leaves_about_as_much(&usual, &claimed) && !self.knows_shape(&claimed, wide);
-            if is_enough && is_sound(self.problem, &usual) {
+            if is_sound(self.problem, &usual) && self.is_as_good(&usual, &claimed) {
                 wider.push(std::mem::replace(&mut claimed, usual));
             }
         }
         (claimed, wider)
-    }
-
-    /// Is the number that makes a wider law another one than its special case known, and another one than there?
-    fn knows_shape(&self, model: &Fitted, wide: &Effect<f64>) -> bool {
-        let Some((index, special)) = wide.rules.special_case_at else { return false };
-        let values = values(self.problem, model);
-        let shape = values.iter().filter(|value| value.effect == wide.name).nth(index.into());
-        shape.is_some_and(|shape| {
-            let is_apart = |std: f64| (shape.value - special).abs() > CHANCE_STDS * std;
-            shape.status == Status::Identified && shape.std.is_some_and(is_apart)
-        })
     }
 
     /// A model with one effect replaced that is better than the claimed one, pruned; and the others.

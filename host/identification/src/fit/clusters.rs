@@ -194,14 +194,11 @@ fn rises(values: &[f64], least: f64) -> Vec<Range<usize>> {
     found
 }
 
-/// Ranges of so many periods; what is before the first and behind the last belongs to these. The last turns and the rest
-/// behind them are a range of their own, if that is not shorter than the others.
+/// Ranges of so many periods; what is before the first and behind the last belongs to these.
 pub(super) fn cut(crossings: &[usize], periods: usize, n_samples: usize) -> Vec<Range<usize>> {
     let mut bounds: Vec<usize> = crossings.iter().copied().step_by(periods).skip(1).collect();
-    let longest = bounds.windows(2).map(|pair| pair[1] - pair[0]).max();
-    if bounds.last().is_some_and(|last| longest.is_none_or(|longest| n_samples - last < longest)) {
-        bounds.pop();
-    }
+    // The last one may be short, and holds the rest.
+    bounds.pop();
     bounds.insert(0, 0);
     bounds.push(n_samples);
     bounds.windows(2).map(|pair| pair[0]..pair[1]).filter(|range| !range.is_empty()).collect()
@@ -409,15 +406,6 @@ mod tests {
         let expected = 4.771 / 1.96 * (2.0 * 3094.0 / 13.0_f64.powi(3)).sqrt();
         assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
         assert!(found > 2.0 * std_of_mean(&values));
-    }
-
-    #[test]
-    fn the_turns_and_the_rest_behind_the_last_whole_window_are_one_if_they_are_as_long() {
-        let crossings = [10, 110, 210, 310];
-        assert_eq!(cut(&crossings, 1, 1000), [0..110, 110..210, 210..310, 310..1000]);
-        assert_eq!(cut(&crossings, 1, 400), [0..110, 110..210, 210..400]);
-        // Of a single window nothing says how long the others are.
-        assert_eq!(cut(&crossings[..2], 1, 1000), vec![0..1000; 1]);
     }
 
     #[test]
