@@ -34,6 +34,7 @@ mod on_change;
 mod options;
 mod order;
 mod pairs;
+mod places;
 pub mod plausible;
 mod preamble;
 mod rate;

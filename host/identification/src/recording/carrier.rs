@@ -41,9 +41,7 @@ impl Carrier {
         let moved = high - low - smallest_step(values).unwrap_or(0.0);
         (moved > HARDLY * self.per_rad * (most - least)).then_some((low, high))
     }
-}
 
-impl Carrier {
     /// The first sample of a range from which on it stands, where that is within the first samples of the range and it moved before.
     pub(super) fn stands_from(&self, range: &Range<usize>, n_first: usize, angles_rad: &[f64]) -> Option<usize> {
         let (first, behind) = (range.start..range.start + n_first, range.start + n_first..range.end);

@@ -9,6 +9,7 @@
 //! project and four made-up ones.
 
 use super::noise::smallest_step;
+use super::places::Places;
 use super::smooth::LocalFit;
 use super::{median, median_step_s, turning};
 use std::ops::Range;
@@ -77,19 +78,17 @@ pub(super) fn spikes(times: &[f64], readings: &[f64]) -> Vec<bool> {
 
 /// What is said of them.
 pub(super) fn note(is_spike: &[bool], times_s: &[f64]) -> Option<String> {
-    let first = is_spike.iter().position(|is_spike| *is_spike)?;
-    let n = is_spike.iter().filter(|is_spike| **is_spike).count();
-    let n_places = 1 + is_spike[first + 1..].windows(2).filter(|pair| !pair[0] && pair[1]).count();
+    let places = Places::of(is_spike)?;
     Some(format!(
         "{} out of the swing and back, at {:.3} s{}, as when a tracker or a bus loses it: left out as {}",
-        match (n, n_places) {
+        match (places.n_rows, places.n) {
             (1, _) => "1 reading jumps".to_owned(),
             (n, 1) => format!("{n} readings at 1 place jump"),
             (n, n_places) => format!("{n} readings at {n_places} places jump"),
         },
-        times_s[first],
-        if n_places == 1 { "" } else { " first" },
-        if n_places == 1 { "a gap" } else { "gaps" }
+        times_s[places.first_idx],
+        if places.n == 1 { "" } else { " first" },
+        places.as_gaps()
     ))
 }
 

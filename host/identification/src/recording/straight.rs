@@ -9,6 +9,7 @@
 
 use super::frames::swing::Swing;
 use super::noise::{self, smallest_step};
+use super::places::Places;
 use super::{median, median_step_s, turning};
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -69,16 +70,16 @@ pub(super) fn drawn(times_s: &[f64], lists: &[&[f64]]) -> Vec<bool> {
 
 /// What is said of them.
 pub(super) fn note(is_drawn: &[bool], times_s: &[f64]) -> Option<String> {
-    let first = is_drawn.iter().position(|is_drawn| *is_drawn)?;
-    let n = is_drawn.iter().filter(|is_drawn| **is_drawn).count();
-    let n_places = 1 + is_drawn[first + 1..].windows(2).filter(|pair| !pair[0] && pair[1]).count();
-    let (places, gaps) = match n_places {
-        1 => (format!("at {:.3} s", times_s[first]), "a gap"),
-        _ => (format!("at {n_places} places, at {:.3} s first", times_s[first]), "gaps"),
+    let places = Places::of(is_drawn)?;
+    let (n, first_s) = (places.n_rows, times_s[places.first_idx]);
+    let at = match places.n {
+        1 => format!("at {first_s:.3} s"),
+        n_places => format!("at {n_places} places, at {first_s:.3} s first"),
     };
     Some(format!(
-        "{n} readings lie on an exact straight line {places}, as when a tracker froze or filled frames in, while the swing \
-         goes on: left out as {gaps}"
+        "{n} readings lie on an exact straight line {at}, as when a tracker froze or filled frames in, while the swing \
+         goes on: left out as {}",
+        places.as_gaps()
     ))
 }
 

@@ -33,8 +33,8 @@ const LOST_AFTER_A_MOTOR: f64 = 4.0;
 const LOST_AT_ONCE: f64 = 0.25;
 
 /// A motor holds a swing: where it had been so many times as large in the same stretch, it came down freely, and what it loses in the
-/// end is a tail that a tracker follows in steps. A motor that begins beats up to twice as far as it then holds; with twice of it a
-/// tail of a fourth would still be cut off.
+/// end is a tail that a tracker follows in steps. A motor that begins beats up to twice as far as it then holds; with half of it no
+/// motor would be seen that had begun so, with twice of it a tail of a fourth would still be cut off.
 const FALLEN_BEFORE: f64 = 2.0;
 
 /// Half swings before and after, at least; with half of them dry friction that changes with the place would be a motor.
@@ -392,5 +392,5 @@ fn size_rad([from, to]: &HalfSwing) -> f64 {
 
 /// From each turning point to the next, rad.
 fn sizes_rad(turns: &[&TurningPoint]) -> Vec<f64> {
-    turns.windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs()).collect()
+    turns.windows(2).map(|pair| size_rad(&[pair[0], pair[1]])).collect()
 }
