@@ -152,17 +152,18 @@ fn what_explains_nearly_all_but_is_not_proven_is_suspected() {
     assert!(suspect.rmse < 0.2 * diagnosis.rmse_after, "{} of {}", suspect.rmse, diagnosis.rmse_after);
 }
 
-/// The wider form of presliding has two numbers more than 12 s of this cart tell anything of on their own; with the usual
-/// one the windows suffice.
+/// Seven swings of a cart show that its bearing bends before it slides, with all friction in the bristles or with some
+/// beside them.
 #[test]
-fn a_law_that_is_too_wide_for_few_windows_is_claimed_in_its_usual_form() {
+fn what_bends_before_it_slides_is_claimed_of_a_few_swings() {
     let options = SegmentOptions { from_s: None, to_s: Some(12.0) };
     let recording = load("real/more/dynamicslab_cart_mounted.csv");
     let cart = Measurement::from_recording("cart", &recording, &options).unwrap();
     let diagnosis = diagnose(std::slice::from_ref(&cart.swing), &[], &normalised(&cart));
-    assert_eq!(diagnosis.verdict, ["presliding"]);
-    assert!(diagnosis.unproven.iter().any(|claim| claim.effect == "general-presliding"), "{:?}", diagnosis.unproven);
-    assert!(diagnosis.rmse_after < 0.4 * diagnosis.rmse_before, "{}", diagnosis.rmse_after);
+    let generalised = |name: &str| Effect::<f64>::by_name(name).and_then(|effect| effect.generalises);
+    let [claimed] = diagnosis.verdict[..] else { panic!("{:?}", diagnosis.verdict) };
+    assert!(claimed == "presliding" || generalised(claimed) == Some("presliding"), "{claimed}");
+    assert!(diagnosis.rmse_after < 0.25 * diagnosis.rmse_before, "{}", diagnosis.rmse_after);
 }
 
 /// A release that is cut while it still swings far tells nothing of stiction: the model must not hold another one,

@@ -13,10 +13,11 @@ use crate::fit::problem::{Problem, Quantity, Unknown};
 use crate::formula::effect_of;
 use crate::swing::Swing;
 use crate::verdict::NO_CHANCE_STDS;
-use shared::effect::{Action, Effect, MAX_VALUES};
+use shared::effect::{Action, Effect, MAX_VALUES, Memory};
 use shared::formula::Program;
 use shared::motion::Motion;
 use shared::parameters::{Parameters, base};
+use std::f64::consts::TAU;
 
 /// Friction may be negative by this share of its largest value: the numbers have uncertainties.
 const TOLERANCE: f64 = 0.05;
@@ -84,11 +85,19 @@ fn friction_nm(parameters: &Parameters<f64>, motion: &Motion<f64>) -> f64 {
         let values: [f64; MAX_VALUES] = std::array::from_fn(|i| present.values.get(i).copied().unwrap_or(0.0));
         match effect_of(parameters, present.id)?.action {
             Action::Friction(torque) => Some(torque(motion, &values)),
+            Action::State(memory) => Some(sliding_nm(&memory, motion, &values)),
             Action::Formula(formula) => Some(Program::new(formula).friction_nm(motion, &values)),
             _ => None,
         }
     });
     added.sum::<f64>() - base_nm
+}
+
+/// The friction of a contact that has slid for a turn.
+fn sliding_nm(memory: &Memory<f64>, motion: &Motion<f64>, values: &[f64; MAX_VALUES]) -> f64 {
+    let before = Motion { angle_rad: motion.angle_rad - motion.direction * TAU, ..*motion };
+    let built_up = (memory.advance)(&before, motion, &(memory.start)(&before, values), values);
+    (memory.torque)(motion, &built_up, values)
 }
 
 #[cfg(test)]
@@ -127,6 +136,25 @@ mod tests {
         assert!(is_sound_with(0.02, 1.8));
         // So weak that it is a constant torque, if it is anything.
         assert!(!is_sound_with(2e-5, 1.8) && is_sound_with(2e-5, 1.0));
+    }
+
+    /// Without any friction beside it.
+    #[test]
+    fn bristles_may_carry_all_friction() {
+        assert!(with_drag(0.0, |problem, model| {
+            let mut model = model.clone();
+            let bristles = Effect::<f64>::by_name("presliding").unwrap();
+            model.parameters.set(bristles.id, &[1e-3, 2e-3]).unwrap();
+            let motion = |velocity_rad_s: f64| Motion {
+                angle_rad: 0.3,
+                velocity_rad_s,
+                direction: velocity_rad_s.signum(),
+                time_s: 0.0,
+                pendulum: model.parameters.pendulum,
+            };
+            let slides = |velocity: f64| (friction_nm(&model.parameters, &motion(velocity)).abs() - 1e-3).abs() < 1e-12;
+            slides(2.0) && slides(-0.01) && is_sound(problem, &model)
+        }));
     }
 
     #[test]

@@ -182,6 +182,21 @@ fn a_single_claim_that_does_not_hold_leaves_the_base_model() {
 }
 
 #[test]
+fn a_wider_claim_that_does_not_hold_leaves_its_usual_form_if_that_is_worth_it() {
+    let swings = with_drag();
+    let left = |before: Option<f64>| {
+        let levels = |on: &Problem| {
+            let base = before.map_or_else(|| fitted(on, &rig()), |before| with_excess(on, &rig(), before));
+            (base, vec![vec![fitted(on, &rig_with("power-law-drag", &[DRAG, 2.0]))]])
+        };
+        judged(&swings, levels, |judge| judge.without_doubtful(&judge.found.levels[0][0], "power-law-drag").name())
+    };
+    assert_eq!(left(None), "quadratic-drag");
+    // Where noise alone is left without it, it is worth nothing.
+    assert_eq!(left(Some(1.0)), "none");
+}
+
+#[test]
 fn a_drag_that_was_fitted_is_told_from_its_wider_form_by_the_exponent() {
     let swings = with_drag();
     let levels = |on: &Problem| {

@@ -14,9 +14,9 @@
 //! Time-Series Analysis (Springer 1984) for windows with starts of their own.
 
 use super::linear::{Linear, SwingLinear, dot};
+use super::phase;
 use super::problem::{PER_SWING, Problem, Start};
 use super::solve::Factor;
-use crate::swing::Swing;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -107,11 +107,14 @@ pub fn clusters(on: &Problem, linear: &Linear, starts: &[Start], matters: impl F
     if linear.n_swings() >= RELEASES {
         return whole_swings(on, linear);
     }
-    let crossings: Vec<Vec<usize>> =
-        linear.each(|swing_idx, swing| upward_crossings(on, swing, swing_idx, starts[swing_idx].offset_rad));
+    let quarters_of = |swing_idx, swing: &SwingLinear| {
+        let predicted = predicted(on, swing, swing_idx, starts[swing_idx].offset_rad);
+        phase::quarters(&predicted, seen_rad(on, swing_idx))
+    };
+    let quarters: Vec<Vec<usize>> = linear.each(quarters_of);
     let mut best: (usize, Vec<Cluster>) = (usize::MAX, Vec::new());
     for periods in PERIODS {
-        let found = joined(windows(on, linear, &crossings, periods));
+        let found = joined(windows(on, linear, &quarters, periods));
         let n_doubtful = match spread(&found) {
             Some(spread) if found.len() >= ENOUGH => {
                 (0..spread.stds.len()).filter(|j| matters(*j) && spread.stds[*j].is_none()).count()
@@ -129,7 +132,7 @@ pub fn clusters(on: &Problem, linear: &Linear, starts: &[Start], matters: impl F
 }
 
 /// Windows of so many periods.
-fn windows(on: &Problem, linear: &Linear, crossings: &[Vec<usize>], periods: usize) -> Vec<Cluster> {
+fn windows(on: &Problem, linear: &Linear, quarters: &[Vec<usize>], periods: usize) -> Vec<Cluster> {
     let (n_unknowns, size) = (linear.n_unknowns(), linear.n_unknowns() + linear.n_swings());
     let of_swing = |swing_idx: usize, swing: &SwingLinear| -> Vec<Cluster> {
         let (starts, offset) = swing.columns[n_unknowns..].split_at(PER_SWING - 1);
@@ -137,7 +140,7 @@ fn windows(on: &Problem, linear: &Linear, crossings: &[Vec<usize>], periods: usi
             swing.columns[..n_unknowns].iter().map(Vec::as_slice).enumerate().collect();
         shared.push((n_unknowns + swing_idx, &offset[0]));
         let of_window = |range| cluster(on, swing_idx, swing, range, starts, &shared, size);
-        cut(&crossings[swing_idx], periods, swing.residuals.len()).into_par_iter().map(of_window).collect()
+        phase::windows(&quarters[swing_idx], periods, swing.residuals.len()).into_par_iter().map(of_window).collect()
     };
     linear.each(of_swing).concat()
 }
@@ -152,47 +155,24 @@ fn whole_swings(on: &Problem, linear: &Linear) -> Vec<Cluster> {
     })
 }
 
-/// Where the predicted angle goes upward through the middle: through zero, or halfway where a zero that drifts has carried
-/// a swing beyond it.
+/// Where the predicted angle goes upward through the middle.
 pub(super) fn upward_crossings(on: &Problem, swing: &SwingLinear, swing_idx: usize, offset_rad: f64) -> Vec<usize> {
-    let Swing { angles_rad, noise_rad, .. } = &on.swings[swing_idx];
-    let predicted: Vec<f64> =
-        swing.residuals.iter().zip(angles_rad).map(|(residual, angle)| angle - residual - offset_rad).collect();
-    let passes = |i: &usize, level: f64| predicted[i - 1] < level && predicted[*i] >= level;
-    let halfway = |rise: Range<usize>| {
-        let level = 0.5 * (predicted[rise.start] + predicted[rise.end]);
-        (rise.start + 1..=rise.end).find(|i| passes(i, level))
-    };
-    let is_beyond = |rise: &Range<usize>| predicted[rise.start] >= 0.0 || predicted[rise.end] < 0.0;
-    let beyond = rises(&predicted, SEEN_NOISES * noise_rad).into_iter().filter(is_beyond).filter_map(halfway);
-    let mut crossings: Vec<usize> = (1..predicted.len()).filter(|i| passes(i, 0.0)).chain(beyond).collect();
-    crossings.sort_unstable();
-    crossings
+    phase::upward_crossings(&predicted(on, swing, swing_idx, offset_rad), seen_rad(on, swing_idx))
 }
 
-/// A swing beyond zero that rises by fewer noises than this is none.
+/// The predicted angle in rad, without its offset.
+fn predicted(on: &Problem, swing: &SwingLinear, swing_idx: usize, offset_rad: f64) -> Vec<f64> {
+    let angles_rad = &on.swings[swing_idx].angles_rad;
+    swing.residuals.iter().zip(angles_rad).map(|(residual, angle)| angle - residual - offset_rad).collect()
+}
+
+/// A swing beyond zero that rises by less is none.
+fn seen_rad(on: &Problem, swing_idx: usize) -> f64 {
+    SEEN_NOISES * on.swings[swing_idx].noise_rad
+}
+
+/// The same in noises.
 const SEEN_NOISES: f64 = 4.0;
-
-/// From a lowest value to the next highest one, where at least so much lies between them and behind it.
-fn rises(values: &[f64], least: f64) -> Vec<Range<usize>> {
-    let mut found = Vec::new();
-    let (mut low, mut high, mut is_rising) = (0, 0, false);
-    for (i, value) in values.iter().enumerate() {
-        if is_rising {
-            high = if *value > values[high] { i } else { high };
-            if values[high] - value > least {
-                found.push(low..high);
-                (low, is_rising) = (i, false);
-            }
-        } else {
-            low = if *value < values[low] { i } else { low };
-            if value - values[low] > least {
-                (high, is_rising) = (i, true);
-            }
-        }
-    }
-    found
-}
 
 /// Ranges of so many periods; what is before the first and behind the last belongs to these.
 pub(super) fn cut(crossings: &[usize], periods: usize, n_samples: usize) -> Vec<Range<usize>> {
@@ -378,6 +358,7 @@ pub const NORMAL_95: f64 = 1.96;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::swing::Swing;
 
     /// Clusters that each measure one number directly, with a weight.
     fn measuring(values: &[f64], weights: &[f64]) -> Vec<Sums> {
