@@ -52,6 +52,7 @@ mod table;
 mod ticks;
 mod told;
 pub mod turning;
+mod unit;
 mod units;
 mod words;
 mod write;
@@ -73,6 +74,7 @@ use carrier::Carrier;
 use drive::Drive;
 use limits::LARGEST_RAD;
 use std::ops::Range;
+use unit::Unit;
 
 /// A step longer than this many median steps is a gap.
 const GAP_STEPS: f64 = 1.5;
@@ -93,6 +95,8 @@ pub struct Recording {
     drives: Vec<Drive>,
     /// What carries it.
     carriers: Vec<Carrier>,
+    /// Of its angles, where somebody else's file holds them.
+    unit: Option<Unit>,
 }
 
 /// A place where samples are missing.
@@ -134,6 +138,7 @@ impl Recording {
             notes: Vec::new(),
             drives: Vec::new(),
             carriers: Vec::new(),
+            unit: None,
         })
     }
 
@@ -226,6 +231,7 @@ impl Recording {
         let codes = self.codes.as_ref().map(|codes| codes[range.clone()].to_vec());
         let mut part = Self::new(self.header.clone(), times_s.to_vec(), angles_rad.to_vec(), codes)?;
         part.notes.clone_from(&self.notes);
+        part.unit = self.unit;
         part.drives = self.drives.iter().filter_map(|drive| drive.part(range.clone())).collect();
         part.carriers = self.carriers.iter().filter_map(|carrier| carrier.part(range.clone())).collect();
         Ok(part)
@@ -233,6 +239,11 @@ impl Recording {
 
     fn with_notes(mut self, notes: Vec<String>) -> Self {
         self.notes = notes;
+        self
+    }
+
+    fn with_unit(mut self, unit: Option<Unit>) -> Self {
+        self.unit = unit;
         self
     }
 

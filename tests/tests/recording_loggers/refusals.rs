@@ -2,6 +2,7 @@
 
 use crate::swing::{Row, check, open, table, told};
 use host::recording::ReadOptions;
+use host::recording::segment::{SegmentOptions, segment};
 
 #[test]
 fn a_project_of_another_program_is_named_with_what_to_export() {
@@ -189,7 +190,8 @@ fn a_column_that_never_moves_is_named_with_the_others() {
 #[test]
 fn a_stated_unit_that_the_period_contradicts_is_doubted() {
     let in_pi = table("t,angle (x pi rad)\n", |(t, a, _)| format!("{t:.2},{:.6}", a / std::f64::consts::PI));
-    let notes = open(in_pi.as_bytes(), &ReadOptions::default()).unwrap().notes().join("; ");
+    let recording = open(in_pi.as_bytes(), &ReadOptions::default()).unwrap();
+    let notes = segment(&recording, &SegmentOptions::default()).unwrap().notes.join("; ");
     assert!(notes.contains("doubtful") && notes.contains("as large"), "{notes}");
     // Half degrees grow a quarter as much: no degrees, and nothing that could be guessed.
     let halves = table("", |(t, a, _)| format!("{t:.2},{:.4}", 2.0 * a.to_degrees()));

@@ -149,16 +149,8 @@ impl Angles<'_> {
             Scale::TooSmall { factor } if unit == Some(AngleUnit::Degrees) && factor > RADIANS_AS_DEGREES => {
                 Fault::NotDegrees { unit: "degrees", largest_rad: swings.largest_rad, factor }
             }
-            Scale::TooSmall { factor } => {
-                let read_as = if unit.is_none() { "read as radians, but" } else { "with the unit that is stated" };
-                self.notes.push(format!(
-                    "doubtful: {read_as} the period grows with the amplitude as for angles {factor:.1} times as large; say \
-                     the unit, --columns {} (rad, deg, mrad, gon, turn, or 4096/turn)",
-                    self.told.angle("", ":turn")
-                ));
-                return Ok(());
-            }
-            Scale::Unknown if unit.is_none() => {
+            // What is too small is asked of the free swing alone, once that is found.
+            Scale::Unknown | Scale::TooSmall { .. } if unit.is_none() => {
                 let largest = swings.largest_rad;
                 self.notes.push(format!(
                     "the unit of the angle is not stated: read as radians, up to {largest:.3}; if they are degrees say --degrees"

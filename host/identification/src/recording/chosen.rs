@@ -1,9 +1,11 @@
 //! The columns that were chosen: where each quantity of a recording comes from.
 
+use super::limits::LARGEST_UNSTATED_RAD;
 use super::measured::Measured;
 use super::number::{Cell, Numerals};
 use super::table::Table;
 use super::told::Told;
+use super::unit::Unit;
 use super::units::{AngleUnit, RateUnit, TimeUnit};
 
 /// Where each quantity comes from.
@@ -100,6 +102,13 @@ impl Sources {
     /// Do rows that are left out leave their time behind?
     pub(super) fn counts_rows(&self) -> bool {
         matches!(self.time, TimeSource::Rate(_))
+    }
+
+    /// What is known of the unit of a column of angles. Of large numbers the growth of the period has told it.
+    pub(super) fn unit(&self, angles: &[f64]) -> Option<Unit> {
+        let ReadingSource::Angle { unit, .. } = self.reading else { return None };
+        let are_small = || !angles.iter().any(|angle| angle.abs() > LARGEST_UNSTATED_RAD);
+        (unit.is_some() || are_small()).then(|| Unit { unit, told: self.told() })
     }
 
     /// The columns, for messages.

@@ -205,7 +205,12 @@ impl Swings {
             at_least => at_least,
         };
         match () {
-            () if at_least > MOST_GROWTH => Scale::TooSmall { factor: growth.sqrt() },
+            () if at_least > MOST_GROWTH => match growth_beside_bending(periods, largest_rad) {
+                Some((beside, spread, _)) if beside - SURE * spread > MOST_GROWTH => {
+                    Scale::TooSmall { factor: growth.min(beside).sqrt() }
+                }
+                _ => Scale::Unknown,
+            },
             () if at_least > LEAST_GROWTH => Scale::Right,
             () => Scale::Unknown,
         }
@@ -239,13 +244,36 @@ fn thinned_by(times_s: &[f64], angles_rad: &[f64]) -> usize {
 
 /// The same of some of the periods, without swings far smaller than the largest.
 fn growth_of(periods: &[(f64, f64)], largest_rad: f64) -> Option<(f64, f64, f64)> {
+    growth(&points(periods, largest_rad), <[Point]>::to_vec)
+}
+
+/// The same with what friction takes that bends before it slides: the force with which it bends is bounded, so that the
+/// larger the swing, the less it shortens the period, by about one over the amplitude. Gravity adds to the period by the
+/// square of the amplitude, in whatever unit, so that large swings tell the unit and small ones the bending.
+fn growth_beside_bending(periods: &[(f64, f64)], largest_rad: f64) -> Option<(f64, f64, f64)> {
+    growth(&points(periods, largest_rad), without_bending)
+}
+
+/// Predicted growth, period (s) and weight of a swing.
+type Point = (f64, f64, f64);
+
+fn points(periods: &[(f64, f64)], largest_rad: f64) -> Vec<Point> {
     let least_rad = SMALLEST_SHARE * largest_rad;
-    let points: Vec<(f64, f64, f64)> = periods
-        .iter()
-        .filter(|(amplitude, _)| *amplitude > least_rad && *amplitude < 0.98 * PI)
-        .map(|(amplitude, period_s)| (lengthening(*amplitude) - 1.0, *period_s, amplitude.powi(2)))
-        .collect();
-    growth(&points)
+    let is_seen = |(amplitude, _): &&(f64, f64)| *amplitude > least_rad && *amplitude < 0.98 * PI;
+    let point = |(amplitude, period_s): &(f64, f64)| (lengthening(*amplitude) - 1.0, *period_s, amplitude.powi(2));
+    periods.iter().filter(is_seen).map(point).collect()
+}
+
+/// Growth and period less what goes with one over the amplitude, about their means.
+fn without_bending(points: &[Point]) -> Vec<Point> {
+    let sum = |term: &dyn Fn(&Point) -> f64| points.iter().map(|p| p.2 * term(p)).sum::<f64>();
+    let weight = sum(&|_| 1.0);
+    let mean = sum(&|p| p.2.sqrt().recip()) / weight;
+    let bent = |p: &Point| p.2.sqrt().recip() - mean;
+    let across = sum(&|p| bent(p).powi(2));
+    let slope = |of: &dyn Fn(&Point) -> f64| sum(&|p| bent(p) * of(p)) / across;
+    let (of_growth, of_period) = (slope(&|p| p.0), slope(&|p| p.1));
+    points.iter().map(|p| (p.0 - of_growth * bent(p), p.1 - of_period * bent(p), p.2)).collect()
 }
 
 /// Of a swing from one turning point to the next but one, rad. Between two alone the middle is off by half of what friction
@@ -274,20 +302,21 @@ fn periods(turns: &[TurningPoint]) -> Vec<(f64, f64)> {
 
 /// Growth of the period as a share of the prediction, its standard error, and the predicted growth from the smallest to
 /// the largest swing: weighted least squares of `T = T0 + b (f − 1)`, twice without what is far off.
-fn growth(points: &[(f64, f64, f64)]) -> Option<(f64, f64, f64)> {
-    let mut kept = points.to_vec();
+fn growth(points: &[Point], seen: impl Fn(&[Point]) -> Vec<Point>) -> Option<(f64, f64, f64)> {
+    let mut all = points.to_vec();
     let mut found = None;
     for _ in 0..3 {
-        if kept.len() < MIN_PERIODS {
+        if all.len() < MIN_PERIODS {
             return None;
         }
+        let kept = seen(&all);
         let sum = |term: &dyn Fn(&(f64, f64, f64)) -> f64| kept.iter().map(term).sum::<f64>();
         let weight = sum(&|p| p.2);
         let (mean_f, mean_t) = (sum(&|p| p.2 * p.0) / weight, sum(&|p| p.2 * p.1) / weight);
         let across = sum(&|p| p.2 * (p.0 - mean_f).powi(2));
         let slope = sum(&|p| p.2 * (p.0 - mean_f) * (p.1 - mean_t)) / across;
         let t0 = mean_t - slope * mean_f;
-        let off = |p: &(f64, f64, f64)| p.1 - t0 - slope * p.0;
+        let off = |p: &Point| p.1 - t0 - slope * p.0;
         let variance = sum(&|p| p.2 * off(p).powi(2)) / (kept.len() - 2) as f64;
         if !(across > 0.0 && t0 > 0.0) {
             return None;
@@ -298,8 +327,8 @@ fn growth(points: &[(f64, f64, f64)]) -> Option<(f64, f64, f64)> {
         found = Some((slope / t0, spread, high - low));
         let mut sizes: Vec<f64> = kept.iter().map(|p| off(p).abs() * p.2.sqrt()).collect();
         let limit = 6.0 * median(&mut sizes);
-        let near: Vec<_> = kept.iter().copied().filter(|p| off(p).abs() * p.2.sqrt() <= limit).collect();
-        kept = near;
+        let is_near = |p: &Point| off(p).abs() * p.2.sqrt() <= limit;
+        all = all.iter().zip(&kept).filter(|(_, seen)| is_near(seen)).map(|(point, _)| *point).collect();
     }
     found
 }
@@ -395,6 +424,28 @@ mod tests {
             assert!((found_s / small_s - 1.0).abs() < 2e-3, "{start_rad}: {found_s}");
             let of_rates = TAU / Swings::of(&times, &velocities).unwrap().small_rad_s();
             assert!((of_rates / small_s - 1.0).abs() < 1e-2, "{start_rad}: {of_rates}");
+        }
+    }
+
+    /// Fourteen swings that halve in ten, of 1 s, longer by a share of the square of their size and shorter by one over it.
+    fn swings_of(largest_rad: f64, square: f64, bending: f64) -> Swings {
+        let amplitude = |n: u32| largest_rad * 0.5_f64.powf(f64::from(n) / 10.0);
+        let scatter = |n: u32| 1e-5 * (f64::from(n.wrapping_mul(2_654_435_761) >> 16) / 65536.0 - 0.5);
+        let period = |n: u32| 1.0 + square * amplitude(n).powi(2) / 16.0 - bending / amplitude(n) + scatter(n);
+        let periods = (0..14).map(|n| (amplitude(n), period(n))).collect();
+        Swings { largest_rad, middle_rad: 0.0, period_s: 1.0, periods }
+    }
+
+    #[test]
+    fn a_period_that_grows_as_where_friction_bends_is_no_other_unit() {
+        let bent = swings_of(0.16, 1.0, 2e-3);
+        let (growth, spread, _) = bent.growth().unwrap();
+        assert!(growth - SURE * spread > MOST_GROWTH, "no case: {growth} ± {spread}");
+        assert_eq!(bent.scale(), Scale::Unknown);
+        // Where both act the large swings tell the unit all the same.
+        for bending in [0.0, 1e-4] {
+            let turns = swings_of(0.1, TAU.powi(2), bending).scale();
+            assert!(matches!(turns, Scale::TooSmall { factor } if (factor / TAU - 1.0).abs() < 0.1), "{turns:?}");
         }
     }
 

@@ -242,8 +242,10 @@ impl Opened<'_> {
         }
         let is_rate = sources.measured() == Measured::Rate;
         let header = Header { measured: is_rate.then_some(Measured::Rate), ..header.clone() };
+        let unit = samples.readings.first().filter(|_| !is_ours).and_then(|angles| sources.unit(angles));
         let codes = (!samples.codes.is_empty()).then_some(samples.codes);
-        Ok(Recording::new(header, times_s, readings, codes)?.with_notes(notes).with_others(others))
+        let recording = Recording::new(header, times_s, readings, codes)?;
+        Ok(recording.with_notes(notes).with_others(others).with_unit(unit))
     }
 }
 

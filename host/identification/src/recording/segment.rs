@@ -171,6 +171,8 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
         format!("cut {more_s:.2} s more in which {column} still moves; --from begins earlier")
     }));
     notes.extend(wandering(recording, &noise));
+    let (free_s, free_rad) = (&recording.times_s()[free.clone()], &recording.angles_rad()[free.clone()]);
+    notes.extend(recording.unit.and_then(|unit| unit.doubt(free_s, free_rad)));
     let still = noise.still_rms.map_or("nothing known".to_owned(), |rms| format!("{rms:.3e} rad"));
     log::debug!(
         "noise {:.3e} rad from {}, {still} where it is still; free swing {free:?}",

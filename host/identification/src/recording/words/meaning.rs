@@ -156,6 +156,8 @@ mod tests {
             ("seconds", Meaning::Time { unit: Some(TimeUnit::Seconds), strength: NAMES_A_UNIT }),
             ("theta", angle(None)),
             ("THETA1", angle(None)),
+            ("θr", angle(None)),
+            ("theta_r", angle(None)),
             ("angle (deg)", angle(Some(AngleUnit::Degrees))),
             ("Winkel / °", angle(Some(AngleUnit::Degrees))),
             ("position_rad", angle(Some(AngleUnit::Radians))),

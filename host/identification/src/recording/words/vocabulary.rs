@@ -136,6 +136,8 @@ pub(super) const ANGLE: &[&str] = &[
     "pos",
     "phi",
     "θ",
+    "θr",
+    "thetar",
     "φ",
     "ϑ",
     "winkel",
