@@ -174,16 +174,6 @@ fn seen_rad(on: &Problem, swing_idx: usize) -> f64 {
 /// The same in noises.
 const SEEN_NOISES: f64 = 4.0;
 
-/// Ranges of so many periods; what is before the first and behind the last belongs to these.
-pub(super) fn cut(crossings: &[usize], periods: usize, n_samples: usize) -> Vec<Range<usize>> {
-    let mut bounds: Vec<usize> = crossings.iter().copied().step_by(periods).skip(1).collect();
-    // The last one may be short, and holds the rest.
-    bounds.pop();
-    bounds.insert(0, 0);
-    bounds.push(n_samples);
-    bounds.windows(2).map(|pair| pair[0]..pair[1]).filter(|range| !range.is_empty()).collect()
-}
-
 /// One window: what its own columns explain is taken out of residuals and shared columns, which stand at the given
 /// places.
 fn cluster(

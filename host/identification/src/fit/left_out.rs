@@ -1,6 +1,6 @@
 //! Swings cut into blocks, every third of which is left out: what is fitted to the others is asked for these.
 
-use super::clusters::cut;
+use super::phase::parted_at;
 use super::problem::Problem;
 use std::ops::Range;
 
@@ -31,4 +31,12 @@ pub(super) fn ranges(
         ranges.pop();
     }
     ranges
+}
+
+/// Ranges of so many periods; what is before the first and behind the last belongs to these.
+fn cut(crossings: &[usize], periods: usize, n_samples: usize) -> Vec<Range<usize>> {
+    let mut bounds: Vec<usize> = crossings.iter().copied().step_by(periods).skip(1).collect();
+    // The last one may be short, and holds the rest.
+    bounds.pop();
+    parted_at(bounds.into_iter(), n_samples)
 }

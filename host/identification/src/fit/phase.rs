@@ -68,9 +68,12 @@ const A_PERIOD: usize = 4;
 /// Ranges of so many periods; the last one also holds what is left, as a rest, which is no swing.
 pub(super) fn windows(quarters: &[usize], periods: usize, n_samples: usize) -> Vec<Range<usize>> {
     let n_windows = (quarters.len().saturating_sub(1) / (A_PERIOD * periods)).max(1);
-    let mut bounds: Vec<usize> = (1..n_windows).map(|k| quarters[A_PERIOD * periods * k]).collect();
-    bounds.insert(0, 0);
-    bounds.push(n_samples);
+    parted_at((1..n_windows).map(|k| quarters[A_PERIOD * periods * k]), n_samples)
+}
+
+/// So many samples, parted before each of these.
+pub(super) fn parted_at(inner: impl Iterator<Item = usize>, n_samples: usize) -> Vec<Range<usize>> {
+    let bounds: Vec<usize> = std::iter::once(0).chain(inner).chain([n_samples]).collect();
     bounds.windows(2).map(|pair| pair[0]..pair[1]).filter(|range| !range.is_empty()).collect()
 }
 
