@@ -65,6 +65,8 @@ effects! {
     general_presliding,
     backlash,
     rolling_shutter,
+    eccentric_sensor,
+    misaligned_sensor,
     sensor_nonlinearity,
     sensor_gain,
     angle_offset,

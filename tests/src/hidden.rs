@@ -179,6 +179,7 @@ impl Hidden {
             "sensor-gain" => (sign * 0.03, [0.0; 2], 0.15),
             "angle-offset" => (sign * 5e-3, [0.0; 2], 0.05),
             "sensor-lag" => (5e-3, [0.0; 2], 0.1),
+            "eccentric-sensor" | "misaligned-sensor" => (0.02, [phase, 0.0], 0.15),
             "rolling-shutter" => (sign * 3e-3, [0.0; 2], 0.01),
             "zero-drift" => (sign * 2e-3, [0.0; 2], 0.02),
             _ => match shapes::form(name, random) {

@@ -1,4 +1,4 @@
-//! From the shaft's angle to a code: play, an uneven characteristic, gain, zero, lag, drift, noise, steps.
+//! From the shaft's angle to a code: play, a centre beside the axis, an uneven characteristic, gain, zero, lag, drift, noise, steps.
 
 use super::listed::Listed;
 use super::{Random, Rig, Shapes};
@@ -9,6 +9,8 @@ pub(super) struct Sensor {
     play_rad: f64,
     gain: f64,
     bend: [f64; 2],
+    /// Size and phase of the error once and twice a turn, rad.
+    harmonics: [[f64; 2]; 2],
     offset_rad: f64,
     lag_s: f64,
     drift_rad_s: f64,
@@ -32,6 +34,8 @@ impl Sensor {
             play_rad,
             gain: 1.0 + size("sensor-gain") + uneven[0] * GAIN_OF_UNEVENNESS,
             bend: [uneven[0] * uneven[1], uneven[0] * uneven[2]],
+            harmonics: ["eccentric-sensor", "misaligned-sensor"]
+                .map(|name| rig.hidden(name).map_or([0.0; 2], |hidden| [hidden.size, hidden.shape[0]])),
             offset_rad: rig.offset_rad + size("angle-offset"),
             lag_s: size("sensor-lag"),
             drift_rad_s: size("zero-drift"),
@@ -52,8 +56,14 @@ impl Sensor {
     fn undelayed(&mut self, angle_rad: f64) -> f64 {
         let half = 0.5 * self.play_rad;
         self.wiper_rad = self.wiper_rad.clamp(angle_rad - half, angle_rad + half);
-        let x = self.wiper_rad;
+        let x = self.wiper_rad + self.off_centre_rad(self.wiper_rad);
         x * self.gain + self.bend[0] * x * x + self.bend[1] * x * x * x + self.shapes.read_rad(x) + self.offset_rad
+    }
+
+    /// What a scale off its centre adds to an angle, rad.
+    fn off_centre_rad(&self, angle: f64) -> f64 {
+        let of_order = |order: f64, [size, phase]: [f64; 2]| size * ((order * angle - phase).sin() + phase.sin());
+        of_order(1.0, self.harmonics[0]) + of_order(2.0, self.harmonics[1])
     }
 
     /// Follows the shaft for a short while.

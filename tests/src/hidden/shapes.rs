@@ -11,7 +11,7 @@ pub const SHAPES: [(&str, &[&str]); 8] = [
     ("lever-load", &["gear-load", "general-gear-load"]),
     ("hard-bristle", &["presliding", "general-presliding"]),
     ("hard-spring", &["torsional-spring", "general-spring"]),
-    ("eccentric", &["sensor-nonlinearity", "sensor-gain"]),
+    ("loaded-track", &["sensor-nonlinearity", "sensor-gain"]),
     ("rough-drag", &["quadratic-drag", "power-law-drag"]),
 ];
 
@@ -22,6 +22,9 @@ const DRAG_TURNS_RAD_S: f64 = 4.0;
 /// (load/speed)^0.2 by ISO/TR 14179-2 (2001). It is capped below the speed, rad/s.
 const LOAD_EXPONENT: f64 = 1.2;
 const SLOWEST_TEETH_RAD_S: f64 = 0.1;
+
+/// The track of a potentiometer, rad.
+const TRACK_RAD: f64 = 340.0 * std::f64::consts::PI / 180.0;
 
 /// Size, shape and largest size of a law of this file.
 pub(super) fn form(name: &str, random: &mut Random) -> Option<(f64, [f64; 2], f64)> {
@@ -35,7 +38,7 @@ pub(super) fn form(name: &str, random: &mut Random) -> Option<(f64, [f64; 2], f6
         "lever-load" => (0.01, [0.0; 2], 0.3),
         "hard-bristle" => (5e-3, [random.pick(&[0.5, 2.0]), 0.0], 0.06),
         "hard-spring" => (2e-3, [0.0; 2], 0.05),
-        "eccentric" => (5e-3, [random.between(-3.1, 3.1), 0.0], 0.1),
+        "loaded-track" => (0.05, [random.between(-0.2, 0.2), 0.0], 1.0),
         "rough-drag" => (6e-5, [0.0; 2], 1e-3),
         _ => return None,
     })
@@ -52,7 +55,7 @@ pub(super) struct Shapes {
     lever: f64,
     bristle: [f64; 2],
     spring: f64,
-    eccentric: [f64; 2],
+    loaded: [f64; 2],
     drag: f64,
 }
 
@@ -70,7 +73,7 @@ impl Shapes {
             lever: two("lever-load")[0],
             bristle: two("hard-bristle"),
             spring: two("hard-spring")[0],
-            eccentric: two("eccentric"),
+            loaded: two("loaded-track"),
             drag: two("rough-drag")[0],
         }
     }
@@ -118,9 +121,14 @@ impl Shapes {
         (1.0 - share).max(0.0).powf(exponent)
     }
 
-    /// What the sensor adds to an angle, rad: one turn of its track is a circle about another centre.
+    /// What the sensor adds to an angle, rad: the wiper of a potentiometer is loaded by what measures its voltage
+    /// v = x/(1 + ρ·x·(1 − x)), ρ the track's resistance over the load's, x the share of the track.
     pub(super) fn read_rad(&self, angle: f64) -> f64 {
-        let [size, phase] = self.eccentric;
-        if size == 0.0 { 0.0 } else { size * ((angle - phase).sin() + phase.sin()) }
+        let [ratio, centre] = self.loaded;
+        let voltage = |angle: f64| {
+            let share = 0.5 + centre + angle / TRACK_RAD;
+            share / (1.0 + ratio * share * (1.0 - share))
+        };
+        if ratio == 0.0 { 0.0 } else { TRACK_RAD * (voltage(angle) - voltage(0.0)) - angle }
     }
 }
