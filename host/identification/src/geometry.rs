@@ -7,8 +7,9 @@
 use crate::number::significant;
 use crate::pace::small_period_s;
 use crate::recording::Measured;
+use crate::recording::growth::lengthening;
 use crate::recording::median;
-use crate::recording::plausible::{Swings, lengthening};
+use crate::recording::plausible::Swings;
 use crate::recording::turning::half_swing_s;
 use crate::swing::Swing;
 use shared::effect::{Action, CUSTOM_FORMULA_ID, Effect};

@@ -20,6 +20,7 @@ mod error;
 mod foreign;
 mod frames;
 mod grid;
+pub(crate) mod growth;
 mod header;
 mod heading;
 mod labels;

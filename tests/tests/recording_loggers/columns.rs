@@ -138,6 +138,10 @@ fn the_right_columns_are_taken_whatever_stands_beside_them() {
         let plotted = |(t, a, _): Row| format!("{t:.2}\t{a:.5}\t0.02\t0.01");
         check_found(&table(head, plotted), 1e-5, "0 (x) goes on evenly: read as the time");
     }
+    let swapped = |(t, a, _): Row| format!("{a:.5},{t:.2},0.02,0.01");
+    check_found(&table("X,Y,X',Y'\n", swapped), 1e-5, "1 (Y) goes on evenly: read as the time");
+    let standing = |(t, a, _): Row| format!("0,{t:.2},{a:.5}");
+    check_found(&table("timeTrigger,time,theta\n", standing), 1e-5, "");
     let six = |(t, a, v): Row| format!("{t:.2},{:.3},{:.3},0.02,0.1,-0.2,{v:.5}", 9.81 * a.sin(), 9.81 * a.cos());
     let imu = open(table("time,ax,ay,az,gx,gy,gz\n", six).as_bytes(), &ReadOptions::default()).unwrap();
     assert_eq!(imu.measured(), Measured::Rate);

@@ -166,7 +166,9 @@ fn what_could_be_told_names_columns_of_this_very_file() {
     let refused = |head: &str, options: &ReadOptions| open(table(head, five).as_bytes(), options).unwrap_err();
     let angles = refused("a,theta1,b,theta2,t\n", &ReadOptions::default());
     assert!(angles.contains("e.g. t=4,theta=1 or t=4,theta=3"), "{angles}");
-    let times = refused("Time A,b,c,d,Time B\n", &told("x=1,y=3"));
+    let two_clocks = |(t, a, v): Row| format!("{:.4},{a:.5},7,{v:.5},{t:.2}", t * t);
+    let two = table("Time A,b,c,d,Time B\n", two_clocks);
+    let times = open(two.as_bytes(), &told("x=1,y=3")).unwrap_err();
     assert!(times.contains("e.g. t=0,theta=1 or t=4,theta=1"), "{times}");
     let unknown = refused("a,theta1,b,c,t\n", &told("theta=9"));
     assert!(unknown.contains("no column 9") && unknown.contains("e.g. t=4,theta=1"), "{unknown}");

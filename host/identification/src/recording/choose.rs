@@ -28,7 +28,7 @@ use super::units::{AngleUnit, RateUnit, TimeUnit};
 use super::words::{self, Meaning, is_of_carrier, is_of_sine, is_size, meaning};
 use names::{all_best, ambiguous, bare_axes, example, find, is_of_periods, no_angle, note_rivals, the_one};
 use parted::{beside_clock, parted};
-use rivals::movement;
+use rivals::{movement, undecided};
 use standing::unnamed_time;
 use std::f64::consts::{FRAC_PI_2, PI};
 use time::{as_time, choose_time, plotted_axes, unit_in_cell};
@@ -56,15 +56,15 @@ impl Sources {
         let code = choose_code(table, &asked)?;
         let axes = plotted_axes(table, &asked);
         let (time, reading) = match axes {
-            Some((x, y)) => {
-                let (x_name, y_name) = (table.column_name(x), table.column_name(y));
-                let unit = angle_unit_of(table, y).or(options.angle_unit);
-                let (time, read) = match options.rate_hz.or(header.rate_hz) {
+            Some((time, angle)) => {
+                let (time_name, angle_name) = (table.column_name(time), table.column_name(angle));
+                let unit = angle_unit_of(table, angle).or(options.angle_unit);
+                let (source, read) = match options.rate_hz.or(header.rate_hz) {
                     Some(rate_hz) => (TimeSource::Rate(rate_hz), "left out where the rate is told"),
-                    None => (TimeSource::Column { idx: x, unit: None }, "read as the time"),
+                    None => (TimeSource::Column { idx: time, unit: None }, "read as the time"),
                 };
-                notes.push(format!("{x_name} goes on evenly: {read}, and {y_name} as the angle"));
-                (time, ReadingSource::Angle { idx: y, unit })
+                notes.push(format!("{time_name} goes on evenly: {read}, and {angle_name} as the angle"));
+                (source, ReadingSource::Angle { idx: angle, unit })
             }
             None => {
                 let reading = choose_reading(table, header, options, &asked, code);
@@ -176,7 +176,7 @@ impl Sources {
                     }
                 }
             }
-            ReadingSource::Rivals { columns } => Err(ambiguous(table, "angle", columns)),
+            ReadingSource::Rivals { columns, example } => Err(undecided(table, columns, example)),
             ReadingSource::Rates { columns, unit } => {
                 let names = columns.iter().map(|idx| table.column_name(*idx)).collect();
                 let told = columns.iter().map(|idx| Told { reading: *idx, ..self.told() }).collect();
@@ -381,7 +381,7 @@ fn choose_angle(
         return if columns.len() > MOST_COLUMNS {
             Err(ambiguous(table, "angle", &columns))
         } else {
-            Ok(ReadingSource::Rivals { columns })
+            Ok(ReadingSource::Rivals { example: example(table, "angle", &columns, None), columns })
         };
     }
     let time_idx = asked.time.as_ref().and_then(|(column, _)| find(table, column).ok());

@@ -46,6 +46,8 @@ pub(super) enum ReadingSource {
     /// One of several columns with names alike, which only all of their rows can tell.
     Rivals {
         columns: Vec<usize>,
+        /// What could be told of this file, by its first rows.
+        example: String,
     },
     /// Angular velocities; of several axes the one that moves most counts.
     Rates {
@@ -67,7 +69,7 @@ impl ReadingSource {
     pub(super) fn columns(&self) -> Vec<usize> {
         match self {
             Self::Angle { idx, .. } => vec![*idx],
-            Self::Rates { columns, .. } | Self::Rivals { columns } => columns.clone(),
+            Self::Rates { columns, .. } | Self::Rivals { columns, .. } => columns.clone(),
             Self::Point { x, y, .. } => vec![*x, *y],
             Self::Codes => Vec::new(),
         }
@@ -77,7 +79,7 @@ impl ReadingSource {
     pub(super) fn first_idx(&self) -> Option<usize> {
         match self {
             Self::Angle { idx, .. } => Some(*idx),
-            Self::Rates { columns, .. } | Self::Rivals { columns } => columns.first().copied(),
+            Self::Rates { columns, .. } | Self::Rivals { columns, .. } => columns.first().copied(),
             Self::Point { .. } | Self::Codes => None,
         }
     }

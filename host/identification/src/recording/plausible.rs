@@ -6,6 +6,9 @@
 //! not by such ones. The period itself tells whether the unit of time can be right.
 
 use super::error::Fault;
+use super::growth::{
+    MIN_PERIODS, SMALLEST_SHARE, SURE, growth_beside_bending, growth_of, growth_while_falling, lengthening,
+};
 use super::noise;
 use super::told::Told;
 use super::turning::{self, TurningPoint};
@@ -25,12 +28,6 @@ const MOST_SAMPLES: usize = 20_000;
 /// it tops would lie between samples, which makes them some percent too low; with twice of it two hours take twice as long.
 const KEPT_A_HALF_SWING: f64 = 10.0;
 
-/// Fewer periods tell nothing about their growth.
-const MIN_PERIODS: usize = 6;
-
-/// Swings below this share of the largest say little: play, stiction and noise act there.
-const SMALLEST_SHARE: f64 = 0.15;
-
 /// The measured growth is that of radians if it may be this share of what is predicted: on seven real pendulums it was
 /// 0.98 to 1.26 of it. Degrees show 1/3283, rates of a
 /// pendulum with a period of 2 s 1/10, of 1 s 1/40; a spring as stiff as gravity halves the growth.
@@ -48,9 +45,6 @@ const FIRST: usize = 4;
 
 /// Just below upright, where the law of the period ends.
 const LARGEST_SINE: f64 = 0.99;
-
-/// Standard errors that a verdict wants.
-const SURE: f64 = 4.0;
 
 /// The swings of a recording, as far as they can be seen.
 #[derive(Debug)]
@@ -166,14 +160,15 @@ impl Swings {
         (amplitude_rad < PI).then_some((amplitude_rad, median(&mut periods)))
     }
 
-    /// Does the period grow as that of a pendulum does, to a third?
+    /// Does the period grow as that of a pendulum does, to a third, in all swings or while they fall freely?
     pub fn is_pendulum(&self) -> bool {
         /// Half of it would be missed where friction differs from swing to swing, with twice of it half a degree would pass
         /// for a degree.
         const NEAR: f64 = 0.3;
-        self.growth().is_some_and(|(growth, spread, _)| {
+        let is_near = |(growth, spread, _): (f64, f64, f64)| {
             (growth - 1.0).abs() + SURE * spread < 2.0 * NEAR && (growth - 1.0).abs() < NEAR
-        })
+        };
+        self.growth().is_some_and(is_near) || growth_while_falling(&self.periods).is_some_and(is_near)
     }
 
     /// Compares the growth of the period with the amplitude with that of a pendulum.
@@ -242,40 +237,6 @@ fn thinned_by(times_s: &[f64], angles_rad: &[f64]) -> usize {
     most.map_or(every, |most| every.min(most as usize).max(1))
 }
 
-/// The same of some of the periods, without swings far smaller than the largest.
-fn growth_of(periods: &[(f64, f64)], largest_rad: f64) -> Option<(f64, f64, f64)> {
-    growth(&points(periods, largest_rad), <[Point]>::to_vec)
-}
-
-/// The same with what friction takes that bends before it slides: the force with which it bends is bounded, so that the
-/// larger the swing, the less it shortens the period, by about one over the amplitude. Gravity adds to the period by the
-/// square of the amplitude, in whatever unit, so that large swings tell the unit and small ones the bending.
-fn growth_beside_bending(periods: &[(f64, f64)], largest_rad: f64) -> Option<(f64, f64, f64)> {
-    growth(&points(periods, largest_rad), without_bending)
-}
-
-/// Predicted growth, period (s) and weight of a swing.
-type Point = (f64, f64, f64);
-
-fn points(periods: &[(f64, f64)], largest_rad: f64) -> Vec<Point> {
-    let least_rad = SMALLEST_SHARE * largest_rad;
-    let is_seen = |(amplitude, _): &&(f64, f64)| *amplitude > least_rad && *amplitude < 0.98 * PI;
-    let point = |(amplitude, period_s): &(f64, f64)| (lengthening(*amplitude) - 1.0, *period_s, amplitude.powi(2));
-    periods.iter().filter(is_seen).map(point).collect()
-}
-
-/// Growth and period less what goes with one over the amplitude, about their means.
-fn without_bending(points: &[Point]) -> Vec<Point> {
-    let sum = |term: &dyn Fn(&Point) -> f64| points.iter().map(|p| p.2 * term(p)).sum::<f64>();
-    let weight = sum(&|_| 1.0);
-    let mean = sum(&|p| p.2.sqrt().recip()) / weight;
-    let bent = |p: &Point| p.2.sqrt().recip() - mean;
-    let across = sum(&|p| bent(p).powi(2));
-    let slope = |of: &dyn Fn(&Point) -> f64| sum(&|p| bent(p) * of(p)) / across;
-    let (of_growth, of_period) = (slope(&|p| p.0), slope(&|p| p.1));
-    points.iter().map(|p| (p.0 - of_growth * bent(p), p.1 - of_period * bent(p), p.2)).collect()
-}
-
 /// Of a swing from one turning point to the next but one, rad. Between two alone the middle is off by half of what friction
 /// takes: by 0.5 rad where it takes a third.
 fn middle_and_size(three: &[TurningPoint]) -> (f64, f64) {
@@ -298,48 +259,6 @@ fn periods(turns: &[TurningPoint]) -> Vec<(f64, f64)> {
         three[0].is_maximum == three[2].is_maximum && three[0].is_maximum != three[1].is_maximum
     };
     turns.windows(3).filter(alternate).map(|three| (amplitude(three), three[2].time_s - three[0].time_s)).collect()
-}
-
-/// Growth of the period as a share of the prediction, its standard error, and the predicted growth from the smallest to
-/// the largest swing: weighted least squares of `T = T0 + b (f − 1)`, twice without what is far off.
-fn growth(points: &[Point], seen: impl Fn(&[Point]) -> Vec<Point>) -> Option<(f64, f64, f64)> {
-    let mut all = points.to_vec();
-    let mut found = None;
-    for _ in 0..3 {
-        if all.len() < MIN_PERIODS {
-            return None;
-        }
-        let kept = seen(&all);
-        let sum = |term: &dyn Fn(&(f64, f64, f64)) -> f64| kept.iter().map(term).sum::<f64>();
-        let weight = sum(&|p| p.2);
-        let (mean_f, mean_t) = (sum(&|p| p.2 * p.0) / weight, sum(&|p| p.2 * p.1) / weight);
-        let across = sum(&|p| p.2 * (p.0 - mean_f).powi(2));
-        let slope = sum(&|p| p.2 * (p.0 - mean_f) * (p.1 - mean_t)) / across;
-        let t0 = mean_t - slope * mean_f;
-        let off = |p: &Point| p.1 - t0 - slope * p.0;
-        let variance = sum(&|p| p.2 * off(p).powi(2)) / (kept.len() - 2) as f64;
-        if !(across > 0.0 && t0 > 0.0) {
-            return None;
-        }
-        // Neighbouring periods share a turning point.
-        let spread = 1.5 * (variance / across).sqrt() / t0;
-        let (low, high) = kept.iter().fold((f64::MAX, 0.0_f64), |(low, high), p| (low.min(p.0), high.max(p.0)));
-        found = Some((slope / t0, spread, high - low));
-        let mut sizes: Vec<f64> = kept.iter().map(|p| off(p).abs() * p.2.sqrt()).collect();
-        let limit = 6.0 * median(&mut sizes);
-        let is_near = |p: &Point| off(p).abs() * p.2.sqrt() <= limit;
-        all = all.iter().zip(&kept).filter(|(_, seen)| is_near(seen)).map(|(point, _)| *point).collect();
-    }
-    found
-}
-
-/// Period at an amplitude (rad, below π) over that of small swings, by the arithmetic-geometric mean.
-pub(crate) fn lengthening(amplitude_rad: f64) -> f64 {
-    let (mut a, mut b) = (1.0, (amplitude_rad / 2.0).cos());
-    for _ in 0..6 {
-        (a, b) = ((a + b) / 2.0, (a * b).sqrt());
-    }
-    a.recip()
 }
 
 /// Adds full turns where the angle (rad) jumps by nearly one between neighbours; gives how often. Only where everything
@@ -503,12 +422,6 @@ mod tests {
         let angles: Vec<f64> = times.iter().map(|time_s| angle(*time_s)).collect();
         let middle_rad = Swings::of(&times, &angles).unwrap().middle_rad;
         assert!((middle_rad - 2.16).abs() < 0.02, "{middle_rad}");
-    }
-
-    #[test]
-    fn a_period_at_ninety_degrees_is_a_sixth_longer() {
-        // K(sin 45°) · 2/π = 1.18034 (Abramowitz and Stegun, table 17.1).
-        assert!((lengthening(PI / 2.0) - 1.180_340_6).abs() < 1e-6);
     }
 
     #[test]

@@ -206,15 +206,23 @@ pub(super) fn listed(table: &Table, columns: &[usize]) -> String {
     columns.iter().map(|idx| table.column_name(*idx)).collect::<Vec<_>>().join(", ")
 }
 
+/// The columns that are named as times, without those that stand still or step once where another one goes on.
+pub(super) fn named_times(table: &Table) -> Vec<usize> {
+    let names = table.names.as_deref().unwrap_or_default();
+    let named = || (0..names.len()).filter(|idx| matches!(meaning(&names[*idx]), Meaning::Time { .. }));
+    let goes_on = |idx: &usize| table.first_numbers(*idx).windows(2).filter(|pair| pair[1] > pair[0]).count() > 1;
+    let going: Vec<usize> = named().filter(goes_on).collect();
+    if going.is_empty() { named().collect() } else { going }
+}
+
 /// What could be told of this very file: `t=0,theta=3`, for each of some candidates, and never a column that is wrong.
 pub(super) fn example(table: &Table, role: &str, candidates: &[usize], wrong: Option<usize>) -> String {
     let names = table.names.as_deref().unwrap_or_default();
-    let named = |is_it: fn(Meaning) -> bool| names.iter().position(|name| is_it(meaning(name)));
-    let time = named(|meaning| matches!(meaning, Meaning::Time { .. })).unwrap_or_else(|| unnamed_time(table));
+    let times = named_times(table);
+    let time = times.first().copied().unwrap_or_else(|| unnamed_time(table));
     let rest = parted(table).map(|parted| parted.rest);
     // Several recordings side by side have times of their own.
-    let is_time = |name: &String| matches!(meaning(name), Meaning::Time { .. });
-    let own_time = |angle: usize| names.get(..angle).and_then(|before| before.iter().rposition(is_time));
+    let own_time = |angle: usize| times.iter().copied().rfind(|time| *time < angle);
     // What rises evenly counts rows.
     let moves = |idx: usize| {
         let numbers = table.first_numbers(idx);

@@ -9,7 +9,7 @@ use super::super::samples::Samples;
 use super::super::table::Table;
 use super::super::words::is_turn_of_body;
 use super::angle_unit_of;
-use super::names::{ambiguous, listed};
+use super::names::listed;
 
 /// A step of more than this share of all that a column covers is an angle that wraps around: by a whole turn, and it
 /// covers no more than that. A pendulum moves so far in half a period, which has more samples than two.
@@ -24,7 +24,7 @@ impl Sources {
         options: &ReadOptions,
         notes: &mut Vec<String>,
     ) -> Result<Self, Fault> {
-        let ReadingSource::Rivals { columns } = &self.reading else { return Ok(self) };
+        let ReadingSource::Rivals { columns, example } = &self.reading else { return Ok(self) };
         let movements: Vec<f64> = samples.readings.iter().map(|readings| movement(readings)).collect();
         let ranges: Vec<f64> = samples.readings.iter().map(|readings| range(readings)).collect();
         let widest = ranges.iter().fold(0.0_f64, |widest, range| widest.max(*range));
@@ -45,7 +45,7 @@ impl Sources {
         } else if are_turns {
             notes.push(format!("of {} angles of the sensor {taken} moves most and is taken", columns.len()));
         } else {
-            return Err(ambiguous(table, "angle", columns));
+            return Err(undecided(table, columns, example));
         }
         samples.readings = vec![samples.readings.swap_remove(liveliest)];
         let reading = ReadingSource::Angle { idx, unit: options.angle_unit.or(angle_unit_of(table, idx)) };
@@ -55,10 +55,15 @@ impl Sources {
     /// Is the angle still one of several columns?
     pub(in crate::recording) fn undecided(&self, table: &Table) -> Option<Fault> {
         match &self.reading {
-            ReadingSource::Rivals { columns } => Some(ambiguous(table, "angle", columns)),
+            ReadingSource::Rivals { columns, example } => Some(undecided(table, columns, example)),
             _ => None,
         }
     }
+}
+
+/// Nothing tells which of these columns is the angle.
+pub(super) fn undecided(table: &Table, columns: &[usize], example: &str) -> Fault {
+    Fault::AmbiguousColumn { role: "angle", candidates: listed(table, columns), example: example.to_owned() }
 }
 
 /// How far a column goes in all, up and down; one that drifts goes far, but only once.

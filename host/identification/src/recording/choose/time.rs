@@ -16,7 +16,7 @@ use super::super::ticks;
 use super::super::told::Told;
 use super::super::units::TimeUnit;
 use super::super::words::{self, Meaning, meaning};
-use super::names::{all_best, ambiguous, find, the_one};
+use super::names::{all_best, ambiguous, find, named_times, the_one};
 use super::parted::parted;
 use super::standing::{rises_evenly, unnamed_time};
 
@@ -188,16 +188,19 @@ pub(super) fn choose_time(
     }
 }
 
-/// x and y of a plot: x goes on by even steps, which a point that swings does not, and nothing else is the time.
+/// Time and reading where x and y are a plot's: one of them, mostly x, goes on by even steps, which a point that swings
+/// does not, and nothing else is the time.
 pub(super) fn plotted_axes(table: &Table, asked: &Columns) -> Option<(usize, usize)> {
     let is_time = |name: &String| matches!(meaning(name), Meaning::Time { .. });
     let is_told = *asked != Columns::default();
     if is_told || table.names.iter().flatten().any(is_time) {
         return None;
     }
-    let axes = the_one(table, Meaning::X).zip(the_one(table, Meaning::Y))?;
-    let x = table.first_numbers(axes.0);
-    (x.len() > MIN_SAMPLES && (rises_evenly(&x) || ticks::is_even(&x) || ticks::is_straight(&x))).then_some(axes)
+    let (x, y) = the_one(table, Meaning::X).zip(the_one(table, Meaning::Y))?;
+    [(x, y), (y, x)].into_iter().find(|(time, _)| {
+        let times = table.first_numbers(*time);
+        times.len() > MIN_SAMPLES && (rises_evenly(&times) || ticks::is_even(&times) || ticks::is_straight(&times))
+    })
 }
 
 /// What stands behind the number in the first row: `57.3 deg`.
@@ -235,11 +238,13 @@ fn named_time(table: &Table, angle_idx: Option<usize>, notes: &mut Vec<String>) 
         }
         return Ok(Some((idx, unit_in_name(table, idx))));
     }
+    let may_be = named_times(table);
+    let all: Vec<_> = all.into_iter().filter(|(idx, _)| may_be.contains(idx)).collect();
     if all.len() < 2 {
         return Ok(all.first().copied());
     }
     let columns: Vec<usize> = all.iter().map(|(idx, _)| *idx).collect();
-    let before = angle_idx.and_then(|idx| names[..idx].iter().rposition(|name| as_time(meaning(name)).is_some()));
+    let before = angle_idx.and_then(|angle_idx| may_be.iter().copied().rfind(|idx| *idx < angle_idx));
     if let Some((idx, angle_idx)) = before.zip(angle_idx) {
         let (name, angle) = (table.column_name(idx), table.column_name(angle_idx));
         notes.push(format!("several columns of times: {name} taken, which stands before {angle}"));
