@@ -87,7 +87,8 @@ fn of_numbers<'a>(on: &Problem<'a>, model: &Fitted, is_free: impl Fn(&Unknown) -
     let correlation = |i: usize, j: usize| covariance.as_ref()?.correlation(column(i)?, column(j)?);
     let number = |(j, unknown): (usize, &Unknown)| {
         let is_told = has_stiction || !unknown.is_stiction();
-        let std = column(j).filter(|_| is_told).and_then(|k| covariance.as_ref()?.std(k));
+        let std =
+            column(j).filter(|_| is_told).and_then(|k| covariance.as_ref()?.std(k)).filter(|std| says(unknown, *std));
         let status = match std.map(|std| std / size(unknown, model)) {
             _ if !is_inside(unknown) => Status::AtBound,
             Some(relative) if relative < UNKNOWN_SHARE => Status::Identified,
@@ -101,6 +102,11 @@ fn of_numbers<'a>(on: &Problem<'a>, model: &Fitted, is_free: impl Fn(&Unknown) -
     let correlations = (0..unknowns.len()).map(row).collect();
     let coloured = covariance.as_ref().is_some_and(|covariance| covariance.coloured);
     (Uncertainty { numbers, correlations, alike, coloured }, Smooth { linear, covariance, has_stiction })
+}
+
+/// Ms and DV act in jumps: a standard deviation of them beyond all that they may be says nothing.
+fn says(unknown: &Unknown, std: f64) -> bool {
+    !unknown.is_stiction() || std < unknown.high - unknown.low
 }
 
 /// Ms and DV where the covariance says nothing of them.
@@ -254,6 +260,14 @@ mod tests {
         let all = problem_of(&swings, &Parameters::paper(), &count);
         let few = [swings[0].thinned(50.0)];
         assert_eq!(share_of_samples(&all.on(&few), &all), 0.25);
+    }
+
+    #[test]
+    fn a_deviation_of_ms_beyond_its_range_is_none() {
+        let level = &stiction_unknowns(&Parameters::paper())[0];
+        let range = level.high - level.low;
+        assert!(level.symbol == "Ms" && range < 1.0, "{level:?}");
+        assert!(says(level, 0.9 * range) && !says(level, 1745.0));
     }
 
     /// Without a rest what a level holds over a band shows as one number: a high one over a narrow band is as good as the truth.
