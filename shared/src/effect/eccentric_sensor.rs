@@ -1,8 +1,8 @@
 //! Eccentric sensor: the disc of an encoder, or the track of a potentiometer, is fixed off the axis of the shaft.
 //! Source: Texas Instruments, design guide TIDUF97 (2024), table 3-1: displacement of the shaft, first harmonic.
 //!
-//! A pendulum that swings less than a quarter of a turn to either side can hardly tell it from a gain and a bend, so that
-//! no board tries it.
+//! To the second order in the angle it is a gain and a bend: the smaller the swing, the less can be told, and no board
+//! tries it.
 
 use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
 use crate::motion::Motion;

@@ -1,10 +1,10 @@
-//! Misaligned sensor: the magnet of an encoder turns beside the chip's centre, a joint between shaft and sensor is bent, or
-//! a camera sees the plane of the swing askew.
+//! Misaligned sensor: the magnet of an encoder turns beside the chip's centre, a joint between shaft and sensor is bent,
+//! or a camera sees the plane of the swing askew.
 //! Source: Texas Instruments, design guide TIDUF97 (2024), table 3-1: displacement of the sensor, second harmonic.
 //!
 //! R. Hooke's joint with an angle β between its shafts, and a camera that is turned by β about the plumb line, have
-//! tan(reading) = cos β·tan θ, which is ms = −tan²(β/2) and mc = 0 to the order β⁴. A pendulum that swings less than an
-//! eighth of a turn can hardly tell it from a gain and a bend, so that no board tries it.
+//! tan(reading) = cos β·tan θ, which is ms = −tan²(β/2) and mc = 0 to the order β⁴. To the second order in the angle it is
+//! a gain and a bend: the smaller the swing, the less can be told, and no board tries it.
 
 use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules, SENSOR_MEMORY, Sensor};
 use crate::motion::Motion;

@@ -1,4 +1,5 @@
-//! From the shaft's angle to a code: play, a centre beside the axis, an uneven characteristic, gain, zero, lag, drift, noise, steps.
+//! From the shaft's angle to a code: play, a centre beside the axis, an uneven characteristic, gain, zero, lag, drift,
+//! noise, steps.
 
 use super::listed::Listed;
 use super::{Random, Rig, Shapes};
