@@ -114,6 +114,8 @@ fn a_row_without_a_value_is_a_gap_that_is_told_with_its_place() {
     let holes = table("t,theta\n", |t, a| if (0.1..0.145).contains(&t) { format!("{t},") } else { format!("{t},{a}") });
     let recording = parse(&holes).unwrap();
     assert_eq!((recording.len(), recording.gaps().len(), recording.gaps()[0].n_missing), (35, 1, Some(5)));
+    // Between spaces an empty cell can't be seen.
+    assert_eq!(parse(&holes.replace(',', " ")).unwrap().gaps(), recording.gaps());
     let rate = ReadOptions { rate_hz: Some(100.0), ..ReadOptions::default() };
     let recording = parse_with(&holes.replace("t,theta", "n,theta"), &rate).unwrap();
     assert_eq!((recording.len(), recording.gaps()[0].n_missing), (35, Some(5)));

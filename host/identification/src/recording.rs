@@ -19,6 +19,7 @@ mod drive;
 mod error;
 mod foreign;
 mod frames;
+mod frozen;
 mod grid;
 pub(crate) mod growth;
 mod header;

@@ -40,7 +40,9 @@ impl Dress {
     /// What most of the first lines wear.
     pub(super) fn of(lines: &[&str]) -> Self {
         let behind: Vec<(&str, &str)> = lines.iter().filter_map(|line| behind_arrow(line)).collect();
-        let is_clock = behind.iter().any(|(time, _)| clock::read(time).is_some());
+        // A program that writes the time itself needs no other one.
+        let is_stamped = lines.iter().any(|line| behind_stamp(line).is_some());
+        let is_clock = !is_stamped && behind.iter().any(|(time, _)| clock::read(time).is_some());
         let behind: Vec<&str> = behind.into_iter().map(|(_, rest)| rest).collect();
         let has_arrow = 2 * behind.len() > lines.len();
         let bare = if has_arrow { &behind } else { lines };
@@ -103,7 +105,19 @@ fn behind_arrow(line: &str) -> Option<(&str, &str)> {
     let in_brackets = || line.trim_start().strip_prefix('[')?.split_once(']');
     let found = line.split_once("->").or_else(in_brackets).map(|(time, rest)| (time.trim(), rest.trim()));
     let is_time = |(time, _): &(&str, &str)| clock::read(time).is_some() || is_span(time);
-    found.filter(is_time).or_else(|| behind_level(line))
+    found.filter(is_time).or_else(|| behind_level(line)).or_else(|| behind_stamp(line))
+}
+
+/// The date and time that Python's logging writes, `2026-03-01 12:00:00,005`, with a comma that parts nothing, and what stands
+/// behind it and the name and level of the logger.
+fn behind_stamp(line: &str) -> Option<(&str, &str)> {
+    let line = line.trim_start();
+    let end = line.match_indices(' ').nth(1).map_or(line.len(), |(end, _)| end);
+    let (stamp, rest) = line.split_at_checked(end)?;
+    let thousandths = stamp.split_once(',').filter(|(_, thousandths)| thousandths.len() == 3)?;
+    let is_stamp = thousandths.0.contains(' ') && clock::read(stamp).is_some_and(|moment| moment.day.is_some());
+    let is_parted_otherwise = rest.trim_start().starts_with([';', ',']);
+    (is_stamp && !is_parted_otherwise).then(|| (stamp, rest.rsplit(" - ").next().unwrap_or(rest).trim()))
 }
 
 /// `1055ms`, `1.055 s`.
@@ -258,6 +272,13 @@ mod tests {
         check(&["I (1055) main: angle=57.3 deg"], Some(&["clock", "angle deg"]), &[Some("1055\t57.3")]);
         check(&["[57.3 deg] 12", "I (me) main: 5"], None, &[None, None]);
         check(&["12:34:05.120 -> t=120, angle=57.3"], Some(&["t", "angle"]), &[Some("120\t57.3")]);
+        let stamps = ["2026-03-01 12:34:05,120 -57.3, -0.5", "2026-03-01 12:34:05,130 -57.2, 0.25"];
+        let rows = [Some("2026-03-01 12:34:05,120\t-57.3\t-0.5"), Some("2026-03-01 12:34:05,130\t-57.2\t0.25")];
+        check(&stamps, None, &rows);
+        let levels = ["2026-03-01 12:34:05,120 - rig - INFO - -57.3", "2026-03-01 12:34:05,130 - rig - INFO - 1.5"];
+        let rows = [Some("2026-03-01 12:34:05,120\t-57.3"), Some("2026-03-01 12:34:05,130\t1.5")];
+        check(&levels, None, &rows);
+        check(&["2026-03-01 12:34:05,120,57.3", "01.03.2026 12:34:05,130 ; 5"], None, &[None, None]);
     }
 
     #[test]

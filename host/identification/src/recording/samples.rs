@@ -3,6 +3,7 @@
 use super::chosen::{Sources, TimeSource};
 use super::clock;
 use super::error::{Fault, check_step};
+use super::frozen;
 use super::grid;
 use super::labels::Labels;
 use super::limits::{LONGEST_STEP_S, MOST_SAMPLES};
@@ -278,7 +279,7 @@ impl Samples {
         let times = spread.unwrap_or(times);
         let is_wrong = |idx: usize| times[idx] <= times[idx - 1] && (is_coarse || !self.is_doubled(idx));
         if (1..times.len()).any(is_wrong) {
-            return match self.leave_out_strays(notes) || self.end_with_the_clock(notes) {
+            return match self.leave_out_strays(notes) || self.leave_out_twins(notes) || self.end_with_the_clock(notes) {
                 true => Ok(false),
                 false => Err(self.with_its_rows(fault)),
             };
@@ -319,6 +320,18 @@ impl Samples {
                 ),
             });
         }
+        self.keep(&kept);
+        true
+    }
+
+    /// Of two rows of the same time the first, where that is few and the clock goes on by itself.
+    fn leave_out_twins(&mut self, notes: &mut Vec<String>) -> bool {
+        let Some(kept) = order::first_of_twins(&self.times) else { return false };
+        let n = kept.iter().filter(|kept| !**kept).count();
+        let first = kept.iter().position(|kept| !kept).map_or(0.0, |idx| self.times[idx]);
+        notes.push(format!(
+            "{n} rows have the time of the row before, {first} first, as when a sensor writes whenever it moves: left out"
+        ));
         self.keep(&kept);
         true
     }
@@ -367,6 +380,11 @@ impl Samples {
         if let Some(note) = straight::note(&is_drawn, times_s) {
             notes.push(note);
             self.leave_out(times_s, &is_drawn);
+        }
+        let is_frozen = self.readings.first().map_or(Vec::new(), |list| frozen::frozen(times_s, list));
+        if let Some(note) = frozen::note(&is_frozen, times_s) {
+            notes.push(note);
+            self.leave_out(times_s, &is_frozen);
         }
         // Of a point x tells: y is level where the pendulum hangs, and stands there in steps.
         let is_spike = self.readings.first().map_or(Vec::new(), |list| spikes::spikes(times_s, list));
@@ -454,7 +472,9 @@ impl<'a> Row<'a> {
     fn field(&self, idx: usize) -> Result<&'a str, Fault> {
         let (line, n_found) = (self.table.line(), self.fields.len());
         let short = || Fault::ShortRow { line, n_found, column: self.table.column_name(idx) };
-        self.fields.get(idx).copied().ok_or_else(short)
+        // Between spaces nobody can write an empty cell: a row of the time alone has no value.
+        let is_alone = self.table.is_parted_by_spaces() && n_found == 1 && idx > 0;
+        self.fields.get(idx).copied().or(is_alone.then_some("")).ok_or_else(short)
     }
 
     /// A finite number; `None` where nothing was measured.

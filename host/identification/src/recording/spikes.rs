@@ -20,7 +20,7 @@ const SUSPECT: f64 = 8.0;
 
 /// … and by this share of the range of the readings. Half of it would take a tracker's wobble for a loss; with twice of it
 /// readings of zero would stay near the lowest point, where they are least wrong.
-const LEAST_SHARE: f64 = 0.03;
+pub(super) const LEAST_SHARE: f64 = 0.03;
 
 /// A loss is no longer than so many readings: half and twice find the same of up to four lost ones …
 const LONGEST: usize = 12;
@@ -112,7 +112,7 @@ fn near(readings: &[f64]) -> Vec<f64> {
 }
 
 /// Of the middle 98 % of the readings, so that losses do not count.
-fn range(readings: &[f64]) -> f64 {
+pub(super) fn range(readings: &[f64]) -> f64 {
     let mut sorted = readings.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let end = sorted.len() / 100;
@@ -167,11 +167,11 @@ fn is_lost(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// A swing of 1 s at 60 samples a second, with noise of a thousandth.
-    fn swing() -> (Vec<f64>, Vec<f64>) {
+    pub(in super::super) fn swing() -> (Vec<f64>, Vec<f64>) {
         let noise = |idx: u32| f64::from(idx.wrapping_mul(2_654_435_761) >> 16) / 65536.0 - 0.5;
         let times: Vec<f64> = (0..1200_u32).map(|idx| f64::from(idx) / 60.0).collect();
         let wave = |(idx, t): (usize, &f64)| (-t / 15.0).exp() * (6.3 * t).cos() + 3e-3 * noise(idx as u32);

@@ -99,7 +99,12 @@ impl<'a> Table<'a> {
         }
         let above = texts[above_idx..first_row_idx].iter().copied().filter(|line| !header::says_rate(line));
         let above: Vec<&str> = above.collect();
-        let names = dress.names().or_else(|| heading::names(&above, separator, n_columns));
+        let rows = || texts[first_row_idx..].iter().filter(|line| is_row(line));
+        let ends_empty = || rows().all(|row| ends_empty(row, separator));
+        let names = dress
+            .names()
+            .or_else(|| heading::names(&above, separator, n_columns))
+            .or_else(|| ends_empty().then(|| heading::names(&above, separator, n_columns - 1)).flatten());
         if separator == Separator::Comma && names_fit_pairs(above.last(), n_columns) {
             return Err(Fault::BareCommas);
         }
@@ -158,6 +163,10 @@ impl<'a> Table<'a> {
     /// The fields of the row.
     pub(super) fn fields(&self) -> Vec<&str> {
         split(&self.row.text, self.separator)
+    }
+
+    pub(super) fn is_parted_by_spaces(&self) -> bool {
+        self.separator == Separator::Space
     }
 
     /// Do the names of the columns stand in the row again?
@@ -295,6 +304,12 @@ fn learnt(texts: &[&str], separator: Separator) -> Numerals {
     numerals.without_doubts()
 }
 
+/// A separator behind the last cell.
+fn ends_empty(row: &str, separator: Separator) -> bool {
+    let fields = split(row, separator);
+    fields.len() > 1 && fields.last().is_some_and(|last| last.is_empty())
+}
+
 /// Half as many names as fields: commas that are decimal marks as well as separators.
 fn names_fit_pairs(line: Option<&&str>, n_columns: usize) -> bool {
     let names = line.map_or(0, |line| split(line, Separator::Comma).len());
@@ -344,6 +359,15 @@ mod tests {
         for (text, separator, names, first_row_idx) in cases {
             assert_eq!(layout(text), (separator, names, first_row_idx), "{text:?}");
         }
+    }
+
+    #[test]
+    fn a_separator_behind_the_last_cell_takes_no_names_away() {
+        for text in ["t,theta\n0,1,\n1,2,\n", "t\ttheta\n0\t1\t\n1\t2\t\n", "t;theta;\n0;1;\n1;2;\n"] {
+            let found = layout(text).1.unwrap_or_default();
+            assert_eq!(found[..2], ["t", "theta"], "{text}");
+        }
+        assert_eq!(layout("t,theta\n0,1,5\n1,2,5\n").1, None);
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! How the free swing begins: at once, with a release, or with a hand that lets go.
 
-use super::super::Measured;
 use super::super::carrier::Carrier;
+use super::super::noise::robust_spread;
+use super::super::{Measured, median};
 use super::{Cut, STILL_SPREADS, mean};
 use nalgebra::{Matrix2, Vector2};
 use std::f64::consts::PI;
@@ -76,7 +77,8 @@ impl Cut<'_> {
         match self.held_within(start.free_idx, stretch) {
             Some(held) => self.let_go(start.lead_in, &held, stretch.end),
             None if is_of_hand => {
-                let free_idx = self.follows_from(&(start.free_idx..stretch.end));
+                let from = self.swung_from(&start, stretch.end);
+                let free_idx = self.follows_from(&(from..stretch.end));
                 Start { free_idx, release_s: start.release_s.max(self.times_s()[free_idx]), ..start }
             }
             None => start,
@@ -97,7 +99,10 @@ impl Cut<'_> {
         let is_near = |held: &Range<usize>| rough_s - self.times_s()[held.end - 1] < 4.0 * self.width_s;
         let was_held = lead_in.as_ref().is_some_and(|held| is_near(held) && self.must_be_held(held));
         if stretch.start <= self.asked.start && !was_held {
-            return Start::at(self, self.asked.start);
+            // Nothing that swings is still for so long.
+            let hung = lead_in.filter(|still| self.duration_s(still) > self.half_swing_s);
+            let free_idx = hung.as_ref().map_or(self.asked.start, |hung| hung.end);
+            return Start { lead_in: hung, ..Start::at(self, free_idx) };
         }
         match lead_in {
             Some(held) if was_held => self.release(&held),
@@ -107,6 +112,13 @@ impl Cut<'_> {
                 Start { lead_in, free_idx, release_s: free_s, was_held: false }
             }
         }
+    }
+
+    /// What hung still until it moved was swung by somebody, however gently: it is free from its largest swing on.
+    fn swung_from(&self, start: &Start, end: usize) -> usize {
+        let hung = start.lead_in.as_ref().is_some_and(|hung| hung.end == start.free_idx);
+        let largest = hung.then(|| self.largest_swing(&(start.free_idx..end))).flatten();
+        largest.map_or(start.free_idx, |swing| swing.start)
     }
 
     /// The first sample from this one on at which it has left upright; this one where it never does.
@@ -134,13 +146,22 @@ impl Cut<'_> {
             self.has_few_samples() || later_rad.is_none_or(|later| later / left_rad > 1.0)
         };
         let still = self.still_from(self.asked.clone(), goes_on);
-        self.is_long(&still).then_some(still)
+        (self.is_long(&still) && self.is_at_one_place(&still)).then_some(still)
+    }
+
+    /// Are most of its samples there but for the noise? Between few samples a swing what turns may be back at its mean whenever
+    /// it is looked at.
+    fn is_at_one_place(&self, still: &Range<usize>) -> bool {
+        let angles_rad = &self.angles_rad()[still.clone()];
+        let middle_rad = median(&mut angles_rad.to_vec());
+        let off_rad: Vec<f64> = angles_rad.iter().map(|angle_rad| angle_rad - middle_rad).collect();
+        robust_spread(&off_rad) < STILL_SPREADS * self.noise_rms_rad
     }
 
     /// The last still part, from this sample on and before the largest swing, that a free pendulum would have left. A free
     /// swing is largest where it begins.
     fn held_within(&self, from: usize, stretch: &Range<usize>) -> Option<Range<usize>> {
-        let end = self.end_of_largest_swing(&(from..stretch.end))?;
+        let end = self.largest_swing(&(from..stretch.end))?.end;
         let (mut start, mut found) = (from, None);
         while start < end {
             // Where it turns it is off and back again, as behind a knock.
@@ -200,11 +221,13 @@ impl Cut<'_> {
         self.fall_rad(still) > HELD_FALL_NOISE * self.noise_rms_rad
     }
 
-    /// How far a free pendulum would have fallen in that time, rad.
+    /// How far a free pendulum would have fallen in that time, rad: not at all within half a line of a coarse sensor about where
+    /// it hangs.
     fn fall_rad(&self, still: &Range<usize>) -> f64 {
         let angle_rad = mean(&self.angles_rad()[still.clone()]);
         let gravity_rad_s2 = -self.law[0] * angle_rad.sin() + self.law[1] * angle_rad.cos();
-        gravity_rad_s2.abs() * self.duration_s(still).powi(2) / 2.0
+        let rounded_rad_s2 = self.law[0].abs() * self.whole_noise.lsb.unwrap_or(0.0) / 2.0;
+        (gravity_rad_s2.abs() - rounded_rad_s2).max(0.0) * self.duration_s(still).powi(2) / 2.0
     }
 
     /// Places the release: still until then, afterwards falling with constant torque and its first correction,

@@ -266,7 +266,9 @@ impl Cut<'_> {
     fn left_alone(&self, part: &Range<usize>) -> Range<usize> {
         let half_swings = self.half_swings_in(part);
         let sizes: Vec<f64> = half_swings.iter().map(size_rad).collect();
-        let spread_rad = median(&mut half_swings.iter().map(|[from, _]| from.spread_rad).collect::<Vec<f64>>());
+        // All readings at a turn are rounded alike.
+        let spread_rad = median(&mut half_swings.iter().map(|[from, _]| from.spread_rad).collect::<Vec<f64>>())
+            .hypot(self.whole_noise.quantisation_rms);
         let size_at = |idx: usize| median(&mut sizes[idx - 1..=idx + 1].to_vec());
         let time_s = |idx: usize| half_swings[idx][0].time_s;
         let larger = |largest: &mut f64, size: &f64| {
@@ -297,12 +299,13 @@ impl Cut<'_> {
         sizes_rad(&self.turns_in(range)).iter().filter(|size| **size > ROUGH_FALL_SHARE * largest_rad).count()
     }
 
-    /// Where the largest swing of a range from one turning point to the next ends.
-    pub(super) fn end_of_largest_swing(&self, range: &Range<usize>) -> Option<usize> {
+    /// The largest swing of a range, from one turning point to the next.
+    pub(super) fn largest_swing(&self, range: &Range<usize>) -> Option<Range<usize>> {
         let inside = self.turns_in(range);
         let sizes = sizes_rad(&inside);
         let largest = (0..sizes.len()).max_by(|a, b| sizes[*a].total_cmp(&sizes[*b]))?;
-        Some(self.recording.index_at(inside[largest + 1].time_s))
+        let index_of = |turn: &TurningPoint| self.recording.index_at(turn.time_s);
+        Some(index_of(inside[largest])..index_of(inside[largest + 1]))
     }
 
     pub(super) fn turns_in(&self, range: &Range<usize>) -> Vec<&TurningPoint> {

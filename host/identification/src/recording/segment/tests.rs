@@ -353,6 +353,51 @@ fn a_hand_that_lifts_a_resting_pendulum_at_the_end_is_cut() {
     }
 }
 
+/// Eight samples a half swing, as of a slow video: what turns may be back at its mean whenever it is looked at.
+#[test]
+fn between_few_samples_a_swing_begins_where_the_recording_does() {
+    let mut noise = crate::random::Noise::new(3);
+    let whole = swing(0.8, 20.0);
+    for first in 0..32 {
+        let few: Vec<f64> = whole[5 * first..].iter().step_by(10).map(|angle| angle + 0.01 * noise.normal()).collect();
+        let segments = segment(&Recording::uniform(0.1 / STEP_S, few).unwrap(), &SegmentOptions::default()).unwrap();
+        assert_eq!(segments.free.start, 0, "{first} {segments:?}");
+    }
+}
+
+/// Seen in lines of a quarter of a degree, of which one lies where it hangs.
+fn in_lines(angles_rad: impl Iterator<Item = f64>) -> Segments {
+    let line_rad = 0.25_f64.to_radians();
+    let angles_rad = angles_rad.map(|angle| (angle / line_rad).round() * line_rad).collect();
+    segment(&Recording::uniform(1.0 / STEP_S, angles_rad).unwrap(), &SegmentOptions::default()).unwrap()
+}
+
+#[test]
+fn what_hung_still_until_a_hand_lifted_it_is_free_from_its_largest_swing_on() {
+    for lift_s in [0.5, 0.65, 1.0, 2.0] {
+        let n_lift = (lift_s / STEP_S) as usize;
+        let lift = |idx: usize| 0.1 * (1.0 - (std::f64::consts::PI * idx as f64 / n_lift as f64).cos());
+        let lead_in = [vec![0.0; 500], (0..n_lift).map(lift).collect()].concat();
+        let let_go_s = lead_in.len() as f64 * STEP_S;
+        // Where it hangs lies between two lines.
+        let segments = in_lines([lead_in, swing(0.2, 20.0)].concat().into_iter().map(|angle| angle + 1.5e-3));
+        let late_s = segments.free.start as f64 * STEP_S - let_go_s;
+        assert!((-0.1..0.8).contains(&late_s), "{lift_s} {late_s} {segments:?}");
+    }
+}
+
+#[test]
+fn sizes_that_fall_by_whole_lines_are_no_motor_that_was_switched_off() {
+    for (size_rad, lasts_s) in [(0.05, 60.0), (0.04, 90.0), (0.07, 45.0)] {
+        let angle = |idx: u32| {
+            let time_s = f64::from(idx) * STEP_S;
+            size_rad * (-time_s / lasts_s).exp() * (5.34 * time_s).cos()
+        };
+        let segments = in_lines((0..14_000).map(angle));
+        assert_eq!(segments.free.start, 0, "{size_rad} {segments:?}");
+    }
+}
+
 /// Hung still, lifted, held, let go: rms noises in mrad and holds in s, in swings of 0.68 rad.
 #[test]
 fn a_hand_that_lifts_and_holds_is_cut_in_noise_up_to_a_tenth_of_the_swing() {
