@@ -5,7 +5,7 @@
 //! noise, [`straight`](super::straight) tells the same of any exact line; this holds for one in whole tenths of a degree too.
 
 use super::median_step_s;
-use super::noise::smallest_step;
+use super::noise::{GAP_STEPS, smallest_step};
 use super::places::Places;
 use super::spikes::{LEAST_SHARE, range};
 
@@ -35,10 +35,13 @@ pub(super) fn frozen(times: &[f64], readings: &[f64]) -> Vec<bool> {
     for (place, pair) in moves.windows(2).enumerate() {
         let [(before_idx, before), (idx, step)] = [pair[0], pair[1]];
         // Rows that are missing make a long step too.
-        let is_long = idx - before_idx > FEWEST_REPEATS && times[idx + 1] - times[idx] < MADE_UP * median_s;
+        let is_whole = times[idx + 1] - times[idx] <= GAP_STEPS * median_s;
+        if idx - before_idx <= FEWEST_REPEATS || step <= least || !is_whole {
+            continue;
+        }
         let usual = MADE_UP * fastest_beside(&moves, place + 1) + lines;
         // A loss that a bus fills with one value begins with a long step, and is a jump out of the swing and back.
-        if is_long && before < usual && step > usual.max(least) {
+        if before < usual && step > usual {
             // What stands at the begin is true.
             is_frozen[before_idx + 2..=idx].fill(true);
         }

@@ -1,7 +1,7 @@
 //! Lines of serial monitors and plotters: clock times before an arrow, labels before the numbers, brackets around a row.
 //!
 //! `12:34:05.120 -> 120,57.3`, `[12:34:05.120] 57.3`, `[1055ms] angle=57.3`, `I (1055) main: angle=57.3`,
-//! `t:120 angle:57.3`, `Time: 120 ms, Angle: 57.3 deg`, `(0.12, 57.3)`.
+//! `2026-03-01 12:34:05,120 - rig - INFO - 57.3`, `t:120 angle:57.3`, `Time: 120 ms, Angle: 57.3 deg`, `(0.12, 57.3)`.
 //! Tables of Markdown, `| 0.12 | 57.3 |`, are parted by bars.
 //! Each line becomes the row that somebody could have printed without them; the labels become the names of the columns.
 
@@ -114,8 +114,8 @@ fn behind_stamp(line: &str) -> Option<(&str, &str)> {
     let line = line.trim_start();
     let end = line.match_indices(' ').nth(1).map_or(line.len(), |(end, _)| end);
     let (stamp, rest) = line.split_at_checked(end)?;
-    let thousandths = stamp.split_once(',').filter(|(_, thousandths)| thousandths.len() == 3)?;
-    let is_stamp = thousandths.0.contains(' ') && clock::read(stamp).is_some_and(|moment| moment.day.is_some());
+    let (second, _) = stamp.split_once(',').filter(|(_, thousandths)| thousandths.len() == 3)?;
+    let is_stamp = second.contains(' ') && clock::read(stamp).is_some_and(|moment| moment.day.is_some());
     let is_parted_otherwise = rest.trim_start().starts_with([';', ',']);
     (is_stamp && !is_parted_otherwise).then(|| (stamp, rest.rsplit(" - ").next().unwrap_or(rest).trim()))
 }

@@ -324,7 +324,7 @@ impl Samples {
         true
     }
 
-    /// Of two rows of the same time the first, where that is few and the clock goes on by itself.
+    /// Keeps the first of two rows of the same time, where they are few and the clock goes on around them.
     fn leave_out_twins(&mut self, notes: &mut Vec<String>) -> bool {
         let Some(kept) = order::first_of_twins(&self.times) else { return false };
         let n = kept.iter().filter(|kept| !**kept).count();

@@ -165,6 +165,7 @@ impl<'a> Table<'a> {
         split(&self.row.text, self.separator)
     }
 
+    /// Then no cell can be seen to be empty.
     pub(super) fn is_parted_by_spaces(&self) -> bool {
         self.separator == Separator::Space
     }
