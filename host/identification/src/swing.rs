@@ -222,9 +222,14 @@ impl Swing {
                 segments.free.start..times_s[..end].partition_point(|t| *t <= rest_s)
             }
         };
-        let part = recording.part(range)?;
+        let part = recording.part(range.clone())?;
+        let is_swing = |idx: usize| !segments.interrupted.iter().any(|lost| lost.contains(&(range.start + idx)));
+        let seen = |values: &[f64]| -> Vec<f64> {
+            values.iter().enumerate().filter_map(|(idx, value)| is_swing(idx).then_some(*value)).collect()
+        };
+        let (times_s, readings) = (seen(part.times_s()), seen(part.angles_rad()));
         let noise = segments.noise.level_rad();
-        let mut swing = Self::of(name, recording.measured(), part.times_s(), part.angles_rad(), noise);
+        let mut swing = Self::of(name, recording.measured(), &times_s, &readings, noise);
         let least = SIMULATED_TO_RAD * swing.reading_per_rad;
         if noise < least {
             segments.notes.push(too_little_noise(recording.measured(), noise, least));

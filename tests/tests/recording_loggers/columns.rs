@@ -1,8 +1,9 @@
 //! Which column is the angle, the rate or a point, among others and with names of all kinds.
 
-use crate::swing::{CENTIDEGREES, RATE_HZ, Row, check, check_found, open, swing, table, told};
+use crate::swing::{CENTIDEGREES, RATE_HZ, Row, check, check_found, open, swing, swing_from, table, told};
 use host::recording::segment::{SegmentOptions, segment};
 use host::recording::{Measured, ReadOptions, read_bytes};
+use tests::chance::Chance;
 
 #[test]
 fn of_several_angles_the_one_that_names_the_pendulum_is_taken() {
@@ -41,6 +42,36 @@ fn an_arm_that_is_held_and_a_run_that_was_never_made_are_no_rivals() {
         format!("{t:.2},{a:.5},,")
     });
     check_found(&empty, 1e-5, "");
+}
+
+#[test]
+fn an_angle_in_two_units_is_one_angle() {
+    let both = table("t,theta(deg),theta(rad)\n", |(t, a, _)| format!("{t:.2},{:.3},{a:.5}", a.to_degrees()));
+    check_found(&both, 1e-5, "2 (theta(rad)) taken as the angle: 1 (theta(deg)) is the same in another unit");
+}
+
+/// Four seconds from 17°, by 1 % noise: the period grows by 0.5 % at most, and that is not seen.
+#[test]
+fn what_is_called_an_angle_and_goes_beyond_a_turn_of_radians_is_in_degrees() {
+    let mut chance = Chance::new(11);
+    let noise: Vec<f64> = (0..400).map(|_| 0.2 * chance.normal()).collect();
+    let small = swing_from(0.3, RATE_HZ, 4);
+    let written = |head: &str, cell: fn(f64) -> String| {
+        let rows = small.iter().zip(&noise);
+        let rows: String =
+            rows.map(|((t, a, _), noise)| format!("{t:.2},{}\n", cell(a.to_degrees() + noise))).collect();
+        open(format!("{head}{rows}").as_bytes(), &ReadOptions::default())
+    };
+    let degrees = |angle: f64| format!("{angle:.3}");
+    let found = written("mass A,\nt,θr\n", degrees).unwrap();
+    let off_rad = |(found, (_, a, _)): (&f64, &Row)| (found - a).abs();
+    assert!(found.angles_rad().iter().zip(&small).map(off_rad).fold(0.0, f64::max) < 0.02);
+    let notes = found.notes().join("; ");
+    assert!(notes.contains("1 (θr) is called an angle, whose unit is not stated: read as degrees"), "{notes}");
+    // Counts, and what is called nothing, may be anything.
+    for refused in [written("t,angle\n", |angle| format!("{angle:.0}")), written("t,value\n", degrees)] {
+        assert!(refused.unwrap_err().contains("if they are degrees say --degrees"));
+    }
 }
 
 #[test]

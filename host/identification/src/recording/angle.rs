@@ -40,8 +40,13 @@ pub(super) struct Angles<'a> {
 }
 
 impl Angles<'_> {
-    /// From a column of angles.
-    pub(super) fn of_column(mut self, angles: &[f64], unit: Option<AngleUnit>) -> Result<Vec<f64>, Fault> {
+    /// From a column of angles; with its name where that says so.
+    pub(super) fn of_column(
+        mut self,
+        name: Option<&str>,
+        angles: &[f64],
+        unit: Option<AngleUnit>,
+    ) -> Result<Vec<f64>, Fault> {
         let zero = self.options.zero.unwrap_or(0.0);
         let in_unit = |angles: &[f64], unit: Option<AngleUnit>| -> Vec<f64> {
             let factor = unit.unwrap_or(AngleUnit::Radians).radians();
@@ -51,7 +56,7 @@ impl Angles<'_> {
             return Ok(in_unit(angles, unit));
         }
         let angles = self.unwound(angles);
-        let unit = if unit.is_none() { self.judge_unstated_unit(&angles, zero)? } else { unit };
+        let unit = if unit.is_none() { self.judge_unstated_unit(name, &angles, zero)? } else { unit };
         let mut angles_rad = in_unit(&angles, unit);
         self.unwrap(&mut angles_rad);
         let swings = Swings::of(self.times_s, &angles_rad);
@@ -91,7 +96,12 @@ impl Angles<'_> {
     }
 
     /// What a unit that is not stated must be, if anything.
-    fn judge_unstated_unit(&mut self, angles: &[f64], zero: f64) -> Result<Option<AngleUnit>, Fault> {
+    fn judge_unstated_unit(
+        &mut self,
+        name: Option<&str>,
+        angles: &[f64],
+        zero: f64,
+    ) -> Result<Option<AngleUnit>, Fault> {
         let largest = angles.iter().fold(0.0_f64, |largest, angle| largest.max((angle - zero).abs()));
         if largest > LARGEST_UNSTATED_RAD {
             if self.are_turns_away(angles) {
@@ -99,18 +109,29 @@ impl Angles<'_> {
             }
             let mut in_degrees: Vec<f64> = angles.iter().map(|angle| angle.to_radians()).collect();
             plausible::unwrap(&mut in_degrees);
-            if !Swings::of(self.times_s, &in_degrees).is_some_and(|swings| swings.is_pendulum()) {
-                return Err(Fault::LooksLikeDegrees { largest, told: self.told });
-            }
-            self.notes.push(format!(
-                "angles reach {largest:.1}, and the period grows with them as it does for degrees: read as degrees"
-            ));
+            let swings = Swings::of(self.times_s, &in_degrees);
+            let may_be = |swings: &Swings| matches!(swings.scale(), Scale::Right | Scale::Unknown);
+            let evidence = match (&swings, name) {
+                (Some(swings), _) if swings.is_pendulum() => {
+                    "the period grows with them as it does for degrees".to_owned()
+                }
+                (Some(swings), Some(name)) if may_be(swings) && Self::may_be_degrees(angles) => {
+                    format!("{name} is called an angle, whose unit is not stated")
+                }
+                _ => return Err(Fault::LooksLikeDegrees { largest, told: self.told }),
+            };
+            self.notes.push(format!("angles reach {largest:.1}, and {evidence}: read as degrees"));
             return Ok(Some(AngleUnit::Degrees));
         }
         if largest > NOTED_UNSTATED_RAD {
             self.notes.push(format!("angles reach {largest:.2}, read as radians; if they are degrees say --degrees"));
         }
         Ok(None)
+    }
+
+    /// Do all of them lie within a turn of degrees, and are they no whole numbers, as counts and steps would be?
+    fn may_be_degrees(angles: &[f64]) -> bool {
+        angles.iter().all(|angle| angle.abs() <= 360.0) && angles.iter().any(|angle| angle.fract() != 0.0)
     }
 
     /// Are these radians of a pendulum that hangs some turns from 0, or from upright? Its swings stay within a turn about there, and

@@ -135,7 +135,9 @@ impl Sources {
                 if !is_ours {
                     self.refuse_standing(table, *idx, readings)?;
                 }
-                Angles { times_s, is_ours, options, told: self.told(), notes }.of_column(readings, *unit)
+                let name = table.says(*idx, words::is_named_angle).then(|| table.column_name(*idx));
+                let angles = Angles { times_s, is_ours, options, told: self.told(), notes };
+                angles.of_column(name.as_deref(), readings, *unit)
             }
             ReadingSource::Point { x, y, is_guess: false } => {
                 let angles = Angles { times_s, is_ours, options, told: self.told(), notes };
@@ -167,8 +169,11 @@ impl Sources {
                     Err(Fault::NoCircle { .. } | Fault::ShortArc { .. }) => {
                         self.refuse_standing(table, *x, &samples.readings[0])?;
                         let unit = angle_unit_of(table, *x);
-                        Angles { times_s, is_ours, options, told: self.told(), notes }
-                            .of_column(&samples.readings[0], unit)
+                        Angles { times_s, is_ours, options, told: self.told(), notes }.of_column(
+                            None,
+                            &samples.readings[0],
+                            unit,
+                        )
                     }
                     angles => {
                         notes.extend(of_point);

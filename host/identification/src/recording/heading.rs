@@ -2,7 +2,7 @@
 //! units in a line of their own or without.
 
 use super::number::is_missing;
-use super::row::{SEPARATORS, Separator, is_comment, n_numbers, split};
+use super::row::{SEPARATORS, Separator, is_comment, looks_like_number, n_numbers, split};
 use super::words::{Meaning, is_unit, meaning};
 
 /// Names from the lines above the first row: the last line with as many cells, else one whose words are known.
@@ -11,11 +11,22 @@ pub(super) fn names(lines_above: &[&str], separator: Separator, n_columns: usize
         let is_filled = |line: &&&str| is_comment(line) == is_wanted && !bare(line).is_empty();
         lines_above.iter().filter(is_filled).copied().collect::<Vec<_>>()
     };
-    let (plain, comments) = (filled(false), filled(true));
+    let (mut plain, comments) = (filled(false), filled(true));
+    while plain.last().is_some_and(|line| is_row_without_values(line, separator, n_columns)) {
+        plain.pop();
+    }
     like_the_rows(&plain, separator, n_columns)
         .or_else(|| of_known_words(&plain, separator, n_columns))
         .or_else(|| of_known_words(&comments, separator, n_columns))
         .or_else(|| before_a_remark(&comments, n_columns))
+}
+
+/// Is it one of the rows of a camera that sees nothing yet: `3,0.1,,,,640,480,vfr`?
+fn is_row_without_values(line: &str, separator: Separator, n_columns: usize) -> bool {
+    let cells = split(line, separator);
+    let filled = || cells.iter().filter(|cell| !cell.is_empty());
+    let n = filled().filter(|cell| looks_like_number(cell, separator)).count();
+    cells.len() == n_columns && filled().count() < n_columns && n > 1 && 2 * n >= filled().count()
 }
 
 /// The last line, if it has a name for each column.
@@ -148,5 +159,6 @@ mod tests {
         check(&["# time of release: noon"], Space, 2, &[]);
         check(&["[ dpc ] >>> 6.2,6.1,-0.7,15352"], Comma, 4, &[]);
         check(&["t,1,2,3"], Comma, 4, &["t", "1", "2", "3"]);
+        check(&["t,x,y,fps,mode", "0.0,,,30,vfr", "0.1,,,30,vfr"], Comma, 5, &["t", "x", "y", "fps", "mode"]);
     }
 }

@@ -21,8 +21,13 @@ impl Places {
 
     /// What the rows become.
     pub(super) fn as_gaps(&self) -> &'static str {
-        if self.n == 1 { "a gap" } else { "gaps" }
+        as_gaps(self.n)
     }
+}
+
+/// What rows become that are left out at so many places.
+pub(super) fn as_gaps(n_places: usize) -> &'static str {
+    if n_places == 1 { "a gap" } else { "gaps" }
 }
 
 #[cfg(test)]

@@ -83,7 +83,7 @@ pub(super) fn n_numbers(line: &str, separator: Separator) -> usize {
 }
 
 /// A number, NaN too, or a clock time. Between commas a space does not part thousands.
-fn looks_like_number(field: &str, separator: Separator) -> bool {
+pub(super) fn looks_like_number(field: &str, separator: Separator) -> bool {
     let is_number = || field.parse::<f64>().is_ok() || matches!(Numerals::new().read(field), Cell::Number(_));
     let number = number_and_unit(field).map_or(field, |(number, _)| number);
     let parts_thousands = separator != Separator::Comma || !number.contains(' ');

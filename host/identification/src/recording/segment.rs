@@ -10,13 +10,15 @@
 //! range begins shortly after it, never before.
 
 mod backwards;
+mod interrupted;
 mod law;
 mod start;
 mod stretch;
 
-use super::Recording;
 use super::noise::{self, Noise};
+use super::places::as_gaps;
 use super::turning::{self, TurningPoint};
+use super::{Measured, Recording};
 use crate::number::significant;
 use law::{Law, State, states};
 use start::Start;
@@ -56,6 +58,8 @@ pub struct Segments {
     pub lead_in: Option<Range<usize>>,
     /// Swinging freely, down to the final stop.
     pub free: Range<usize>,
+    /// Samples of the free swing that are none of it, though it goes on behind: left out.
+    pub interrupted: Vec<Range<usize>>,
     /// Hanging still at the end.
     pub rest: Option<Range<usize>>,
     /// The release, s: fitted when it was held still before, else the begin of the free range.
@@ -166,6 +170,9 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
     let (held, hanging) = if start.was_held { (start.lead_in.clone(), None) } else { (None, start.lead_in.clone()) };
     let noise = cut.noise(&free).beside_still(recording, [hanging, rest.clone()], held);
     let mut notes = notes(&cut, options, &start, &(fallen..free.end), rest.as_ref());
+    let touches = |lost: &&Range<usize>| lost.start < free.end && free.start < lost.end;
+    let interrupted: Vec<Range<usize>> = cut.interrupted.iter().filter(touches).cloned().collect();
+    notes.extend(interrupted_in_words(recording, &interrupted));
     notes.extend(carried.map(|(idx, column)| {
         let more_s = cut.times_s()[idx] - cut.times_s()[fallen];
         format!("cut {more_s:.2} s more in which {column} still moves; --from begins earlier")
@@ -181,7 +188,7 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
     );
     let fades = cut.fades(&free);
     let (lead_in, release_s, half_swing_s) = (start.lead_in, start.release_s, cut.half_swing_s);
-    Ok(Segments { lead_in, free, rest, release_s, n_turning_points, half_swing_s, noise, fades, notes })
+    Ok(Segments { lead_in, free, interrupted, rest, release_s, n_turning_points, half_swing_s, noise, fades, notes })
 }
 
 fn asked_range(recording: &Recording, options: &SegmentOptions) -> Result<Range<usize>, SegmentError> {
@@ -209,6 +216,7 @@ struct Cut<'a> {
     states: Vec<State>,
     law: Law,
     disturbed: Vec<bool>,
+    interrupted: Vec<Range<usize>>,
 }
 
 impl<'a> Cut<'a> {
@@ -238,8 +246,12 @@ impl<'a> Cut<'a> {
             states,
             law: Law::zeros(),
             disturbed: Vec::new(),
+            interrupted: Vec::new(),
         };
         cut.find_disturbances().ok_or(too_few)?;
+        if recording.measured() == Measured::Angle {
+            cut.interrupted = cut.forgive_interruptions();
+        }
         Ok(cut)
     }
 
@@ -285,6 +297,21 @@ fn wandering(recording: &Recording, noise: &Noise) -> Option<String> {
         "it scatters by {still} {unit} rms while it is held, where white noise as seen in the swing would by {swinging}: a hand \
          that trembles, or a sensor whose noise is alike in neighbouring readings, and larger than it seems; let it swing \
          until it hangs still to tell them apart"
+    ))
+}
+
+fn interrupted_in_words(recording: &Recording, interrupted: &[Range<usize>]) -> Option<String> {
+    let first = interrupted.first()?;
+    let n_rows: usize = interrupted.iter().map(Range::len).sum();
+    let (n, from_s) = (interrupted.len(), recording.times_s()[first.start]);
+    let (places, first_s) = match n {
+        1 => (String::new(), format!("from {from_s:.2} to {:.2} s", recording.times_s()[first.end])),
+        n => (format!(" at {n} places"), format!("at {from_s:.2} s first")),
+    };
+    Some(format!(
+        "{n_rows} readings{places} leave the swing, {first_s}, and the same swing goes on behind, as when a tracker loses it or \
+         somebody stands in the picture: left out as {}",
+        as_gaps(n)
     ))
 }
 

@@ -7,6 +7,7 @@ use super::super::limits::HARDLY;
 use super::super::options::ReadOptions;
 use super::super::samples::Samples;
 use super::super::table::Table;
+use super::super::units::AngleUnit;
 use super::super::words::is_turn_of_body;
 use super::angle_unit_of;
 use super::names::listed;
@@ -38,6 +39,14 @@ impl Sources {
         let names = table.names.as_deref().unwrap_or_default();
         let are_turns = columns.iter().all(|idx| names.get(*idx).is_some_and(|name| is_turn_of_body(name)));
         let taken = table.column_name(idx);
+        if let Some(place) = the_same(&samples.readings, &units).filter(|_| options.angle_unit.is_none()) {
+            let others: Vec<usize> = columns.iter().copied().filter(|idx| *idx != columns[place]).collect();
+            let (is, taken) = (if others.len() == 1 { "is" } else { "are" }, table.column_name(columns[place]));
+            notes.push(format!("{taken} taken as the angle: {} {is} the same in another unit", listed(table, &others)));
+            let reading = ReadingSource::Angle { idx: columns[place], unit: units[place] };
+            samples.readings = vec![samples.readings.swap_remove(place)];
+            return Ok(Self { reading, ..self });
+        }
         if still.len() + 1 == columns.len() {
             let never = if places.iter().all(|place| ranges[*place] == 0.0) { "never" } else { "hardly" };
             let moves = if still.len() == 1 { "moves" } else { "move" };
@@ -59,6 +68,21 @@ impl Sources {
             _ => None,
         }
     }
+}
+
+/// Of columns that are the same but for their units, the one with the largest; an unstated unit is the radian.
+fn the_same(readings: &[Vec<f64>], units: &[Option<AngleUnit>]) -> Option<usize> {
+    let scale = |place: usize| units[place].unwrap_or(AngleUnit::Radians).radians();
+    let limit_rad = HARDLY * range(&readings[0]) * scale(0);
+    let in_rad = |place: usize| readings[place].iter().map(move |reading| reading * scale(place));
+    let is_same = |place: usize| in_rad(place).zip(in_rad(0)).all(|(a, b)| (a - b).abs() < limit_rad);
+    let places = 0..readings.len();
+    // What is the same in one unit was copied, or is a recording of its own.
+    let is_repeated = |place: usize| units[..place].contains(&units[place]);
+    if places.clone().any(is_repeated) {
+        return None;
+    }
+    places.clone().all(is_same).then(|| places.max_by(|a, b| scale(*a).total_cmp(&scale(*b))))?
 }
 
 /// Nothing tells which of these columns is the angle.

@@ -13,16 +13,16 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 /// Half swings to which the law is fitted: fewer do not tell damping from dry friction.
-const FITTED: usize = 4;
+pub(super) const FITTED: usize = 4;
 
 /// Half swings that are doubted, behind a hand that was seen.
 const DOUBTED: usize = 2;
 
 /// So many later ones, at least, say how far off is usual …
-const FEWEST_USUAL: usize = 4;
+pub(super) const FEWEST_USUAL: usize = 4;
 
 /// … and so many at most.
-const MOST_USUAL: usize = 6;
+pub(super) const MOST_USUAL: usize = 6;
 
 /// A half swing that is off so many times as far as usual does not follow. Of 108 recordings of strangers the first or the
 /// second one does not in ten: in six, of which the three that were looked at jump or are moved there, and in four that have too few
@@ -72,18 +72,38 @@ impl Cut<'_> {
     /// How far the angles between the first two of these ends are off what those between the others say (rms, rad); NaN where it
     /// can't be told.
     fn off_before(&self, ends: &[usize]) -> f64 {
-        let (first, last) = (ends[1], ends[ends.len() - 1]);
-        let n_half_swing = (last - first) / FITTED;
-        let is_steep = self.angles_rad()[ends[0]..last].iter().any(|angle| angle.abs() > STEEP_RAD);
-        if n_half_swing < FEWEST_SAMPLES || is_steep {
+        self.off_beside(ends[0]..ends[1], ends[1]..ends[ends.len() - 1])
+    }
+
+    /// How far the angles of one range, before or behind another, are off what those of the other one say, which is
+    /// [`FITTED`] half swings long (rms, rad); NaN where it can't be told. What lies between them is not asked.
+    pub(super) fn off_beside(&self, looked: Range<usize>, fitted: Range<usize>) -> f64 {
+        let n_half_swing = fitted.len() / FITTED;
+        let is_steep =
+            |range: &Range<usize>| self.angles_rad()[range.clone()].iter().any(|angle| angle.abs() > STEEP_RAD);
+        if n_half_swing < FEWEST_SAMPLES || is_steep(&looked) || is_steep(&fitted) {
             return f64::NAN;
         }
         let every = n_half_swing.div_ceil(MOST_SAMPLES);
-        let behind: Vec<usize> = (first..=last).step_by(every).collect();
-        let before: Vec<usize> = (ends[0]..=first).rev().step_by(every).collect();
-        let Some(start) = self.fitted(&behind) else { return f64::NAN };
-        let squares = self.off(&start, &before).iter().map(|off| off * off).sum::<f64>();
-        (squares / before.len() as f64).sqrt()
+        let (of_law, away): (Vec<usize>, Vec<usize>) = if looked.start <= fitted.start {
+            (
+                (fitted.start..=fitted.end).step_by(every).collect(),
+                (looked.start..=fitted.start).rev().step_by(every).collect(),
+            )
+        } else {
+            (
+                (fitted.start..=fitted.end).rev().step_by(every).collect(),
+                (fitted.end..=looked.end).step_by(every).collect(),
+            )
+        };
+        let Some(start) = self.fitted(&of_law) else { return f64::NAN };
+        let asked = self
+            .off(&start, &away)
+            .into_iter()
+            .zip(&away)
+            .filter(|(_, idx)| looked.start <= **idx && **idx <= looked.end);
+        let squares: Vec<f64> = asked.map(|(off, _)| off * off).collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     }
 
     /// The start and the law that leave the least squares at these samples.
@@ -121,7 +141,12 @@ impl Cut<'_> {
         let (mut state, mut time_s) = ([start[0], start[1]], self.times_s()[samples[0]]);
         let mut off = Vec::with_capacity(samples.len());
         for idx in samples {
-            state = stepped(state, self.times_s()[*idx] - time_s, start, slow_rad_s);
+            let until_s = self.times_s()[*idx] - time_s;
+            // Rows may be missing.
+            let n_steps = (until_s.abs() * FEWEST_SAMPLES as f64 / self.half_swing_s).ceil().max(1.0);
+            for _ in 0..n_steps as usize {
+                state = stepped(state, until_s / n_steps, start, slow_rad_s);
+            }
             time_s = self.times_s()[*idx];
             off.push(self.angles_rad()[*idx] - state[0]);
         }

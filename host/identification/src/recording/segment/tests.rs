@@ -1,6 +1,6 @@
 use super::*;
 
-const STEP_S: f64 = 0.005;
+pub(super) const STEP_S: f64 = 0.005;
 
 /// A pendulum with dry and viscous friction (ω0² = 70/s²), released from `angle_rad`, in steps of 0.1 ms.
 fn swing(angle_rad: f64, duration_s: f64) -> Vec<f64> {
@@ -8,7 +8,7 @@ fn swing(angle_rad: f64, duration_s: f64) -> Vec<f64> {
 }
 
 /// The same with what somebody adds to its acceleration (rad/s²) at a time (s).
-fn moved_swing(angle_rad: f64, duration_s: f64, hand: impl Fn(f64) -> f64) -> Vec<f64> {
+pub(super) fn moved_swing(angle_rad: f64, duration_s: f64, hand: impl Fn(f64) -> f64) -> Vec<f64> {
     let (mut angle, mut velocity) = (angle_rad, 0.0_f64);
     let mut angles = Vec::new();
     for step_idx in 0..(duration_s / 1e-4) as usize {
@@ -40,7 +40,7 @@ fn in_noise(angles_rad: &[f64], rms_rad: f64) -> Segments {
     segment(&Recording::uniform(1.0 / STEP_S, angles_rad).unwrap(), &SegmentOptions::default()).unwrap()
 }
 
-fn find(angles_rad: &[f64]) -> Segments {
+pub(super) fn find(angles_rad: &[f64]) -> Segments {
     segment(&noisy(angles_rad), &SegmentOptions::default()).unwrap()
 }
 

@@ -35,6 +35,11 @@ const NAMES_A_UNIT: u8 = 1;
 /// A position may be that of the cart under the pendulum, and a date stands beside the time.
 const NAMES_IT_PERHAPS: u8 = 0;
 
+/// Is it called an angle, and not by a unit or a place alone?
+pub(in crate::recording) fn is_named_angle(name: &str) -> bool {
+    matches!(meaning(name), Meaning::Angle { strength: NAMES_THE_THING, .. })
+}
+
 /// Reads the words of a column name.
 pub(in crate::recording) fn meaning(name: &str) -> Meaning {
     let words = words(name);
