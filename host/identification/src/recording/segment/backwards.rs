@@ -43,6 +43,9 @@ const MOST_SAMPLES: usize = 40;
 /// … and at least: fewer leave too few for the numbers of the law.
 const FEWEST_SAMPLES: usize = 8;
 
+/// Steps through a hole in the rows, at most: ten half swings. Half of it and twice of it were not tried.
+const MOST_STEPS: f64 = 80.0;
+
 /// Rounds of the fit: enough for the same recordings.
 const N_ROUNDS: usize = 6;
 
@@ -142,8 +145,8 @@ impl Cut<'_> {
         let mut off = Vec::with_capacity(samples.len());
         for idx in samples {
             let until_s = self.times_s()[*idx] - time_s;
-            // Rows may be missing.
-            let n_steps = (until_s.abs() * FEWEST_SAMPLES as f64 / self.half_swing_s).ceil().max(1.0);
+            // Rows may be missing, for however long: through more than some swings nothing is told anyway.
+            let n_steps = (until_s.abs() * FEWEST_SAMPLES as f64 / self.half_swing_s).ceil().clamp(1.0, MOST_STEPS);
             for _ in 0..n_steps as usize {
                 state = stepped(state, until_s / n_steps, start, slow_rad_s);
             }
