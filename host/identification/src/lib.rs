@@ -6,20 +6,16 @@
 
 pub mod compare;
 pub mod diagnose;
-pub mod files;
 pub mod fit;
 pub mod formula;
 pub mod geometry;
 pub mod improve;
 pub mod lanes;
 pub mod look;
-pub mod number;
 pub mod pace;
 pub mod paper;
 pub mod plan;
 pub mod plot;
-pub mod random;
-pub mod recording;
 pub mod responses;
 pub mod rsm;
 pub mod shorten;
@@ -28,4 +24,5 @@ pub mod trajectory;
 pub mod verdict;
 pub mod zero_phase;
 
-pub use recording::noise;
+pub use recording;
+pub use recording::{files, noise, number, random};

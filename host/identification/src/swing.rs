@@ -3,13 +3,13 @@
 pub mod step;
 
 use crate::pace;
+use crate::recording::noise::Colour;
 use crate::recording::noise::rms_about_line;
 use crate::recording::plausible::Swings;
 use crate::recording::segment::{SegmentError, SegmentOptions, Segments, segment};
 use crate::recording::turning::half_swing_s;
 use crate::recording::{Fault, Measured, Recording};
 use crate::trajectory::Schedule;
-use crate::verdict::Colour;
 use shared::effect::{CURVE_ID, Effect};
 use shared::parameters::Parameters;
 use std::f64::consts::TAU;

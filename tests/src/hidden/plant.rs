@@ -232,7 +232,10 @@ impl<'a> Plant<'a> {
         let [angle, _, bristle, ..] = *phase;
         let law = &self.law;
         let spring = -law.spring[0] * (angle - law.spring[1]);
-        let detent = law.detent[0] * (law.detent[1] * angle + law.detent[2]).sin();
+        let detent = match law.detent[0] {
+            0.0 => 0.0,
+            height => height * (law.detent[1] * angle + law.detent[2]).sin(),
+        };
         let held = if self.bristle_rad() > 0.0 { -self.rig.coulomb_nm * bristle / self.bristle_rad() } else { 0.0 };
         let listed = self.listed.drive_nm([angle, phase[1]], self.time_s);
         -self.gravity_nm * angle.sin() + spring + detent + held + listed + self.shapes.drive_nm(angle)
@@ -250,7 +253,9 @@ impl<'a> Plant<'a> {
             dry += law.load * rig.mass_kg * (rig.gravity_m_s2 * angle.cos() + rig.length_m * velocity * velocity).abs();
         }
         // What gravity turns a gear train with is the load of its teeth.
-        dry += law.gears * self.gravity_nm * angle.sin().abs();
+        if law.gears != 0.0 {
+            dry += law.gears * self.gravity_nm * angle.sin().abs();
+        }
         if law.angle_friction[0] != 0.0 {
             dry += law.angle_friction[0] * (law.angle_friction[1] * angle + law.angle_friction[2]).cos();
         }

@@ -63,7 +63,10 @@ impl Sensor {
 
     /// What a scale off its centre adds to an angle, rad.
     fn off_centre_rad(&self, angle: f64) -> f64 {
-        let of_order = |order: f64, [size, phase]: [f64; 2]| size * ((order * angle - phase).sin() + phase.sin());
+        let of_order = |order: f64, [size, phase]: [f64; 2]| match size {
+            0.0 => 0.0,
+            _ => size * ((order * angle - phase).sin() + phase.sin()),
+        };
         of_order(1.0, self.harmonics[0]) + of_order(2.0, self.harmonics[1])
     }
 

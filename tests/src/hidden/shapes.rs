@@ -83,10 +83,16 @@ impl Shapes {
         // A. Tustin, J. IEE 94 (1947) 143 has δ = 1; polymers have less.
         let [extra, speed, delta] = self.slow;
         let slow = if extra == 0.0 { 0.0 } else { extra * (-(velocity.abs() / speed).powf(delta)).exp() };
-        // The load of a gear train: what gravity turns it with.
+        slow + self.coulomb_nm * self.aged(time_s) + self.lever_nm(angle, velocity)
+    }
+
+    /// The load of a gear train is what gravity turns it with.
+    fn lever_nm(&self, angle: f64, velocity: f64) -> f64 {
+        if self.lever == 0.0 {
+            return 0.0;
+        }
         let sheared = velocity.abs().max(SLOWEST_TEETH_RAD_S).powf(1.0 - LOAD_EXPONENT);
-        let lever = self.lever * self.weight_nm * angle.sin().abs().powf(LOAD_EXPONENT) * sheared;
-        slow + self.coulomb_nm * self.aged(time_s) + lever
+        self.lever * self.weight_nm * angle.sin().abs().powf(LOAD_EXPONENT) * sheared
     }
 
     /// Friction that vanishes at rest, N·m.

@@ -1,0 +1,500 @@
+//! What is wrong with the content of a recording.
+
+use super::growth::growth_in_words;
+use crate::columns::ColumnsError;
+use crate::limits::{
+    FORMAT_NAME, FORMAT_VERSION, LARGEST_RAD, LARGEST_UNSTATED_RAD, LONGEST_STEP_S, MIN_SAMPLES, MOST_SAMPLES,
+};
+use crate::number::significant;
+use crate::told::Told;
+use thiserror::Error;
+
+/// More rows of one time are no clock of few digits, which has some dozens in a tick.
+const CLOCK_STOPS: usize = 50;
+
+/// What is wrong with the content of a recording.
+#[derive(Debug, Error)]
+pub enum Fault {
+    /// No such file.
+    #[error("there is no such file; check the path")]
+    Missing,
+    /// A folder was named.
+    #[error("this is a directory; name a CSV file inside it")]
+    Directory,
+    /// The system refused.
+    #[error("the system refused to read it ({0}); check the permissions")]
+    Unreadable(#[source] std::io::Error),
+    /// Zero bytes or only white space.
+    #[error("the file is empty; expected rows of time and angle")]
+    Empty,
+    /// Bytes that are no text.
+    #[error(
+        "this is not text (byte {byte:#04x} at position {position}); expected a CSV file, so export it as CSV first"
+    )]
+    NotText {
+        /// The offending byte.
+        byte: u8,
+        /// Its place, counted from 0.
+        position: usize,
+    },
+    /// A model in place of a recording.
+    #[error("this is the file of a model, no recording; give it with --rig, and recordings in its place")]
+    ModelFile,
+    /// No row of numbers.
+    #[error("no row of numbers in {n_lines} lines; expected rows such as 0.005,1.234 for time and angle")]
+    NoNumbers {
+        /// Lines in the file.
+        n_lines: usize,
+    },
+    /// Too short to be of use.
+    #[error("only {n_found} samples; expected at least {MIN_SAMPLES}, so record at least two swings")]
+    TooFewSamples {
+        /// Samples found.
+        n_found: usize,
+    },
+    /// Text, nothing, NaN or infinity where a number belongs.
+    #[error(
+        "{place}, column {column}: \"{value}\" is not a finite number; correct or delete that row (an empty cell is a gap), \
+         or choose other columns with --columns"
+    )]
+    NotANumber {
+        /// Line or sample.
+        place: String,
+        /// Name or number of the column.
+        column: String,
+        /// What stands there.
+        value: String,
+    },
+    /// A row with too few fields.
+    #[error("line {line} has {n_found} fields, but column {column} is needed; complete or delete that row")]
+    ShortRow {
+        /// Line, counted from 1.
+        line: usize,
+        /// Fields found.
+        n_found: usize,
+        /// The column that is not there.
+        column: String,
+    },
+    /// A column was asked for that the file lacks.
+    #[error("there is no column {wanted}; the file has {available}: choose with --columns, e.g. {example}")]
+    UnknownColumn {
+        /// As the user wrote it.
+        wanted: String,
+        /// Names or count of what there is.
+        available: String,
+        /// What could be told of this file.
+        example: String,
+    },
+    /// Several columns could be meant.
+    #[error("several columns could be the {role}: {candidates}; choose with --columns, e.g. {example}")]
+    AmbiguousColumn {
+        /// "time" or "angle".
+        role: &'static str,
+        /// The names in question.
+        candidates: String,
+        /// What could be told of this file.
+        example: String,
+    },
+    /// The column is there, and always the same.
+    #[error(
+        "column {column} does not move: {value} throughout; choose another one with --columns, e.g. {example}, or x and y \
+         of a point (the file has {available})"
+    )]
+    NothingMoves {
+        /// Name or number of the column.
+        column: String,
+        /// What always stands there.
+        value: f64,
+        /// Names or count of what there is.
+        available: String,
+        /// What could be told of this file.
+        example: String,
+    },
+    /// No time and no rate.
+    #[error("no time column among {available}; name it with --columns t=..., or give the sampling rate with --rate")]
+    NoTimeColumn {
+        /// Names or count of what there is.
+        available: String,
+    },
+    /// No angle.
+    #[error("no angle column among {available}; name it with --columns theta=...")]
+    NoAngleColumn {
+        /// Names or count of what there is.
+        available: String,
+    },
+    /// Nothing but accelerations.
+    #[error(
+        "{available}: among them are accelerations, which can't be fitted, because they hold motion and gravity at once and \
+         depend on where the sensor sits; record the gyroscope (angular velocity) too, or instead. If another column is \
+         the angle, name it with --columns theta=..."
+    )]
+    OnlyAccelerations {
+        /// Names or count of what there is.
+        available: String,
+    },
+    /// Nothing but periods and the like.
+    #[error(
+        "{available}: among them are durations, periods or what a light gate gives, which can't be fitted, because they tell nothing \
+         of the motion in between; record the angle or the angular velocity through the swing. If another column is the \
+         angle, name it with --columns theta=..."
+    )]
+    OnlyDurations {
+        /// Names or count of what there is.
+        available: String,
+    },
+    /// Nothing but volts or counts.
+    #[error(
+        "no angle column among {available}, but volts or counts, which are angles once it is told what one is worth: \
+         --columns {example}:54.5deg (a volt is 54.5°) or --columns {example}:4096/turn (4096 counts a turn), and with \
+         --zero what stands there while the pendulum hangs. If another column is the angle, name it with --columns theta=..."
+    )]
+    OnlyRaw {
+        /// Names or count of what there is.
+        available: String,
+        /// What could be told of this file.
+        example: String,
+    },
+    /// One coordinate of a point.
+    #[error(
+        "{column} is one coordinate of a point and no angle; export x and y of it, or where it swings by less than 20° say \
+         what one unit is worth, 57.3° over the pendulum's length in that unit: --columns {example}:0.19deg where it is \
+         300 long. If another column is the angle, name it with --columns theta=..."
+    )]
+    OnlyX {
+        /// The coordinate.
+        column: String,
+        /// What could be told of this file.
+        example: String,
+    },
+    /// Nothing but an orientation as a quaternion.
+    #[error(
+        "no angle column among {available}, but an orientation as a quaternion, which is not read; log its angles (roll, \
+         pitch, yaw) or the gyroscope too. If another column is the angle, name it with --columns theta=..."
+    )]
+    OnlyQuaternions {
+        /// Names or count of what there is.
+        available: String,
+    },
+    /// x, y and z that are no point's.
+    #[error(
+        "its x, y and z are no point that swings; if they are the axes of a gyroscope, name the one that moves, --columns \
+         {example}"
+    )]
+    ThreeAxes {
+        /// What could be told of this file.
+        example: String,
+    },
+    /// More columns than a table has.
+    #[error("line {line} has {n_columns} columns; expected a row of time and angle for each sample")]
+    TooWide {
+        /// Counted from 1.
+        line: usize,
+        /// Its fields.
+        n_columns: usize,
+    },
+    /// The same time twice with different angles.
+    #[error(
+        "{place}: time {time}{unit} stands there {}, expected it to increase; {}, or ignore the time column with \
+         --rate",
+        if *n_rows > CLOCK_STOPS { format!("{n_rows} times in a row") } else { "twice".to_owned() },
+        if *n_rows > CLOCK_STOPS { "its clock stopped: leave those rows out" } else { "export more digits of the time" }
+    )]
+    TimeRepeats {
+        /// Line or sample.
+        place: String,
+        /// The repeated time.
+        time: f64,
+        /// Its unit behind a space; nothing where it is not stated and can't be seconds.
+        unit: &'static str,
+        /// Rows in a row that have it.
+        n_rows: usize,
+    },
+    /// Time runs backwards.
+    #[error(
+        "{place}: time goes back from {before}{unit} to {after}{unit}, expected it to increase; if two recordings were \
+         joined, split the file there, else sort it or ignore the time column with --rate"
+    )]
+    TimeBackwards {
+        /// Line or sample.
+        place: String,
+        /// Time of the row before.
+        before: f64,
+        /// Time of this row.
+        after: f64,
+        /// As above.
+        unit: &'static str,
+    },
+    /// Angles too large for radians, unit not stated.
+    #[error(
+        "angles reach {largest}, expected at most {limit} rad for a pendulum; if they are degrees say --degrees, if they are \
+         counts or volts say what one is worth, --columns {} or theta={}:54.5deg, if it really turned over say --radians",
+        told.angle("", ":4096/turn"),
+        told.reading,
+        largest = *largest as f32,
+        limit = LARGEST_UNSTATED_RAD
+    )]
+    LooksLikeDegrees {
+        /// Largest magnitude in the column.
+        largest: f64,
+        /// The columns.
+        told: Told,
+    },
+    /// No pendulum turns so often.
+    #[error("angles reach {largest:e} rad, expected at most {LARGEST_RAD:e}; check the column and its unit")]
+    TooManyTurns {
+        /// Largest magnitude, rad.
+        largest: f64,
+    },
+    /// Steps too long for seconds, unit not stated.
+    #[error(
+        "the median time step is {step} s, expected less than {limit} s for a pendulum; if the column counts milliseconds, or is \
+         not the time, say so: --columns {} or t=1,theta=2; if it counts frames, say how many a second: --rate 30",
+        told.angle(":ms", ""),
+        step = *step as f32,
+        limit = LONGEST_STEP_S
+    )]
+    StepTooLong {
+        /// Median step as read, s.
+        step: f64,
+        /// The columns.
+        told: Told,
+    },
+    /// A rate that is no rate.
+    #[error("sampling rate {rate_hz} Hz is not possible; expected a positive number such as 200")]
+    BadRate {
+        /// As given.
+        rate_hz: f64,
+    },
+    /// A header value that does not parse.
+    #[error("line {line}: {key} is \"{value}\", expected {expected}; correct that header line")]
+    HeaderValue {
+        /// Line, counted from 1.
+        line: usize,
+        /// The key.
+        key: String,
+        /// What stands there.
+        value: String,
+        /// What should.
+        expected: &'static str,
+    },
+    /// Written by a later program.
+    #[error(
+        "line {line}: format {FORMAT_NAME} {version}, this program knows up to {FORMAT_VERSION}; \
+         update the program"
+    )]
+    NewerFormat {
+        /// Line, counted from 1.
+        line: usize,
+        /// Version found.
+        version: u32,
+    },
+    /// Codes without a calibration.
+    #[error(
+        "only converter codes and no calibration; add header lines such as \"# zero_code: 2048\" and \
+         \"# radians_per_code: 0.00144874\""
+    )]
+    NoCalibration,
+    /// A code that is no code.
+    #[error("line {line}: converter code \"{value}\" is not a whole number from 0 to 65535; correct that row")]
+    BadCode {
+        /// Line, counted from 1.
+        line: usize,
+        /// What stands there.
+        value: String,
+    },
+    /// A format of another program that is not read as it is.
+    #[error("this is a {format}: {problem}")]
+    Foreign {
+        /// What it is.
+        format: &'static str,
+        /// What is in the way, and what to do.
+        problem: String,
+    },
+    /// Decimal commas between commas.
+    #[error(
+        "the rows have twice as many fields as there are names: commas stand for decimals and between columns; \
+         export it with semicolons or tabs between the columns, or with decimal points"
+    )]
+    BareCommas,
+    /// Thousands marks after numbers that would have to be read anew.
+    #[error(
+        "line {line}: \"{value}\" has a mark for thousands, but the same mark was read as the decimal one before; \
+         export the file without marks for thousands"
+    )]
+    ThousandsTooLate {
+        /// Line, counted from 1.
+        line: usize,
+        /// What stands there.
+        value: String,
+    },
+    /// Rates that no pendulum of this period reaches, or with which its period would grow.
+    #[error("read in rad/s the rates reach {largest:.1}, but {against}: {instead}")]
+    NotRadiansPerSecond {
+        /// As read, rad/s.
+        largest: f64,
+        /// What speaks against them.
+        against: String,
+        /// What they may be, and what to say then.
+        instead: String,
+    },
+    /// Rates far too small for how the period grows with them.
+    #[error(
+        "read in {unit} the rates reach {largest_rad_s:.4} rad/s, but the period grows with the amplitude as it does for rates \
+         {factor:.0} times as large: these are radians a second; say --columns {}, or --degrees if they are degrees all \
+         the same",
+        told.rate(":rad/s")
+    )]
+    NotDegreesPerSecond {
+        /// The unit as stated.
+        unit: &'static str,
+        /// As read, rad/s.
+        largest_rad_s: f64,
+        /// How many times too small.
+        factor: f64,
+        /// The columns.
+        told: Told,
+    },
+    /// More than one swing can be.
+    #[error(
+        "more than {} samples, which is more than a free swing has; cut the file, or thin it to 1000 samples a second",
+        MOST_SAMPLES
+    )]
+    TooManySamples,
+    /// More bytes than any recording has.
+    #[error("the file is too large: a table may have 4 GB, any other format 256 MB, a line 1 MB; cut it into parts")]
+    TooLarge,
+    /// A swing too fast or too slow for the unit of time that was assumed.
+    #[error(
+        "it swings there and back in {} s; expected {shortest_s} to {longest_s} s for a pendulum, so the unit of \
+         the time is not what it seems: say it, {} (s, ms, us, ns, min, day)",
+        significant(*period_s, 4),
+        if told.time.is_some() { format!("--columns {}", told.angle(":ms", "")) } else { "--rate".to_owned() }
+    )]
+    ImpossiblePeriod {
+        /// As read, s.
+        period_s: f64,
+        /// Limits, s.
+        shortest_s: f64,
+        /// Limits, s.
+        longest_s: f64,
+        /// The columns.
+        told: Told,
+    },
+    /// The period does not depend on the amplitude as it would if the angles were radians.
+    #[error(
+        "read as radians the angles reach {largest_rad:.3}, and {}: these are degrees (say --degrees), angular velocities \
+         (say --columns {}) or in another unit (--columns {}), or a spring swings it and no gravity, as in a torsion \
+         pendulum, which can't be fitted; if they are radians all the same, say --radians",
+        growth_in_words(*predicted_percent, *found_percent),
+        told.rate(":rad/s"),
+        told.angle("", ":mrad")
+    )]
+    NotRadians {
+        /// Largest angle as read, rad.
+        largest_rad: f64,
+        /// By the pendulum's law, percent.
+        predicted_percent: f64,
+        /// As measured, percent.
+        found_percent: f64,
+        /// The columns.
+        told: Told,
+    },
+    /// The period depends on the amplitude as it would for angles many times as large.
+    #[error(
+        "read in {unit} the angles reach {largest_rad:.4} rad, but the period grows with the amplitude as it does for \
+         angles {factor:.0} times as large: these are radians; say --radians, or --degrees if they are degrees all the same"
+    )]
+    NotDegrees {
+        /// The unit as stated.
+        unit: &'static str,
+        /// Largest angle as read, rad.
+        largest_rad: f64,
+        /// How many times too small.
+        factor: f64,
+    },
+    /// x and y that lie on no circle.
+    #[error(
+        "x and y lie {off_percent:.1} % of the radius off a circle; expected a point on the pendulum: film square to the \
+         plane of the swing and from far away, or choose other columns with --columns t=0,x=1,y=2"
+    )]
+    NoCircle {
+        /// Typical distance from the circle, percent of the radius.
+        off_percent: f64,
+    },
+    /// An arc too short to tell where the pivot is.
+    #[error(
+        "x and y cover too short an arc to tell where the pivot is: its distance is known to {spread_percent:.0} % only; say \
+         where it is, --pivot X,Y in the units of the file, or release from a larger angle"
+    )]
+    ShortArc {
+        /// Standard deviation of the radius, percent.
+        spread_percent: f64,
+    },
+    /// Columns without names that move like x and y of a point, whose angle can't be told.
+    #[error(
+        "columns {x} and {y} move like x and y of a point, and {fault}. If column {x} is the angle, say --columns {}",
+        told.angle("", "")
+    )]
+    SeemsPoint {
+        /// Column of x.
+        x: usize,
+        /// Column of y.
+        y: usize,
+        /// What is wrong with them.
+        fault: Box<Self>,
+        /// The columns.
+        told: Told,
+    },
+    /// More runs than the one that was asked for.
+    #[error("the file holds {n} runs ({runs}), expected one here; choose one with --run {example}")]
+    SeveralRuns {
+        /// How many.
+        n: usize,
+        /// Their names and lengths.
+        runs: String,
+        /// The second one.
+        example: String,
+    },
+    /// Two of our own files in one.
+    #[error(
+        "line {line}: the names of the columns stand there again, expected another sample; two recordings were joined: \
+         split the file there, and give both"
+    )]
+    Joined {
+        /// Counted from 1.
+        line: usize,
+    },
+    /// Rows of several runs, or of several sensors, in turn.
+    #[error("the rows of several runs or sensors stand there in turn ({by}: {runs}); choose one with --run {example}")]
+    RunsInTurn {
+        /// What names them.
+        by: String,
+        /// Their names.
+        runs: String,
+        /// The first one.
+        example: String,
+    },
+    /// A run that is not there.
+    #[error(
+        "there is no run {wanted}: the file holds {there}; choose one by its name or its number with --run, or leave --run out"
+    )]
+    NoSuchRun {
+        /// As written.
+        wanted: String,
+        /// How many there are, and what they are called.
+        there: String,
+    },
+    /// `--columns` could not be understood.
+    #[error(transparent)]
+    Columns(#[from] ColumnsError),
+    /// Samples handed over with different lengths.
+    #[error("{n_times} times, {n_angles} angles and {n_codes} codes; expected the same number of each")]
+    LengthsDiffer {
+        /// Times.
+        n_times: usize,
+        /// Angles.
+        n_angles: usize,
+        /// Codes.
+        n_codes: usize,
+    },
+}

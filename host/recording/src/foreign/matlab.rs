@@ -1,0 +1,185 @@
+//! MATLAB files of versions 4 to 7: every vector is a column of its name, every matrix has its columns numbered. A matrix
+//! that stands alone is a table without names.
+//!
+//! Of structures the fields count, and of those that Simulink logs (`Structure With Time`) each signal's values, under
+//! its label, or else under the name of the variable.
+
+use super::as_text::{refused, text_of};
+use super::mat5::{Problem, Variable};
+use super::{mat4, mat5};
+use crate::error::Fault;
+use crate::limits::MIN_SAMPLES;
+use crate::words::{Meaning, meaning};
+
+/// A matrix with more columns, and more rows, is a picture, not a table.
+const MOST_COLUMNS: usize = 64;
+
+pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
+    let what = "MATLAB file";
+    let variables = if mat4::begins(bytes) { mat4::variables(bytes) } else { mat5::variables(bytes) };
+    let variables = variables.map_err(|problem| match problem {
+        Problem::TooLarge => Fault::TooLarge,
+        Problem::Damaged => refused(what, "it is damaged; save it anew: save('swing.mat', 't', 'theta', '-v7')"),
+    })?;
+    let mut columns = Columns::default();
+    for (name, variable) in &variables {
+        columns.add(name, variable);
+    }
+    // A time alone beside timeseries is no recording either.
+    if let (true, Some(how)) = (columns.numbers.len() < 2, how_to_save(&variables)) {
+        return Err(refused(what, &how));
+    }
+    if columns.numbers.is_empty() {
+        return Err(refused(
+            what,
+            "it holds no vectors, matrices of up to 64 columns or structures of numbers; tables and cells are not read: save \
+             the vectors themselves, such as t = Time{1}; save('swing.mat', 't', 'theta', '-v7')",
+        ));
+    }
+    match columns.lone_matrix() {
+        Some(matrix) => Ok(text_of(&[], matrix)),
+        None => Ok(text_of(&columns.names, &columns.numbers)),
+    }
+}
+
+/// What to do with timeseries, which Simulink writes `To Workspace`, by the name of the one that is likely the angle.
+fn how_to_save(variables: &[(String, Variable)]) -> Option<String> {
+    let is_series = |variable: &Variable| matches!(variable, Variable::Object(class) if class == TIMESERIES);
+    let names: Vec<&str> = variables.iter().filter(|(_, it)| is_series(it)).map(|(name, _)| name.as_str()).collect();
+    let is_angle = |name: &&str| matches!(meaning(name), Meaning::Angle { .. });
+    let name = names.iter().copied().find(is_angle).or(names.first().copied())?;
+    Some(format!(
+        "it holds timeseries ({}), which only MATLAB reads; save their vectors there: t = {name}.Time; theta = {name}.Data; \
+         save('swing.mat', 't', 'theta', '-v7')",
+        names.join(", ")
+    ))
+}
+
+/// The class of what Simulink logs where nothing else is chosen.
+const TIMESERIES: &str = "timeseries";
+
+/// What is found in a file.
+#[derive(Default)]
+struct Columns {
+    names: Vec<String>,
+    numbers: Vec<Vec<f64>>,
+    /// How many columns each vector or matrix has.
+    widths: Vec<usize>,
+}
+
+impl Columns {
+    /// The columns of a variable, or of what lies in it.
+    fn add(&mut self, name: &str, variable: &Variable) {
+        match variable {
+            Variable::Numbers { n_rows, n_columns, values } => self.add_numbers(name, *n_rows, *n_columns, values),
+            Variable::Structure { fields, entries } => {
+                entries.iter().for_each(|entry| self.add_entry(name, fields, entry));
+            }
+            Variable::Text(_) | Variable::Object(_) | Variable::Other => {}
+        }
+    }
+
+    /// The fields of a structure; the values of a signal of Simulink have the signal's label.
+    fn add_entry(&mut self, name: &str, fields: &[String], entry: &[Variable]) {
+        let named = |wanted: &str| fields.iter().zip(entry).find(|(field, _)| *field == wanted).map(|(_, value)| value);
+        let label = match named("label") {
+            Some(Variable::Text(label)) if !label.is_empty() => label,
+            _ => name,
+        };
+        let is_signal = named("values").is_some();
+        for (field, value) in fields.iter().zip(entry) {
+            match field.as_str() {
+                "values" => self.add(label, value),
+                "signals" if named("time").is_some() => self.add_signals(name, value),
+                // How the signal is laid out and drawn.
+                "dimensions" | "plotStyle" if is_signal => {}
+                field => self.add(field, value),
+            }
+        }
+    }
+
+    /// The signals of a structure, each under its label; `To Workspace` gives none, and the variable has the name.
+    fn add_signals(&mut self, name: &str, signals: &Variable) {
+        let Variable::Structure { fields, entries } = signals else { return self.add(name, signals) };
+        for (idx, entry) in entries.iter().enumerate() {
+            let number = if entries.len() > 1 { format!(" {}", idx + 1) } else { String::new() };
+            self.add_entry(&format!("{name}{number}"), fields, entry);
+        }
+    }
+
+    fn add_numbers(&mut self, name: &str, n_rows: usize, n_columns: usize, values: &[f64]) {
+        let is_vector = n_rows == 1 || n_columns == 1;
+        // Samples are more than quantities: Simulink writes a quantity a row.
+        let is_lying = !is_vector && n_columns > n_rows;
+        let n_quantities = if is_vector { 1 } else { n_columns.min(n_rows) };
+        // Scalars are settings, not measurements.
+        if values.len() < 2 || n_quantities > MOST_COLUMNS {
+            return;
+        }
+        for idx in 0..n_quantities {
+            let number = if n_quantities > 1 { format!(" {}", idx + 1) } else { String::new() };
+            self.names.push(format!("{name}{number}"));
+            self.numbers.push(match (is_vector, is_lying) {
+                (true, _) => values.to_vec(),
+                (_, true) => values.iter().skip(idx).step_by(n_rows).copied().collect(),
+                _ => values[idx * n_rows..(idx + 1) * n_rows].to_vec(),
+            });
+        }
+        self.widths.push(n_quantities);
+    }
+
+    /// The columns of a matrix beside which nothing is long enough to be a recording.
+    fn lone_matrix(&self) -> Option<&[Vec<f64>]> {
+        let mut first = 0;
+        let parts: Vec<&[Vec<f64>]> = self
+            .widths
+            .iter()
+            .map(|width| {
+                first += width;
+                &self.numbers[first - width..first]
+            })
+            .filter(|columns| columns[0].len() >= MIN_SAMPLES)
+            .collect();
+        let [matrix] = parts[..] else { return None };
+        (matrix.len() > 1).then_some(matrix)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(values: &[f64]) -> Variable {
+        Variable::Numbers { n_rows: values.len(), n_columns: 1, values: values.to_vec() }
+    }
+
+    fn structure(fields: &[(&str, Variable)]) -> Variable {
+        let (names, entry) = fields.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).unzip();
+        Variable::Structure { fields: names, entries: vec![entry] }
+    }
+
+    #[test]
+    fn of_timeseries_it_is_said_how_to_save_the_one_that_is_the_angle() {
+        let series = |name: &str| (name.to_owned(), Variable::Object(TIMESERIES.to_owned()));
+        let other = ("x".to_owned(), Variable::Object("table".to_owned()));
+        let told = how_to_save(&[series("input"), other.clone(), series("theta2")]).unwrap();
+        assert!(told.starts_with("it holds timeseries (input, theta2)"), "{told}");
+        assert!(told.contains("t = theta2.Time; theta = theta2.Data; save('swing.mat'"), "{told}");
+        assert!(how_to_save(&[series("logged")]).unwrap().contains("t = logged.Time"));
+        assert_eq!(how_to_save(&[other]), None);
+    }
+
+    #[test]
+    fn a_signal_without_a_label_has_the_name_of_its_variable() {
+        let logged = |label: &str| {
+            let values = ("values", numbers(&[0.5, 0.4]));
+            let signals =
+                structure(&[values, ("dimensions", numbers(&[1.0])), ("label", Variable::Text(label.into()))]);
+            structure(&[("time", numbers(&[0.0, 0.1])), ("signals", signals)])
+        };
+        let mut columns = Columns::default();
+        columns.add("Theta1", &logged(""));
+        columns.add("ScopeData", &logged("velocity"));
+        assert_eq!(columns.names, ["time", "Theta1", "time", "velocity"]);
+    }
+}

@@ -1,0 +1,399 @@
+//! Lines of any CSV-like file → separator, column names, and rows one after the other.
+//!
+//! Understands `,` `;` tab and spaces, quoted fields, comment and header lines of any number. The layout is found from the
+//! first lines; rows are split here but judged in `read.rs`.
+
+use super::cell::{Cell, Numerals, is_missing};
+use super::error::Fault;
+use super::header;
+use super::heading;
+use super::monitor::Dress;
+use super::preamble::{self, Preamble};
+use super::row::{Separator, Typical, find_separator, is_comment, split};
+use super::source::Lines;
+use super::words::is_gyroscope;
+use std::collections::VecDeque;
+
+/// How many lines are looked at to find the layout.
+const N_LINES_LOOKED_AT: usize = 200;
+
+/// A line that the file of a model has, and no recording.
+const MODEL_FILE: &str = "[pendulum]";
+
+/// A table has fewer columns; in a file of more lines they would be something else.
+const MOST_COLUMNS: usize = 1000;
+
+/// A message lists so many names at most: more are read by nobody.
+const MOST_SHOWN: usize = 30;
+
+/// Where each line is a quantity there are no more of them …
+const MOST_QUANTITIES: usize = 8;
+
+/// … and no fewer numbers in it.
+const FEWEST_TURNED: usize = 100;
+
+/// Comments and blank lines above the table may be more.
+const MOST_LINES_HELD: usize = 5000;
+
+/// A text with its lines counted from 1 and its layout found.
+pub(super) struct Table<'a> {
+    lines: Lines<'a>,
+    /// Lines read to find the layout, from the first row of numbers on.
+    held: VecDeque<Line>,
+    separator: Separator,
+    /// Column names, when a line above the numbers has them.
+    pub(super) names: Option<Vec<String>>,
+    /// Columns of the first row.
+    pub(super) n_columns: usize,
+    /// What the first rows tell of the decimal mark.
+    pub(super) numerals: Numerals,
+    comments: Vec<(usize, String)>,
+    dress: Dress,
+    row: Line,
+    n_lines: usize,
+    /// The file has a quantity a line.
+    pub(super) is_turned: bool,
+    /// The file is called after a gyroscope, or was so in its archive.
+    pub(super) is_of_gyroscope: bool,
+    /// Settings in numbers above the rows.
+    pub(super) settings: Option<Preamble>,
+}
+
+/// One line.
+#[derive(Debug, Clone, Default)]
+struct Line {
+    /// Counted from 1.
+    number: usize,
+    text: String,
+    /// Whether a line end follows; without one the row may be cut off.
+    is_complete: bool,
+}
+
+impl<'a> Table<'a> {
+    /// Finds the layout of a file.
+    pub(super) fn new(mut lines: Lines<'a>) -> Result<Self, Fault> {
+        let mut held = first_lines(&mut lines)?;
+        if held.iter().any(|line| line.text.trim() == MODEL_FILE) {
+            return Err(Fault::ModelFile);
+        }
+        let dress = undressed(&mut held);
+        if held.iter().all(|line| line.text.trim().is_empty()) {
+            return Err(Fault::Empty);
+        }
+        let turned = turned(&held);
+        let is_turned = turned.is_some();
+        let held = turned.unwrap_or(held);
+        let n_lines = held.len();
+        let texts: Vec<&str> = held.iter().map(|line| line.text.as_str()).collect();
+        let separator = find_separator(&texts);
+        let typical = Typical::of(&texts, separator);
+        let is_row = |line: &&str| !is_comment(line) && typical.is_row(line, separator);
+        let first_row_idx = texts.iter().position(is_row).ok_or(Fault::NoNumbers { n_lines })?;
+        let settings = preamble::find(&texts, first_row_idx, separator);
+        let above_idx = settings.as_ref().map_or(0, |settings| settings.end_idx);
+        let below = texts.iter().skip(first_row_idx.max(above_idx)).position(is_row);
+        let first_row_idx = first_row_idx.max(above_idx) + below.ok_or(Fault::NoNumbers { n_lines })?;
+        let n_columns = split(texts[first_row_idx], separator).len();
+        if n_columns > MOST_COLUMNS {
+            return Err(Fault::TooWide { line: held[first_row_idx].number, n_columns });
+        }
+        let above = texts[above_idx..first_row_idx].iter().copied().filter(|line| !header::says_rate(line));
+        let above: Vec<&str> = above.collect();
+        let rows = || texts[first_row_idx..].iter().filter(|line| is_row(line));
+        let ends_empty = || rows().all(|row| ends_empty(row, separator));
+        let names = dress
+            .names()
+            .or_else(|| heading::names(&above, separator, n_columns))
+            .or_else(|| ends_empty().then(|| heading::names(&above, separator, n_columns - 1)).flatten());
+        if separator == Separator::Comma && names_fit_pairs(above.last(), n_columns) {
+            return Err(Fault::BareCommas);
+        }
+        let numerals = learnt(&texts[first_row_idx..], separator);
+        let is_remark = |(idx, line): &(usize, &Line)| {
+            is_comment(&line.text) || (*idx < first_row_idx && header::says_rate(&line.text))
+        };
+        let comments = held.iter().enumerate().filter(is_remark).map(|(_, line)| (line.number, line.text.clone()));
+        let comments = comments.collect();
+        let held = held.into_iter().skip(first_row_idx).collect();
+        let row = Line::default();
+        let is_of_gyroscope = lines.name.as_deref().is_some_and(is_gyroscope);
+        Ok(Self {
+            lines,
+            held,
+            separator,
+            names,
+            n_columns,
+            numerals,
+            comments,
+            dress,
+            row,
+            n_lines,
+            is_turned,
+            is_of_gyroscope,
+            settings,
+        })
+    }
+
+    /// Comment lines among the first lines, with their numbers from 1.
+    pub(super) fn comments(&self) -> impl Iterator<Item = (usize, &str)> {
+        self.comments.iter().map(|(number, text)| (*number, text.as_str()))
+    }
+
+    /// Goes on to the next row, past comments and blank lines; false behind the last.
+    pub(super) fn advance(&mut self) -> Result<bool, Fault> {
+        loop {
+            match self.held.pop_front() {
+                Some(line) => self.row = line,
+                None => {
+                    let Some(is_complete) = self.lines.next_into(&mut self.row.text)? else { return Ok(false) };
+                    self.n_lines += 1;
+                    self.row.number = self.n_lines;
+                    self.row.is_complete = is_complete;
+                    if let Some(plain) = self.dress.undress(&self.row.text) {
+                        self.row.text = plain;
+                    }
+                }
+            }
+            if !self.row.text.trim().is_empty() && !is_comment(&self.row.text) {
+                return Ok(true);
+            }
+        }
+    }
+
+    /// The fields of the row.
+    pub(super) fn fields(&self) -> Vec<&str> {
+        split(&self.row.text, self.separator)
+    }
+
+    /// Then no cell can be seen to be empty.
+    pub(super) fn is_parted_by_spaces(&self) -> bool {
+        self.separator == Separator::Space
+    }
+
+    /// Do the names of the columns stand in the row again?
+    pub(super) fn is_heading(&self) -> bool {
+        let bare = |name: &str| name.to_lowercase().replace(char::is_whitespace, "");
+        let fields: Vec<String> = self.fields().into_iter().map(bare).collect();
+        self.names.as_ref().is_some_and(|names| names.iter().map(|name| bare(name)).eq(fields))
+    }
+
+    /// Line of the row, counted from 1.
+    pub(super) fn line(&self) -> usize {
+        self.row.number
+    }
+
+    /// Whether a line end follows the row; without one it may be cut off.
+    pub(super) fn is_complete(&self) -> bool {
+        self.row.is_complete
+    }
+
+    /// The fields of the first row, before any was read.
+    pub(super) fn first_fields(&self) -> Vec<&str> {
+        self.held.front().map(|line| split(&line.text, self.separator)).unwrap_or_default()
+    }
+
+    /// The numbers of a column in the first rows, as far as they are some, before any row was read.
+    pub(super) fn first_numbers(&self, idx: usize) -> Vec<f64> {
+        let mut numerals = self.numerals.clone();
+        let mut number = |line: &Line| match numerals.read(split(&line.text, self.separator).get(idx)?) {
+            Cell::Number(number) => Some(number),
+            _ => None,
+        };
+        self.held.iter().map_while(&mut number).collect()
+    }
+
+    /// Does anything stand in a column in the first rows, before any row was read?
+    pub(super) fn is_filled(&self, idx: usize) -> bool {
+        self.first_cells(idx).any(|cell| !is_missing(cell))
+    }
+
+    /// Are half of its cells in the first rows numbers, from the first filled one on? Settings beside a table are fewer, and
+    /// a sensor may begin to measure later than its clock.
+    pub(super) fn is_of_numbers(&self, idx: usize) -> bool {
+        let mut numerals = self.numerals.clone();
+        let cells = || self.first_cells(idx).skip_while(|cell| is_missing(cell));
+        let n_numbers = cells().filter(|cell| matches!(numerals.read(cell), Cell::Number(_))).count();
+        n_numbers > 0 && 2 * n_numbers >= cells().count()
+    }
+
+    /// Is a cell among the first rows nothing but the unit of a voltage?
+    pub(super) fn says_volts(&self) -> bool {
+        let is_volt = |cell: &str| matches!(cell, "V" | "mV" | "Volt" | "Volts");
+        (0..self.n_columns).any(|idx| self.first_cells(idx).any(is_volt))
+    }
+
+    /// One cell for each of the first rows; empty where the row is shorter.
+    pub(super) fn first_cells(&self, idx: usize) -> impl Iterator<Item = &str> {
+        let rows = self.held.iter().filter(|line| !line.text.trim().is_empty() && !is_comment(&line.text));
+        rows.map(move |line| split(&line.text, self.separator).get(idx).copied().unwrap_or_default())
+    }
+
+    /// What a message calls column `idx`.
+    pub(super) fn column_name(&self, idx: usize) -> String {
+        match self.names.as_ref().and_then(|names| names.get(idx)) {
+            Some(name) if !name.is_empty() => format!("{idx} ({name})"),
+            _ => idx.to_string(),
+        }
+    }
+
+    /// Does the name of a column say this? Of one without a name it is false.
+    pub(super) fn says(&self, idx: usize, is_it: impl Fn(&str) -> bool) -> bool {
+        self.names.as_ref().and_then(|names| names.get(idx)).is_some_and(|name| is_it(name))
+    }
+
+    /// What a message lists as the columns there are.
+    pub(super) fn available(&self) -> String {
+        match &self.names {
+            Some(names) if names.len() > MOST_SHOWN => {
+                format!("the columns {} and {} more", names[..MOST_SHOWN].join(", "), names.len() - MOST_SHOWN)
+            }
+            Some(names) => format!("the columns {}", names.join(", ")),
+            None => format!("{} columns without names, counted from 0", self.n_columns),
+        }
+    }
+}
+
+fn first_lines(lines: &mut Lines) -> Result<Vec<Line>, Fault> {
+    let mut held = Vec::new();
+    let mut n_filled = 0;
+    let mut line = Line::default();
+    while n_filled < N_LINES_LOOKED_AT && held.len() < MOST_LINES_HELD {
+        let Some(is_complete) = lines.next_into(&mut line.text)? else { break };
+        n_filled += usize::from(!line.text.trim().is_empty() && !is_comment(&line.text));
+        held.push(Line { number: held.len() + 1, text: std::mem::take(&mut line.text), is_complete });
+    }
+    Ok(held)
+}
+
+/// The rows of a file that has a quantity a line, as programs write an array of arrays.
+fn turned(held: &[Line]) -> Option<Vec<Line>> {
+    let filled = held.iter().filter(|line| !line.text.trim().is_empty() && !is_comment(&line.text));
+    let texts: Vec<&str> = filled.map(|line| line.text.as_str()).collect();
+    if !(2..=MOST_QUANTITIES).contains(&texts.len()) {
+        return None;
+    }
+    let separator = find_separator(&texts);
+    let quantities: Vec<Vec<&str>> = texts.iter().map(|text| split(text, separator)).collect();
+    let n = quantities[0].len();
+    if n < FEWEST_TURNED || quantities.iter().any(|quantity| quantity.len() != n) {
+        return None;
+    }
+    let row = |idx: usize| quantities.iter().map(|quantity| quantity[idx]).collect::<Vec<_>>().join("\t");
+    Some((0..n).map(|idx| Line { number: idx + 1, text: row(idx), is_complete: true }).collect())
+}
+
+/// Takes off the first lines what a serial monitor or plotter put around their numbers.
+fn undressed(held: &mut [Line]) -> Dress {
+    let filled = |line: &&Line| !line.text.trim().is_empty() && !is_comment(&line.text);
+    let texts: Vec<&str> = held.iter().filter(filled).map(|line| line.text.as_str()).collect();
+    let dress = Dress::of(&texts);
+    for line in held.iter_mut() {
+        if let Some(plain) = dress.undress(&line.text) {
+            line.text = plain;
+        }
+    }
+    dress
+}
+
+/// The marks of the numbers in the first rows.
+fn learnt(texts: &[&str], separator: Separator) -> Numerals {
+    let mut numerals = Numerals::new();
+    let cells = texts.iter().filter(|line| !is_comment(line)).flat_map(|line| split(line, separator));
+    for cell in cells {
+        numerals.read(cell);
+    }
+    numerals.without_doubts()
+}
+
+/// A separator behind the last cell.
+fn ends_empty(row: &str, separator: Separator) -> bool {
+    let fields = split(row, separator);
+    fields.len() > 1 && fields.last().is_some_and(|last| last.is_empty())
+}
+
+/// Half as many names as fields: commas that are decimal marks as well as separators.
+fn names_fit_pairs(line: Option<&&str>, n_columns: usize) -> bool {
+    let names = line.map_or(0, |line| split(line, Separator::Comma).len());
+    names >= 2 && n_columns == 2 * names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(bytes: &[u8]) -> Result<Table<'_>, Fault> {
+        Table::new(Lines::of(bytes, &mut Vec::new())?)
+    }
+
+    fn layout(text: &str) -> (Separator, Option<Vec<String>>, usize) {
+        let table = table(text.as_bytes()).unwrap();
+        (table.separator, table.names.clone(), table.held[0].number - 1)
+    }
+
+    fn names(names: &[&str]) -> Option<Vec<String>> {
+        Some(names.iter().map(|name| (*name).to_owned()).collect())
+    }
+
+    #[test]
+    fn a_model_file_is_known_as_such() {
+        let fault = |text: &str| table(text.as_bytes()).err();
+        let model =
+            "# a model\nformat = 1\n\n[pendulum]\nmass = 0.1466 # kg\nlength = 0.1562\n\n[effect.viscous]\nMw = 5e-4\n";
+        assert!(matches!(fault(model), Some(Fault::ModelFile)));
+        assert!(matches!(fault("not a number\nin any line\n"), Some(Fault::NoNumbers { .. })));
+    }
+
+    #[test]
+    fn separators_and_names_are_found() {
+        let cases = [
+            ("t,theta\n0,1\n0.1,2\n", Separator::Comma, names(&["t", "theta"]), 1),
+            ("t;theta\n0,1;1,5\n0,2;2\n", Separator::Semicolon, names(&["t", "theta"]), 1),
+            ("t\ttheta\n0,1\t1,5\n", Separator::Tab, names(&["t", "theta"]), 1),
+            ("0,1 1,5\n0,2 2,5\n", Separator::Space, None, 0),
+            ("Time [s] Angle [deg]\n0.1 1.5\n", Separator::Space, names(&["Time[s]", "Angle[deg]"]), 1),
+            ("# a\n# t theta\n0.1 1.5\n", Separator::Space, names(&["t", "theta"]), 2),
+            ("Logger 5\n\ntime;angle\ns;deg\n0;1\n", Separator::Semicolon, names(&["time s", "angle deg"]), 4),
+            ("\u{feff}t,theta\r\n0,1\r\n", Separator::Comma, names(&["t", "theta"]), 1),
+            ("\"t\",\"angle, raw\"\n\"0\",\"1\"\n", Separator::Comma, names(&["t", "angle, raw"]), 1),
+            ("theta\n0.1\n0.2\n", Separator::Comma, names(&["theta"]), 1),
+        ];
+        for (text, separator, names, first_row_idx) in cases {
+            assert_eq!(layout(text), (separator, names, first_row_idx), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_separator_behind_the_last_cell_takes_no_names_away() {
+        for text in ["t,theta\n0,1,\n1,2,\n", "t\ttheta\n0\t1\t\n1\t2\t\n", "t;theta;\n0;1;\n1;2;\n"] {
+            let found = layout(text).1.unwrap_or_default();
+            assert_eq!(found[..2], ["t", "theta"], "{text}");
+        }
+        assert_eq!(layout("t,theta\n0,1,5\n1,2,5\n").1, None);
+    }
+
+    #[test]
+    fn utf_16_and_latin_1_are_read() {
+        let utf_16: Vec<u8> = "\u{feff}t,angle (°)\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+        assert_eq!(table(&utf_16).unwrap().names, names(&["t", "angle (°)"]));
+        let latin_1 = b"t,angle (\xb0)\n0,1\n";
+        assert_eq!(table(latin_1).unwrap().names, names(&["t", "angle (°)"]));
+    }
+
+    #[test]
+    fn binary_garbage_is_named_as_such() {
+        assert!(matches!(table(b"\x7fELF\x02\x01\x01\0\0\x03"), Err(Fault::NotText { byte: 2, .. })));
+    }
+
+    #[test]
+    fn zero_bytes_left_by_a_power_cut_are_dropped() {
+        let mut table = table(b"t,theta\n0,1\n\0\0\0\0").unwrap();
+        assert!(table.advance().unwrap() && !table.advance().unwrap());
+    }
+
+    #[test]
+    fn comments_keep_their_lines_and_columns_their_names() {
+        let table = table(b"# rate\nt,,theta\n# comment: brass\n0,1,2\n1,2,3\n").unwrap();
+        assert_eq!(table.comments().collect::<Vec<_>>(), [(1, "# rate"), (3, "# comment: brass")]);
+        assert_eq!([0, 1, 2].map(|idx| table.column_name(idx)), ["0 (t)", "1", "2 (theta)"]);
+    }
+}

@@ -1,0 +1,256 @@
+//! What a column name means: time, angle, rate, code, a coordinate, or something else.
+
+use super::derivative::{has_derivative_sign, is_derivative};
+use super::hints::is_of_pendulum;
+use super::sensors::{TURNS_OF_BODY, is_about_axis, says_acceleration};
+use super::split::words;
+use super::vocabulary::{
+    ANGLE, CODE, COSINE, DATE, DERIVED, DISPLACEMENT, OTHER_QUANTITIES, OTHER_UNITS, RATE, SINE, SPEED, TILT, TIME, X,
+    Y,
+};
+use crate::units::{AngleUnit, RateUnit, TimeUnit, angle_unit, rate_word, time_unit};
+
+/// What a column name says about its content.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Meaning {
+    /// Time, with the unit if the name has one; `strength` orders several candidates.
+    Time { unit: Option<TimeUnit>, strength: u8 },
+    /// Angle, likewise.
+    Angle { unit: Option<AngleUnit>, strength: u8 },
+    /// Converter code.
+    Code,
+    /// A coordinate of a point: to the right.
+    X,
+    /// And up or down.
+    Y,
+    /// An angular velocity, with the unit if the name has one.
+    Rate { unit: Option<RateUnit> },
+    /// Something else.
+    Other,
+}
+
+const NAMES_THE_THING: u8 = 2;
+const NAMES_A_UNIT: u8 = 1;
+
+/// A position may be that of the cart under the pendulum, and a date stands beside the time.
+const NAMES_IT_PERHAPS: u8 = 0;
+
+/// Is it called an angle, and not by a unit or a place alone?
+pub(crate) fn is_named_angle(name: &str) -> bool {
+    matches!(meaning(name), Meaning::Angle { strength: NAMES_THE_THING, .. })
+}
+
+/// Reads the words of a column name.
+pub(crate) fn meaning(name: &str) -> Meaning {
+    let words = words(name);
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let time = words.iter().rev().find_map(|word| time_unit(word));
+    let angle = words.iter().rev().find_map(|word| angle_unit(word));
+    let in_tesla = ["(T)", "[T]", "/ T"].iter().any(|unit| name.trim_end().ends_with(unit));
+    if (has(OTHER_QUANTITIES) || in_tesla) && angle.is_none() && !has(ANGLE) {
+        return Meaning::Other;
+    }
+    // `α / °` is an angle; without a unit it is taken for the acceleration.
+    let is_alpha_angle =
+        angle.is_some() && time.is_none() && words.iter().any(|word| matches!(word.as_str(), "alpha" | "α"));
+    if is_alpha_angle && words.len() <= 2 && !name.contains(['²', '^']) {
+        return Meaning::Angle { unit: angle, strength: NAMES_THE_THING };
+    }
+    // rad/s, deg/s: an angle and a time unit in one name is a velocity; with s² it is an acceleration.
+    let is_per_time = angle.is_some() && time.is_some();
+    let has_rate_unit = words.iter().any(|word| rate_word(word).is_some());
+    let is_sine = has(SINE) || has(COSINE);
+    let is_alpha = |word: &str| is_sine && matches!(word, "alpha" | "α");
+    let says_derived = words.iter().any(|word| DERIVED.contains(&word.as_str()) && !is_alpha(word));
+    let is_derived = says_derived || words.iter().any(|word| is_derivative(word)) || has_derivative_sign(name);
+    if is_derived || is_per_time || has_rate_unit {
+        let is_rate = (is_per_time || has_rate_unit || has(RATE) || is_angular_velocity(&words))
+            && !name.contains(['²', '^'])
+            && !says_acceleration(&words)
+            && !has(&["alpha"]);
+        return if is_rate { Meaning::Rate { unit: rate_unit_of(&words, angle, time) } } else { Meaning::Other };
+    }
+    if has(TIME) {
+        return Meaning::Time { unit: time, strength: NAMES_THE_THING };
+    }
+    // The sine and the cosine of an angle are x and y of a point at distance 1.
+    match (has(SINE), has(COSINE)) {
+        (true, false) => return Meaning::X,
+        (false, true) => return Meaning::Y,
+        _ => {}
+    }
+    let is_angle =
+        angle.is_some() || words.iter().any(|word| ANGLE.contains(&word.as_str()) && !word.starts_with("pos"));
+    if is_angular(&words) && has(DISPLACEMENT) {
+        return Meaning::Angle { unit: angle, strength: NAMES_THE_THING };
+    }
+    // The axis along which a plot or a screen counts seconds.
+    let is_short = matches!(time, Some(unit) if unit != TimeUnit::Minutes && unit != TimeUnit::Days);
+    if is_short && has(&["x"]) && !has(&["y"]) && !has(OTHER_UNITS) && !is_angle {
+        return Meaning::Time { unit: time, strength: NAMES_A_UNIT };
+    }
+    if !is_angle && is_about_axis(&words) {
+        return Meaning::Angle { unit: None, strength: NAMES_A_UNIT };
+    }
+    match (has(X), has(Y)) {
+        (true, false) if !is_angle => return Meaning::X,
+        (false, true) if !is_angle => return Meaning::Y,
+        _ => {}
+    }
+    if has(OTHER_UNITS) {
+        return Meaning::Other;
+    }
+    if has(ANGLE) {
+        let strength = if is_angle { NAMES_THE_THING } else { NAMES_IT_PERHAPS };
+        return Meaning::Angle { unit: angle, strength };
+    }
+    match (has(CODE), time, angle) {
+        (true, ..) => Meaning::Code,
+        (_, Some(_), _) => Meaning::Time { unit: time, strength: NAMES_A_UNIT },
+        (.., Some(_)) => Meaning::Angle { unit: angle, strength: NAMES_A_UNIT },
+        _ if has(TILT) || has(TURNS_OF_BODY) => Meaning::Angle { unit: None, strength: NAMES_A_UNIT },
+        // `pendulum`, where nothing else is said of it.
+        _ if is_of_pendulum(name) && words.len() == 1 => Meaning::Angle { unit: None, strength: NAMES_IT_PERHAPS },
+        _ if has(DATE) => Meaning::Time { unit: None, strength: NAMES_IT_PERHAPS },
+        _ => Meaning::Other,
+    }
+}
+
+/// `angular_velocity`, `AngVel`, `vitesse angulaire`, and no acceleration.
+fn is_angular_velocity(words: &[String]) -> bool {
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    (is_angular(words) || has(&["ang"])) && has(SPEED) || has(&["angvel"])
+}
+
+fn is_angular(words: &[String]) -> bool {
+    words.iter().any(|word| matches!(word.as_str(), "angular" | "angulaire" | "angolare"))
+}
+
+/// Whether a cell is nothing but a unit, as in a second header line.
+pub(crate) fn is_unit(cell: &str) -> bool {
+    let cell = cell.trim_matches(['[', ']', '(', ')', ' ']).to_lowercase();
+    time_unit(&cell).is_some()
+        || angle_unit(&cell).is_some()
+        || OTHER_UNITS.contains(&cell.as_str())
+        || matches!(cell.as_str(), "rad/s" | "deg/s" | "°/s" | "v" | "g" | "m/s" | "m/s²" | "m/s^2")
+}
+
+/// Of the words of a name that is a rate: an angle alone is meant per second.
+fn rate_unit_of(words: &[String], angle: Option<AngleUnit>, time: Option<TimeUnit>) -> Option<RateUnit> {
+    let in_time = angle.map(|angle| RateUnit { angle, time: time.unwrap_or(TimeUnit::Seconds) });
+    words.iter().find_map(|word| rate_word(word)).or(in_time)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::rate_unit;
+
+    #[test]
+    fn names_of_many_labs_are_understood() {
+        let time = |unit| Meaning::Time { unit, strength: NAMES_THE_THING };
+        let angle = |unit| Meaning::Angle { unit, strength: NAMES_THE_THING };
+        let rate = |angle| Meaning::Rate { unit: Some(RateUnit::per_second(angle)) };
+        let cases = [
+            ("t", time(None)),
+            ("Time [s]", time(Some(TimeUnit::Seconds))),
+            ("time_ms", time(Some(TimeUnit::Milliseconds))),
+            ("timestamp_us", time(Some(TimeUnit::Microseconds))),
+            ("timeMs", time(Some(TimeUnit::Milliseconds))),
+            ("ms", Meaning::Time { unit: Some(TimeUnit::Milliseconds), strength: NAMES_A_UNIT }),
+            ("seconds", Meaning::Time { unit: Some(TimeUnit::Seconds), strength: NAMES_A_UNIT }),
+            ("theta", angle(None)),
+            ("THETA1", angle(None)),
+            ("θr", angle(None)),
+            ("theta_r", angle(None)),
+            ("angle (deg)", angle(Some(AngleUnit::Degrees))),
+            ("Winkel / °", angle(Some(AngleUnit::Degrees))),
+            ("position_rad", angle(Some(AngleUnit::Radians))),
+            ("deg", Meaning::Angle { unit: Some(AngleUnit::Degrees), strength: NAMES_A_UNIT }),
+            ("omega", Meaning::Rate { unit: None }),
+            ("angle rate", Meaning::Rate { unit: None }),
+            ("angular_velocity", Meaning::Rate { unit: None }),
+            ("AngVel", Meaning::Rate { unit: None }),
+            ("Velocidad angular", Meaning::Rate { unit: None }),
+            ("velocity", Meaning::Other),
+            ("theta_dot", Meaning::Other),
+            ("phi_punkt", Meaning::Other),
+            ("theta_v", Meaning::Other),
+            ("thetadot", Meaning::Other),
+            ("dθ/dt", Meaning::Other),
+            ("Gyroscope x (rad/s)", rate(AngleUnit::Radians)),
+            ("Winkelgeschwindigkeit [°/s]", rate(AngleUnit::Degrees)),
+            ("Drehzahl (rpm)", Meaning::Rate { unit: rate_unit("rpm") }),
+            ("Vitesse angulaire (rad/s)", rate(AngleUnit::Radians)),
+            ("Angular acceleration (rad/s²)", Meaning::Other),
+            ("Angular displacement", angle(None)),
+            ("Desplazamiento angular (°)", angle(Some(AngleUnit::Degrees))),
+            ("Euler_X", Meaning::Angle { unit: None, strength: NAMES_A_UNIT }),
+            ("orientation.w", Meaning::Other),
+            ("Winkelbeschleunigung (rad/s2)", Meaning::Other),
+            ("Accélération angulaire (rad/s2)", Meaning::Other),
+            ("Displacement (m)", Meaning::Other),
+            ("displacement", Meaning::Other),
+            ("摆角(弧度)", angle(Some(AngleUnit::Radians))),
+            ("角位移", angle(None)),
+            ("角速度(度/秒)", rate(AngleUnit::Degrees)),
+            ("Position (m)", Meaning::Other),
+            ("cart_pos", Meaning::Angle { unit: None, strength: NAMES_IT_PERHAPS }),
+            ("α / °", angle(Some(AngleUnit::Degrees))),
+            ("alpha", Meaning::Other),
+            ("alpha (rad/s²)", Meaning::Other),
+            ("cos(theta)", Meaning::Y),
+            ("sin_alpha", Meaning::X),
+            ("cx", Meaning::X),
+            ("pendulum", Meaning::Angle { unit: None, strength: NAMES_IT_PERHAPS }),
+            ("pendulum length", Meaning::Other),
+            ("bob x (m)", Meaning::X),
+            ("Datum", Meaning::Time { unit: None, strength: NAMES_IT_PERHAPS }),
+            ("Tijd (s)", time(Some(TimeUnit::Seconds))),
+            ("Vinkel [grader]", angle(Some(AngleUnit::Degrees))),
+            ("Ângulo (graus)", angle(Some(AngleUnit::Degrees))),
+            ("角度(°)", angle(Some(AngleUnit::Degrees))),
+            ("x (m)", Meaning::X),
+            ("y_px", Meaning::Y),
+            ("Winkel [Grad]", angle(Some(AngleUnit::Degrees))),
+            ("Ángulo (°)", angle(Some(AngleUnit::Degrees))),
+            ("Angolo [gradi]", angle(Some(AngleUnit::Degrees))),
+            ("Angle (degrés)", angle(Some(AngleUnit::Degrees))),
+            ("Zeit in Sekunden", time(Some(TimeUnit::Seconds))),
+            ("Time in s", time(Some(TimeUnit::Seconds))),
+            ("Angle in degrees", angle(Some(AngleUnit::Degrees))),
+            ("Winkel in Grad", angle(Some(AngleUnit::Degrees))),
+            ("Angle en degrés", angle(Some(AngleUnit::Degrees))),
+            ("Ángulo en grados", angle(Some(AngleUnit::Degrees))),
+            ("position in", Meaning::Other),
+            ("Position in m", Meaning::Other),
+            ("Temps (s)", time(Some(TimeUnit::Seconds))),
+            ("Tiempo [ms]", time(Some(TimeUnit::Milliseconds))),
+            ("Tempo (s)", time(Some(TimeUnit::Seconds))),
+            ("v (rad/s)", rate(AngleUnit::Radians)),
+            ("adc_code", Meaning::Code),
+            ("voltage", Meaning::Other),
+            ("Magnetic Field x (µT)", Meaning::Other),
+            ("mx_uT", Meaning::Other),
+            ("B (mT)", Meaning::Other),
+            ("mV", Meaning::Other),
+            ("gx_dps", rate(AngleUnit::Degrees)),
+            ("motor_rpm", Meaning::Rate { unit: rate_unit("rpm") }),
+        ];
+        for (name, expected) in cases {
+            assert_eq!(meaning(name), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn one_word_may_be_a_derivative() {
+        for word in ["thetadot", "phipunkt", "thetaddot", "dtheta", "ddphi", "winkelgeschwindigkeit", "angularvelocity"]
+        {
+            assert!(is_derivative(word), "{word}");
+            assert!(!matches!(meaning(&format!("{word} (deg)")), Meaning::Angle { .. }), "{word}");
+        }
+        for word in ["theta", "dot", "d", "angle"] {
+            assert!(!is_derivative(word), "{word}");
+        }
+    }
+}

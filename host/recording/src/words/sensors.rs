@@ -1,0 +1,187 @@
+//! What names say of a sensor: a gyroscope, the angles of an orientation, accelerations, a light gate.
+
+use super::split::words;
+use crate::units::angle_unit;
+
+/// The three angles of a body that an orientation sensor gives.
+pub(super) const TURNS_OF_BODY: &[&str] =
+    &["pitch", "roll", "yaw", "tangage", "roulis", "lacet", "cabeceo", "alabeo", "beccheggio"];
+
+/// Does a name say that it is a gyroscope's? `Gyroscope`, `gyro_2`, `GyroscopeUncalibrated`.
+pub(crate) fn is_gyroscope(name: &str) -> bool {
+    words(name).iter().any(|word| word.starts_with("gyro") || word.starts_with("girosc"))
+}
+
+/// Is it how long a swing takes, or when it shuts a light gate? `Period [s]`, `Transit time`, `Schwingungsdauer`,
+/// `State at A`.
+pub(crate) fn is_duration(name: &str) -> bool {
+    let words = words(name);
+    words.iter().any(|word| DURATION.contains(&word.as_str())) || words.starts_with(&["state".into(), "at".into()])
+}
+
+/// Is it the length of the pendulum? `length (m)`, `l / cm`, `Pendellänge`.
+pub(crate) fn is_length(name: &str) -> bool {
+    words(name).iter().any(|word| LENGTH.contains(&word.as_str()))
+}
+
+/// Words of a length.
+const LENGTH: &[&str] = &[
+    "length",
+    "l",
+    "länge",
+    "laenge",
+    "pendellänge",
+    "fadenlänge",
+    "longueur",
+    "longitud",
+    "lunghezza",
+    "lengde",
+    "længde",
+    "längd",
+    "lengte",
+    "comprimento",
+    "długość",
+    "délka",
+    "длина",
+    "摆长",
+    "长度",
+];
+
+/// Words of such durations.
+const DURATION: &[&str] = &[
+    "period",
+    "periods",
+    "transit",
+    "gate",
+    "blocked",
+    "periode",
+    "periodendauer",
+    "schwingungsdauer",
+    "dunkelzeit",
+    "lichtschranke",
+    "période",
+    "durée",
+    "periodo",
+    "período",
+];
+
+/// Is it what a converter or a counter gives? `CH1(V)`, `Channel A (mV)`, `encoder`, `raw_angle`.
+pub(crate) fn is_raw(name: &str) -> bool {
+    let in_volts = name.split(|letter: char| !letter.is_alphanumeric()).any(|word| matches!(word, "V" | "mV" | "uV"));
+    in_volts || words(name).iter().any(|word| RAW.contains(&word.as_str()))
+}
+
+/// Words of volts and counts.
+const RAW: &[&str] = &[
+    "volt",
+    "volts",
+    "voltage",
+    "spannung",
+    "tension",
+    "voltaje",
+    "tensione",
+    "ch",
+    "channel",
+    "kanal",
+    "canal",
+    "adc",
+    "analog",
+    "count",
+    "counts",
+    "ticks",
+    "pulses",
+    "raw",
+    "encoder",
+    "enc",
+    "pot",
+    "potentiometer",
+];
+
+/// Is it a part of a quaternion? `qw`, `quaternion_x`, `orientation.w`.
+pub(crate) fn is_quaternion(name: &str) -> bool {
+    let words = words(name);
+    let is_one = |word: &String| matches!(word.as_str(), "qw" | "qx" | "quat" | "quaternion" | "quaternions");
+    words.iter().any(is_one) || is_orientation(name) && words.iter().any(|word| word == "w")
+}
+
+/// Does it say orientation? Of that x, y and z are angles, or with a w the parts of a quaternion.
+pub(crate) fn is_orientation(name: &str) -> bool {
+    words(name).iter().any(|word| word == "orientation")
+}
+
+/// Is it one of the angles of an orientation? `pitch`, `Roll (deg)`, `AngleX`, `Euler_Y`, `tilt z`.
+pub(crate) fn is_turn_of_body(name: &str) -> bool {
+    let words = words(name);
+    words.iter().any(|word| TURNS_OF_BODY.contains(&word.as_str())) || is_about_axis(&words)
+}
+
+/// An angle about one of three axes.
+pub(super) fn is_about_axis(words: &[String]) -> bool {
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    has(&["x", "y", "z"]) && has(ABOUT_AXES)
+}
+
+/// Words of an angle that a sensor gives about each of its axes.
+const ABOUT_AXES: &[&str] =
+    &["angle", "ang", "euler", "orientation", "tilt", "inclination", "winkel", "neigung", "角度"];
+
+/// Is it an acceleration along an axis? `Linear Acceleration x (m/s^2)`, `ax_g`, `Beschleunigung y`.
+pub(crate) fn is_acceleration(name: &str) -> bool {
+    let words = words(name);
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let is_per_square = name.contains("/s²") || name.contains("/s^2") || name.contains("/s2");
+    let in_metres = is_per_square && words.iter().any(|word| word == "m");
+    let in_g = words.last().is_some_and(|word| matches!(word.as_str(), "g" | "mg")) && has(&["ax", "ay", "az"]);
+    let is_angular = words.iter().any(|word| angle_unit(word).is_some() || ANGULAR.contains(&word.as_str()));
+    (in_metres || in_g || has(ACCELERATION)) && !is_angular
+}
+
+/// Is it an acceleration of whatever kind by its words? `Winkelbeschleunigung`, `Accélération angulaire`.
+pub(super) fn says_acceleration(words: &[String]) -> bool {
+    let is_one = |word: &String| {
+        ACCELERATION.contains(&word.as_str()) || word.ends_with("beschleunigung") || word.ends_with("加速度")
+    };
+    words.iter().any(is_one)
+}
+
+/// Words of an acceleration.
+const ACCELERATION: &[&str] = &[
+    "acceleration",
+    "accelerometer",
+    "acc",
+    "accel",
+    "accl",
+    "beschleunigung",
+    "accélération",
+    "aceleración",
+    "aceleracion",
+    "accelerazione",
+];
+
+/// Words that make it one of the angle.
+const ANGULAR: &[&str] = &["angular", "angulaire", "angolare", "theta", "phi"];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volts_and_counts_are_told_from_speeds() {
+        for name in ["CH1(V)", "Channel A (mV)", "encoder", "raw_angle", "pot (V)", "Channel 0", "1 Volt", "counts"] {
+            assert!(is_raw(name), "{name}");
+        }
+        for name in ["v", "v (m/s)", "Velocity", "x (m)", "value", "theta"] {
+            assert!(!is_raw(name), "{name}");
+        }
+    }
+
+    #[test]
+    fn accelerations_along_an_axis_are_told_from_those_of_an_angle() {
+        for name in ["Linear Acceleration x (m/s^2)", "Acceleration y (m/s²)", "ax_g", "Beschleunigung z", "accX"] {
+            assert!(is_acceleration(name), "{name}");
+        }
+        for name in ["alpha (rad/s²)", "Angular acceleration (rad/s^2)", "x (m)", "angle", "t_s", "v (m/s)", "g"] {
+            assert!(!is_acceleration(name), "{name}");
+        }
+    }
+}
