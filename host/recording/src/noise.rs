@@ -298,7 +298,7 @@ pub fn smallest_step(values: &[f64]) -> Option<f64> {
     is_stepped.then(|| fitting.iter().sum::<f64>() / fitting.iter().map(whole).sum::<f64>())
 }
 
-/// Scatter about a straight line.
+/// Scatter about a straight line (rms), in the unit of the values.
 pub fn rms_about_line(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

@@ -1,7 +1,7 @@
 //! Noise whose neighbouring samples are alike tells its variance as well as fewer samples of white noise would.
 
-/// Correlations beyond so many standard errors of chance are none: 99.7 % of those of white noise lie within. With half of it
-/// chance counts as colour, with twice of it a colour that is weak and long does not.
+/// Within so many standard errors a correlation may be chance, as 99.7 % of those of white noise are. Half of it and twice of
+/// it were not tried.
 const CORRELATED_STDS: f64 = 3.0;
 
 /// Samples whose lags are looked at, at most, because the time grows with their square where a zero wanders slowly: a tenth
