@@ -74,6 +74,7 @@ fn read_rightly() -> Vec<Read> {
         good("lines.jsonl", 2e-8, ""),
         good("arrays.json", SEVEN, ""),
         good("workbook_tilt.xlsx", 1e-8, "sheet Raw Data read from the workbook"),
+        good("workbook_97.xls", 1e-9, "sheet Raw Data read from the workbook, and not Autocorrelation, Resonance"),
         good("matrix.npy", 1e-9, "column 0 read as time"),
         good("named.npz", 1e-9, ""),
         good("iso.csv", SEVEN, ""),

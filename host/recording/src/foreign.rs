@@ -5,14 +5,18 @@
 
 mod archive;
 mod as_text;
+mod biff;
+mod compound;
 mod json;
 mod kind;
 mod labview;
 mod lists;
+mod little;
 mod mat4;
 mod mat5;
 mod matlab;
 mod numpy;
+mod sheets;
 mod workbook;
 mod zipped;
 
@@ -34,7 +38,7 @@ impl Kind {
                 "in MATLAB save it in an older form: save('swing.mat', 't', 'theta', '-v7'); in Python with \
                  numpy.savetxt(\"swing.csv\", numpy.c_[t, theta]); or export it as CSV",
             )),
-            Self::OldWorkbook => Err(refused("workbook of a spreadsheet", "save the sheet as CSV in that program")),
+            Self::OldWorkbook => return biff::table(bytes, notes).map(|(text, name)| (text, Some(name))),
             Self::LabView => labview::table(bytes),
             Self::Json => json::table(bytes),
             Self::Lists => lists::table(bytes),

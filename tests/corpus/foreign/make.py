@@ -223,6 +223,48 @@ def workbooks():
     })
 
 
+def older_workbook():
+    """A workbook of Excel 97, as phyphox on Android exports its experiment "Pendulum": what was measured, and two sheets of what was made of it."""
+    record = lambda kind, data: struct.pack("<HH", kind, len(data)) + data
+    part = lambda what, data: record(0x809, struct.pack("<HH12x", 0x600, what)) + data + record(0x0A, b"")
+    text = lambda row, column, idx: record(0xFD, struct.pack("<HHHI", row, column, 0, idx))
+    number = lambda row, column, value: record(0x203, struct.pack("<HHHd", row, column, 0, value))
+
+    def sheet(texts, rows):
+        heads = b"".join(text(0, column, idx) for column, idx in enumerate(texts))
+        return part(0x10, heads + b"".join(number(k, column, value) for k, row in enumerate(rows, 1) for column, value in enumerate(row)))
+
+    others = [(k / 10, math.cos(k)) for k in range(40)]
+    tilts = [(t, math.degrees(a)) for t, a, w in ROWS]
+    sheets = {"Autocorrelation": sheet([0, 2], others), "Raw Data": sheet([0, 1], tilts), "Resonance": sheet([3, 2], others)}
+    texts = ["Time (s)", "Tilt (deg)", "Autocorrelation", "Frequency (Hz)"]
+    shared = b"".join(struct.pack("<HB", len(text), 0) + text.encode() for text in texts)
+    shared = record(0xFC, struct.pack("<II", 6, len(texts)) + shared)
+
+    def stream(begin):
+        listed = b""
+        for name, data in sheets.items():
+            listed += record(0x85, struct.pack("<IHBB", begin, 0, len(name), 0) + name.encode())
+            begin += len(data)
+        return part(5, listed + shared) + b"".join(sheets.values())
+
+    of_sheets = sum(len(data) for data in sheets.values())
+    (HERE / "workbook_97.xls").write_bytes(compound("Workbook", stream(len(stream(0)) - of_sheets)))
+
+
+def compound(name, stream):
+    """A stream in a file of OLE2: the header, one sector of what follows what, the directory, and the stream."""
+    n = -(-len(stream) // 512)
+    assert 4096 <= len(stream) and n + 2 <= 128
+    end, none = 0xFFFFFFFE, 0xFFFFFFFF
+    entry = lambda name, kind, first, size: name.encode("utf-16-le").ljust(64, b"\0") + struct.pack("<HBB3I36xIQ", 2 * len(name) + 2, kind, 1, none, none, 1 if kind == 5 else none, first, size)
+    follows = [0xFFFFFFFD, end] + list(range(3, n + 2)) + [end]
+    header = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + struct.pack("<16x5H6xIIIIIIIII", 0x3E, 3, 0xFFFE, 9, 6, 0, 1, 1, 0, 4096, end, 0, end, 0)
+    directory = entry("Root Entry", 5, end, 0) + entry(name, 2, 2, len(stream))
+    words = lambda numbers, count: struct.pack(f"<{count}I", *numbers, *[none] * (count - len(numbers)))
+    return header + words([0], 109) + words(follows, 128) + directory.ljust(512, b"\0") + stream.ljust(512 * n, b"\0")
+
+
 def arrays():
     """As numpy.save and numpy.savez write them."""
     def array(columns, shape):
@@ -287,7 +329,7 @@ def angles():
 
 def main():
     table("truth.csv", "t,theta\n", lambda t, a, w: f"{t:.3f},{a:.9f}")
-    for make in [phyphox, tracker, labview, matlab, json_files, workbooks, arrays, clocks, numbers, angles]:
+    for make in [phyphox, tracker, labview, matlab, json_files, workbooks, older_workbook, arrays, clocks, numbers, angles]:
         make()
 
 

@@ -13,7 +13,7 @@ pub(crate) enum Kind {
     Matlab,
     /// HDF5, which MATLAB 7.3 writes.
     Hdf5,
-    /// Workbooks of old spreadsheets.
+    /// OLE2, in which older spreadsheets keep their workbooks.
     OldWorkbook,
     /// LabVIEW measurement file, text.
     LabView,

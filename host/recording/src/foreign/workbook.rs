@@ -4,35 +4,12 @@
 //! phyphox exports a sheet of readings beside some of what the phone is. Nothing is calculated: a cell with a formula has
 //! the value that the program left there.
 
-use super::archive::{only_one, unpacked};
-use super::as_text::refused;
+use super::archive::unpacked;
+use super::sheets::{self, Cell, MOST_COLUMNS, MOST_SHEETS, Row, Sheet};
 use crate::error::Fault;
-use crate::limits::MIN_SAMPLES;
 use std::io::Cursor;
+use std::rc::Rc;
 use zip::ZipArchive;
-
-const WHAT: &str = "workbook of a spreadsheet";
-
-/// More columns than these are not read.
-const MOST_COLUMNS: usize = 256;
-
-/// More sheets than these neither.
-const MOST_SHEETS: usize = 64;
-
-/// A sheet with its rows.
-struct Sheet {
-    name: String,
-    rows: Vec<Vec<Cell>>,
-}
-
-#[derive(Debug, Clone, Default, PartialEq)]
-enum Cell {
-    #[default]
-    Empty,
-    /// As it stands there.
-    Number(String),
-    Text(String),
-}
 
 /// The table, and what its sheet is called.
 pub(super) fn table(
@@ -45,23 +22,7 @@ pub(super) fn table(
         let rows = rows(&unpacked(archive, &path)?, &shared);
         sheets.push(Sheet { name, rows });
     }
-    let names: Vec<&String> = sheets.iter().filter(|sheet| sheet.is_table()).map(|sheet| &sheet.name).collect();
-    let listed = |names: &[&String]| names.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(", ");
-    let Some(name) = only_one(&names).cloned() else {
-        let problem = match names.len() {
-            0 => "none of its sheets is a table of numbers; save the sheet as CSV in that program".to_owned(),
-            n => format!(
-                "it has {n} sheets of numbers ({}): save the sheet as CSV, the one with the swing",
-                listed(&names)
-            ),
-        };
-        return Err(refused(WHAT, &problem));
-    };
-    if sheets.len() > 1 {
-        notes.push(format!("sheet {name} read from the workbook"));
-    }
-    let sheet = sheets.into_iter().find(|sheet| sheet.name == name).map(|sheet| sheet.text());
-    Ok((sheet.unwrap_or_default().into_bytes(), name))
+    sheets::table(&sheets, notes)
 }
 
 /// The sheets by their names, in order, and where they lie.
@@ -79,7 +40,7 @@ fn sheets_of(archive: &mut ZipArchive<Cursor<&[u8]>>) -> Result<Vec<(String, Str
 }
 
 /// Texts that cells share.
-fn strings(xml: &str) -> Vec<String> {
+fn strings(xml: &str) -> Vec<Rc<str>> {
     let mut strings: Vec<String> = Vec::new();
     for tag in tags(xml) {
         match (tag.name, tag.closes) {
@@ -88,12 +49,12 @@ fn strings(xml: &str) -> Vec<String> {
             _ => {}
         }
     }
-    strings
+    strings.into_iter().map(Rc::from).collect()
 }
 
 /// The rows that have something in them.
-fn rows(xml: &str, shared: &[String]) -> Vec<Vec<Cell>> {
-    let mut rows: Vec<Vec<Cell>> = Vec::new();
+fn rows(xml: &str, shared: &[Rc<str>]) -> Vec<Row> {
+    let mut rows: Vec<Row> = Vec::new();
     // Of the cell that is open: its column, its type, and what stands in it.
     let (mut column, mut kind, mut value) = (0, "", String::new());
     for tag in tags(xml) {
@@ -110,10 +71,10 @@ fn rows(xml: &str, shared: &[String]) -> Vec<Vec<Cell>> {
             }
             ("v" | "t", false) => value.push_str(tag.behind),
             ("c", true) => {
-                let cell = cell(kind, &value, shared);
-                if let (Some(row), true) = (rows.last_mut(), column < MOST_COLUMNS && cell != Cell::Empty) {
-                    row.resize(row.len().max(column + 1), Cell::Empty);
-                    row[column] = cell;
+                if let (Some(row), Some(cell), true) =
+                    (rows.last_mut(), cell(kind, &value, shared), column < MOST_COLUMNS)
+                {
+                    row.push((column, cell));
                 }
                 column += 1;
             }
@@ -124,14 +85,14 @@ fn rows(xml: &str, shared: &[String]) -> Vec<Vec<Cell>> {
     rows
 }
 
-fn cell(kind: &str, value: &str, shared: &[String]) -> Cell {
+fn cell(kind: &str, value: &str, shared: &[Rc<str>]) -> Option<Cell> {
     let value = value.trim();
     match kind {
-        _ if value.is_empty() => Cell::Empty,
-        "s" => value.parse().ok().and_then(|idx: usize| shared.get(idx)).map_or(Cell::Empty, |t| Cell::Text(t.clone())),
-        "n" => Cell::Number(value.to_owned()),
-        "b" | "e" => Cell::Empty,
-        _ => Cell::Text(plain(value)),
+        _ if value.is_empty() => None,
+        "s" => value.parse().ok().and_then(|idx: usize| shared.get(idx)).map(|text| Cell::Text(Rc::clone(text))),
+        "n" => Some(Cell::Number(value.to_owned())),
+        "b" | "e" => None,
+        _ => Some(Cell::Text(plain(value).into())),
     }
 }
 
@@ -139,29 +100,6 @@ fn cell(kind: &str, value: &str, shared: &[String]) -> Cell {
 fn column_of(place: &str) -> Option<usize> {
     let letters = place.bytes().take_while(u8::is_ascii_uppercase).take(4);
     letters.fold(0_usize, |number, letter| 26 * number + usize::from(letter - b'A') + 1).checked_sub(1)
-}
-
-impl Sheet {
-    /// Has it as many rows of numbers as a recording?
-    fn is_table(&self) -> bool {
-        let has_number = |row: &&Vec<Cell>| row.iter().any(|cell| matches!(cell, Cell::Number(_)));
-        self.rows.iter().filter(has_number).count() >= MIN_SAMPLES
-    }
-
-    /// As text, without the columns in which nothing stands.
-    fn text(&self) -> String {
-        let n_columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
-        let cell = |row: &Vec<Cell>, column: usize| row.get(column).cloned().unwrap_or_default();
-        let is_used = |column: &usize| self.rows.iter().any(|row| cell(row, *column) != Cell::Empty);
-        let used: Vec<usize> = (0..n_columns).filter(is_used).collect();
-        let in_words = |cell: Cell| match cell {
-            Cell::Empty => String::new(),
-            Cell::Number(number) => number,
-            Cell::Text(text) => format!("\"{}\"", text.replace(['"', '\n', '\r'], " ")),
-        };
-        let line = |row: &Vec<Cell>| used.iter().map(|idx| in_words(cell(row, *idx))).collect::<Vec<_>>().join(";");
-        self.rows.iter().map(|row| line(row) + "\n").collect()
-    }
 }
 
 /// A tag of XML, and the text behind it.
@@ -265,7 +203,7 @@ mod tests {
         assert_eq!(zipped::table(&two, &mut Vec::new()).unwrap().1, "Gyroscope");
         let two = workbook(["Run 1", "Run 2"], [&readings(), &readings()]);
         let refused = zipped::table(&two, &mut Vec::new()).unwrap_err().to_string();
-        assert!(refused.contains("2 sheets of numbers (Run 1, Run 2): save the sheet as CSV"), "{refused}");
+        assert!(refused.contains("2 sheets of numbers (Run 1, Run 2), and none is called Raw Data"), "{refused}");
         let none = zipped::table(&workbook(["A", "B"], [few, few]), &mut Vec::new()).unwrap_err().to_string();
         assert!(none.contains("none of its sheets is a table of numbers"), "{none}");
     }
