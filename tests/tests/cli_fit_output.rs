@@ -50,6 +50,13 @@ fn the_object_holds_what_programs_need() {
 }
 
 #[test]
+fn whoever_asks_for_more_hears_what_is_noticed_in_a_recording() {
+    let folder = folder();
+    let said = &host(folder.path(), "fit a.csv -vv").stderr;
+    assert!(said.contains("recording::segment: noise"), "{said}");
+}
+
+#[test]
 fn without_a_held_out_swing_its_error_is_null() {
     let folder = folder();
     let result = json(folder.path(), "fit a.csv --method least-squares --json --quiet");

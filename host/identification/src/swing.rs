@@ -204,14 +204,23 @@ impl Swing {
         Self { schedules, ..self.clone() }
     }
 
-    /// The free swing of a recording and what was cut off. Of the rest at the end only the beginning is kept: it tells
-    /// where the pendulum stopped, more of it tells nothing.
+    /// The longest free swing of a recording and what was cut off.
     pub fn from_recording(
         name: &str,
         recording: &Recording,
         options: &SegmentOptions,
     ) -> Result<(Self, Segments), SwingError> {
-        let mut segments = segment(recording, options)?;
+        Self::of_segments(name, recording, segment(recording, options)?, options)
+    }
+
+    /// The free swing that was found in a recording. Of the rest at the end only the beginning is kept: it tells
+    /// where the pendulum stopped, more of it tells nothing.
+    pub(crate) fn of_segments(
+        name: &str,
+        recording: &Recording,
+        mut segments: Segments,
+        options: &SegmentOptions,
+    ) -> Result<(Self, Segments), SwingError> {
         let times_s = recording.times_s();
         let pace = pace::of_period(2.0 * segments.half_swing_s);
         let rest_s = segments.rest.as_ref().map_or(f64::INFINITY, |rest| times_s[rest.start] + KEPT_REST_S * pace);

@@ -208,17 +208,20 @@ impl<'py> FromPyObject<'_, 'py> for Given {
 }
 
 impl Given {
-    /// What the recording gives, or each run of the file.
+    /// What the recording gives, or the runs of the file.
     fn with<T>(
         &self,
         reading: &Reading,
-        use_it: impl Fn(&str, &Recording) -> Result<T, Failure>,
+        use_it: impl Fn(&str, &Recording) -> Result<Vec<T>, Failure>,
     ) -> Result<Vec<T>, Failure> {
         match &self.held {
-            Some(recording) => Ok(vec![use_it(&self.name, recording)?]),
+            Some(recording) => use_it(&self.name, recording),
             None => {
-                let runs = reading.runs(Path::new(&self.name))?;
-                runs.iter().map(|run| use_it(&run.name_in(&self.name), &run.recording)).collect()
+                let mut found = Vec::new();
+                for run in reading.runs(Path::new(&self.name))? {
+                    found.extend(use_it(&run.name_in(&self.name), &run.recording)?);
+                }
+                Ok(found)
             }
         }
     }
@@ -226,7 +229,7 @@ impl Given {
 
 /// The free swings, and what was noticed.
 pub(crate) fn swings(given: &[Given], reading: &Reading) -> Result<(Vec<Swing>, Vec<String>), Failure> {
-    let read = |given: &Given| given.with(reading, |name, recording| reading.swing(name, recording));
+    let read = |given: &Given| given.with(reading, |name, recording| reading.swings(name, recording));
     let read: Vec<_> = given.par_iter().map(read).collect();
     let (mut swings, mut notes) = (Vec::new(), Vec::new());
     for of_file in read {
@@ -240,7 +243,7 @@ pub(crate) fn swings(given: &[Given], reading: &Reading) -> Result<(Vec<Swing>, 
 
 /// The free swings with what is known around them.
 pub(crate) fn measurements(given: &[Given], reading: &Reading) -> Result<Vec<Measurement>, Failure> {
-    let of_file = |given: &Given| given.with(reading, |name, recording| reading.measurement(name, recording));
+    let of_file = |given: &Given| given.with(reading, |name, recording| reading.measurements(name, recording));
     let read: Vec<Vec<Measurement>> = given.par_iter().map(of_file).collect::<Result<_, Failure>>()?;
     Ok(read.into_iter().flatten().collect())
 }

@@ -12,6 +12,7 @@
 mod backwards;
 mod interrupted;
 mod law;
+mod several;
 mod start;
 mod stretch;
 
@@ -21,6 +22,7 @@ use super::turning::{self, TurningPoint};
 use super::{Measured, Recording};
 use crate::number::significant;
 use law::{Law, State, states};
+pub use several::{FreeSwing, free_swings};
 use start::Start;
 use std::ops::Range;
 use thiserror::Error;
@@ -60,6 +62,8 @@ pub struct Segments {
     pub free: Range<usize>,
     /// Samples of the free swing that are none of it, though it goes on behind: left out.
     pub interrupted: Vec<Range<usize>>,
+    /// Parts beside it that may be free swings as well.
+    pub others: Vec<Range<usize>>,
     /// Hanging still at the end.
     pub rest: Option<Range<usize>>,
     /// The release, s: fitted when it was held still before, else the begin of the free range.
@@ -187,8 +191,21 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
         noise.method
     );
     let fades = cut.fades(&free);
+    let others = if *options == SegmentOptions::default() { cut.other_swings(&free) } else { Vec::new() };
     let (lead_in, release_s, half_swing_s) = (start.lead_in, start.release_s, cut.half_swing_s);
-    Ok(Segments { lead_in, free, interrupted, rest, release_s, n_turning_points, half_swing_s, noise, fades, notes })
+    Ok(Segments {
+        lead_in,
+        free,
+        interrupted,
+        others,
+        rest,
+        release_s,
+        n_turning_points,
+        half_swing_s,
+        noise,
+        fades,
+        notes,
+    })
 }
 
 fn asked_range(recording: &Recording, options: &SegmentOptions) -> Result<Range<usize>, SegmentError> {
@@ -365,7 +382,7 @@ fn notes(
         )),
         _ => {}
     }
-    if let Some(other) = cut.other_swing(free) {
+    if let Some(other) = cut.longest_of(cut.other_swings(free)) {
         let (from_s, to_s) = (cut.times_s()[other.start], cut.times_s()[other.end - 1]);
         notes.push(format!(
             "a free swing from {from_s:.2} to {to_s:.2} s is left out, the longest one is taken; --from {from_s:.2} --to \

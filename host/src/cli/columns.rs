@@ -96,27 +96,30 @@ impl Reading {
 
     /// The same; gives what was noticed.
     pub(super) fn swings_quietly(&self, paths: &[PathBuf]) -> Result<(Vec<Swing>, Vec<String>), Failure> {
-        let read = self.each_run(paths, |rules, name, recording| rules.swing(name, recording))?;
+        let read = self.each_run(paths, |rules, name, recording| rules.swings(name, recording))?;
         let (swings, notes): (Vec<Swing>, Vec<Vec<String>>) = read.into_iter().unzip();
         Ok((swings, notes.concat()))
     }
 
     /// Reads recordings and finds their free swings, with what is known around them.
     pub(super) fn measurements(&self, paths: &[PathBuf]) -> Result<Vec<Measurement>, Failure> {
-        self.each_run(paths, |rules, name, recording| rules.measurement(name, recording))
+        self.each_run(paths, |rules, name, recording| rules.measurements(name, recording))
     }
 
-    /// What each run of these files gives, in their order.
+    /// What the runs of these files give, in their order.
     fn each_run<T: Send>(
         &self,
         paths: &[PathBuf],
-        find: impl Fn(&reading::Reading, &str, &Recording) -> Result<T, Failure> + Sync,
+        find: impl Fn(&reading::Reading, &str, &Recording) -> Result<Vec<T>, Failure> + Sync,
     ) -> Result<Vec<T>, Failure> {
         let rules = self.rules();
         let of_file = |path: &PathBuf| {
             let file = path.display().to_string();
-            let runs = rules.runs(path)?;
-            runs.iter().map(|run| find(&rules, &run.name_in(&file), &run.recording)).collect::<Result<Vec<T>, _>>()
+            let mut found = Vec::new();
+            for run in rules.runs(path)? {
+                found.extend(find(&rules, &run.name_in(&file), &run.recording)?);
+            }
+            Ok(found)
         };
         let read: Vec<Result<Vec<T>, Failure>> = paths.par_iter().map(of_file).collect();
         Ok(read.into_iter().collect::<Result<Vec<Vec<T>>, Failure>>()?.into_iter().flatten().collect())

@@ -123,8 +123,8 @@ pub(super) fn is_quiet() -> bool {
 pub(super) fn keep_a_log(verbosity: u8) {
     let usual = match verbosity {
         0 => "off",
-        1 => "host=debug",
-        _ => "host=trace",
+        1 => "host=debug,identification=debug,recording=debug",
+        _ => "host=trace,identification=trace,recording=trace",
     };
     let wanted = Env::default().default_filter_or(usual);
     let line = |out: &mut Formatter, note: &Record| writeln!(out, "{}: {}", note.target(), note.args());

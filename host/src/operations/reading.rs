@@ -53,23 +53,24 @@ impl Reading {
         recording::read(path, &self.options).map_err(Failure::failed)
     }
 
-    /// The free swing of a recording, and what was noticed on the way.
+    /// The free swings of a recording, each with what was noticed on the way.
     ///
     /// # Errors
     /// No free swing is in it.
-    pub fn swing(&self, name: &str, recording: &Recording) -> Result<(Swing, Vec<String>), Failure> {
-        let (swing, segments) = Swing::from_recording(name, recording, &self.segment)
-            .map_err(|error| Failure::failed(format!("{name}: {error}")))?;
-        let notes = recording.notes().iter().chain(&segments.notes).map(|note| format!("{name}: {note}")).collect();
-        Ok((swing, notes))
+    pub fn swings(&self, name: &str, recording: &Recording) -> Result<Vec<(Swing, Vec<String>)>, Failure> {
+        let told = |Measurement { swing, notes, .. }: Measurement| {
+            let notes = notes.iter().map(|note| format!("{}: {note}", swing.name)).collect();
+            (swing, notes)
+        };
+        Ok(self.measurements(name, recording)?.into_iter().map(told).collect())
     }
 
-    /// The free swing of a recording, with what is known around it.
+    /// The free swings of a recording, with what is known around them.
     ///
     /// # Errors
     /// No free swing is in it.
-    pub fn measurement(&self, name: &str, recording: &Recording) -> Result<Measurement, Failure> {
-        Measurement::from_recording(name, recording, &self.segment)
+    pub fn measurements(&self, name: &str, recording: &Recording) -> Result<Vec<Measurement>, Failure> {
+        Measurement::each_of(name, recording, &self.segment)
             .map_err(|error| Failure::failed(format!("{name}: {error}")))
     }
 }

@@ -136,16 +136,24 @@ fn not_read(wish: &LoadingWish, error: ReadError) -> Failure {
 fn loaded(wish: &LoadingWish, kept: Kept, settings: &Settings) -> Result<Vec<Loaded>, Failure> {
     let runs = read_as(wish, kept.path(), settings)?;
     let kept = Arc::new(kept);
-    runs.iter().map(|run| of_run(run, &wish.name, &kept, settings)).collect()
+    let mut loaded = Vec::new();
+    for run in &runs {
+        loaded.extend(of_run(run, &wish.name, &kept, settings)?);
+    }
+    Ok(loaded)
 }
 
-fn of_run(run: &Run, file: &str, kept: &Arc<Kept>, settings: &Settings) -> Result<Loaded, Failure> {
+fn of_run(run: &Run, file: &str, kept: &Arc<Kept>, settings: &Settings) -> Result<Vec<Loaded>, Failure> {
     let file = short_name(file);
     let name = run.name_in(&file);
-    let measurement = Measurement::from_recording(&name, &run.recording, &settings.segment).map_err(|error| {
+    let measurements = Measurement::each_of(&name, &run.recording, &settings.segment).map_err(|error| {
         Failure::failed(format!("{name}: {error}")).next("record again and let the pendulum swing freely")
     })?;
-    Ok(Loaded { id: 0, name, file, held_out: false, port: None, kept: kept.clone(), measurement })
+    let loaded = |measurement: Measurement| {
+        let (name, file, kept) = (measurement.swing.name.clone(), file.clone(), kept.clone());
+        Loaded { id: 0, name, file, held_out: false, port: None, kept, measurement }
+    };
+    Ok(measurements.into_iter().map(loaded).collect())
 }
 
 /// The last part of a path, printable and not too long.

@@ -3,7 +3,7 @@
 
 use crate::recording::Recording;
 use crate::recording::noise::{self, Noise};
-use crate::recording::segment::SegmentOptions;
+use crate::recording::segment::{FreeSwing, SegmentOptions, Segments, free_swings, segment};
 use crate::swing::{Swing, SwingError};
 
 /// A free swing and its surroundings.
@@ -24,12 +24,36 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Finds the free swing of a recording and looks at what lies around it.
+    /// Finds the longest free swing of a recording and looks at what lies around it.
     ///
     /// # Errors
     /// There is no free swing.
     pub fn from_recording(name: &str, recording: &Recording, options: &SegmentOptions) -> Result<Self, SwingError> {
-        let (swing, segments) = Swing::from_recording(name, recording, options)?;
+        Self::of_segments(name, recording, segment(recording, options)?, options)
+    }
+
+    /// Finds all free swings of a recording likewise, in order of time.
+    ///
+    /// # Errors
+    /// There is no free swing.
+    pub fn each_of(name: &str, recording: &Recording, options: &SegmentOptions) -> Result<Vec<Self>, SwingError> {
+        let found = free_swings(recording, options)?;
+        let name_of =
+            |idx: usize| if found.len() == 1 { name.to_owned() } else { format!("{name}, swing {}", idx + 1) };
+        let names: Vec<String> = (0..found.len()).map(name_of).collect();
+        let measurement = |(name, FreeSwing { recording, segments }): (&String, FreeSwing)| {
+            Self::of_segments(name, &recording, segments, options)
+        };
+        names.iter().zip(found).map(measurement).collect()
+    }
+
+    fn of_segments(
+        name: &str,
+        recording: &Recording,
+        segments: Segments,
+        options: &SegmentOptions,
+    ) -> Result<Self, SwingError> {
+        let (swing, segments) = Swing::of_segments(name, recording, segments, options)?;
         let from_s = recording.times_s()[segments.free.start];
         let notes = recording.notes().iter().chain(&segments.notes).cloned().collect();
         let (has_lead_in, has_rest) = (segments.lead_in.is_some(), segments.rest.is_some());

@@ -104,6 +104,21 @@ pub struct Spread {
 /// The clusters of linearised swings: normal equations over the unknowns and, where windows are cut, one offset a swing;
 /// cut so that no cluster alone tells one of the columns that matter.
 pub fn clusters(on: &Problem, linear: &Linear, starts: &[Start], matters: impl Fn(usize) -> bool) -> Vec<Cluster> {
+    clusters_with(on, linear, starts, PER_SWING - 1, matters)
+}
+
+/// The same where the zero wanders: each window has its own one, and says nothing of the swing's.
+pub fn clusters_beside_wander(on: &Problem, linear: &Linear, starts: &[Start]) -> Vec<Cluster> {
+    clusters_with(on, linear, starts, PER_SWING, |_| true)
+}
+
+fn clusters_with(
+    on: &Problem,
+    linear: &Linear,
+    starts: &[Start],
+    n_own: usize,
+    matters: impl Fn(usize) -> bool,
+) -> Vec<Cluster> {
     if linear.n_swings() >= RELEASES {
         return whole_swings(on, linear);
     }
@@ -114,7 +129,7 @@ pub fn clusters(on: &Problem, linear: &Linear, starts: &[Start], matters: impl F
     let quarters: Vec<Vec<usize>> = linear.each(quarters_of);
     let mut best: (usize, Vec<Cluster>) = (usize::MAX, Vec::new());
     for periods in PERIODS {
-        let found = joined(windows(on, linear, &quarters, periods));
+        let found = joined(windows(on, linear, &quarters, periods, n_own));
         let n_doubtful = match spread(&found) {
             Some(spread) if found.len() >= ENOUGH => {
                 (0..spread.stds.len()).filter(|j| matters(*j) && spread.stds[*j].is_none()).count()
@@ -131,15 +146,16 @@ pub fn clusters(on: &Problem, linear: &Linear, starts: &[Start], matters: impl F
     best.1
 }
 
-/// Windows of so many periods.
-fn windows(on: &Problem, linear: &Linear, quarters: &[Vec<usize>], periods: usize) -> Vec<Cluster> {
-    let (n_unknowns, size) = (linear.n_unknowns(), linear.n_unknowns() + linear.n_swings());
+/// Windows of so many periods, to which so many of a swing's start, velocity and offset belong.
+fn windows(on: &Problem, linear: &Linear, quarters: &[Vec<usize>], periods: usize, n_own: usize) -> Vec<Cluster> {
+    let n_unknowns = linear.n_unknowns();
+    let size = n_unknowns + (PER_SWING - n_own) * linear.n_swings();
     let of_swing = |swing_idx: usize, swing: &SwingLinear| -> Vec<Cluster> {
-        let (starts, offset) = swing.columns[n_unknowns..].split_at(PER_SWING - 1);
+        let (own, offset) = swing.columns[n_unknowns..].split_at(n_own);
         let mut shared: Vec<(usize, &[f64])> =
             swing.columns[..n_unknowns].iter().map(Vec::as_slice).enumerate().collect();
-        shared.push((n_unknowns + swing_idx, &offset[0]));
-        let of_window = |range| cluster(on, swing_idx, swing, range, starts, &shared, size);
+        shared.extend(offset.iter().map(|offset| (n_unknowns + swing_idx, offset.as_slice())));
+        let of_window = |range| cluster(on, swing_idx, swing, range, own, &shared, size);
         phase::windows(&quarters[swing_idx], periods, swing.residuals.len()).into_par_iter().map(of_window).collect()
     };
     linear.each(of_swing).concat()

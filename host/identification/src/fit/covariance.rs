@@ -8,9 +8,9 @@
 //! Source: H. R. Künsch, Ann. Stat. 17 (1989) 1217, for blocks; H. White, Econometrica 48 (1980) 817, for the sandwich.
 
 use super::arrow::Arrow;
-use super::clusters::{clusters, spread, upward_crossings};
+use super::clusters::{clusters, clusters_beside_wander, spread, upward_crossings};
 use super::linear::{Linear, SwingLinear, dot};
-use super::memory::Residuals;
+use super::memory::{Again, Residuals};
 use super::problem::{PER_SWING, Problem, Start};
 use super::rounding::{Rounding, rounding};
 use nalgebra::{DMatrix, DVector};
@@ -131,14 +131,16 @@ fn of_noise_and_misfit(on: &Problem, linear: &Linear, starts: &[Start]) -> Optio
         let mut residuals = Residuals::rounded(&on.swings[swing_idx], &swing.residuals);
         let memory = residuals.memory();
         let crossings = || upward_crossings(on, swing, swing_idx, starts[swing_idx].offset_rad);
-        (memory, memory > 0 && residuals.come_again(&crossings(), memory))
+        (memory, if memory > 0 { residuals.come_again(&crossings(), memory) } else { Again::No })
     };
-    let (memories, come_again): (Vec<usize>, Vec<bool>) = linear.each(look).into_iter().unzip();
+    let (memories, come_again): (Vec<usize>, Vec<Again>) = linear.each(look).into_iter().unzip();
     let covariance = with_memory(linear, memories.into_iter().max().unwrap_or(0))?;
-    if !come_again.contains(&true) {
-        return Some(covariance);
-    }
-    let Some(spread) = spread(&clusters(on, linear, starts, |_| true)) else { return Some(covariance) };
+    let clusters = match () {
+        () if come_again.contains(&Again::Always) => clusters_beside_wander(on, linear, starts),
+        () if come_again.contains(&Again::EachPeriod) => clusters(on, linear, starts, |_| true),
+        () => return Some(covariance),
+    };
+    let Some(spread) = spread(&clusters) else { return Some(covariance) };
     let (n_unknowns, size) = (linear.n_unknowns(), linear.equations.gradient.len());
     let place = |j: usize| if j < n_unknowns { j } else { n_unknowns + PER_SWING * (j - n_unknowns) + PER_SWING - 1 };
     let mut least = DMatrix::zeros(size, size);
@@ -188,6 +190,7 @@ fn score_covariance(linear: &Linear, block: usize) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::clusters::Cluster;
     use crate::fit::linear::{Steps, linearise};
     use crate::fit::problem::Point;
     use crate::fit::tally::Tally;
@@ -203,9 +206,12 @@ mod tests {
         assert_eq!(by_the_others(&covariance, &DMatrix::zeros(2, 2), 1), 0.0);
     }
 
-    /// Standard deviations of Mw, I, start angle, start velocity and zero of a viscous swing with these angles, where the
-    /// model is beside it.
-    fn stds(angle: impl Fn(f64) -> f64, beside: impl Fn(&mut Point)) -> Vec<f64> {
+    /// A viscous swing with these angles, linearised where the model is beside it.
+    fn linearised<T>(
+        angle: impl Fn(f64) -> f64,
+        beside: impl Fn(&mut Point),
+        of: impl FnOnce(&Problem, &Linear, &[Start]) -> T,
+    ) -> T {
         let (times_s, count) = (times_s(20.0), Tally::default());
         let angles_rad: Vec<f64> = times_s.iter().map(|t| angle(*t)).collect();
         let swings = [Swing::new("one", &times_s, &angles_rad, 1e-8)];
@@ -214,8 +220,38 @@ mod tests {
         let mut steps = Steps::found(&problem, &point);
         beside(&mut point);
         let linear = linearise(&problem, &point, Window::Whole, &mut steps);
-        let found = with_model_error(&problem, &linear, &point.starts).unwrap();
+        of(&problem, &linear, &point.starts)
+    }
+
+    /// Standard deviations of Mw, I, start angle, start velocity and zero of such a swing.
+    fn stds(angle: impl Fn(f64) -> f64, beside: impl Fn(&mut Point)) -> Vec<f64> {
+        let found = linearised(angle, beside, |on, linear, starts| with_model_error(on, linear, starts).unwrap());
         (0..5).map(|j| found.std(j).unwrap()).collect()
+    }
+
+    #[test]
+    fn windows_that_have_a_zero_of_their_own_are_blind_to_one_that_is_off() {
+        let off = |time_s: f64| swinging(PENDULUM.inertia_kg_m2)(time_s) + 1e-3;
+        let largest = |clusters: &[Cluster], j: usize| {
+            clusters.iter().map(|cluster| cluster.sums().gradient[j].abs()).fold(0.0, f64::max)
+        };
+        linearised(
+            off,
+            |_| (),
+            |on, linear, starts| {
+                let (one, own) = (clusters(on, linear, starts, |_| true), clusters_beside_wander(on, linear, starts));
+                assert!(one.iter().all(|cluster| cluster.sums().gradient.len() == 3) && largest(&one, 2) > 1e-3);
+                assert!(own.len() >= 10 && own.iter().all(|cluster| cluster.sums().gradient.len() == 2));
+                for j in 0..2 {
+                    assert!(
+                        largest(&own, j) < 1e-3 * largest(&one, j),
+                        "{j}: {} {}",
+                        largest(&own, j),
+                        largest(&one, j)
+                    );
+                }
+            },
+        );
     }
 
     const VISCOUS: f64 = 4e-5;

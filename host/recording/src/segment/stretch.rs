@@ -48,7 +48,7 @@ const HUNG_HALF_SWINGS: f64 = 2.0;
 const HUNG_NOISES: f64 = 1.5;
 
 /// So many swings beside the free ones are worth a word.
-const WORTH_A_LOOK: usize = 2 * MIN_TURNING_POINTS;
+pub(super) const WORTH_A_LOOK: usize = 2 * MIN_TURNING_POINTS;
 
 /// Quality factor of the best clocks; with half of it a clock would be doubted, with twice of it a motor that holds its swing
 /// to a thousandth in thirty periods would not.
@@ -312,11 +312,16 @@ impl Cut<'_> {
         self.turns.iter().filter(|turn| range.contains(&self.recording.index_at(turn.time_s))).collect()
     }
 
-    /// The largest swing that is left out beside the free one, if there is one worth a look.
-    pub(super) fn other_swing(&self, free: &Range<usize>) -> Option<Range<usize>> {
+    /// What swings beside the free part, where it is worth a look.
+    pub(super) fn other_swings(&self, free: &Range<usize>) -> Vec<Range<usize>> {
         let is_apart = |range: &Range<usize>| range.end <= free.start || range.start >= free.end;
-        let longest = self.parts_left_alone().filter(is_apart).max_by_key(|range| self.count_swings(range))?;
-        (self.count_swings(&longest) >= WORTH_A_LOOK).then_some(longest)
+        let is_worth = |range: &Range<usize>| is_apart(range) && self.count_swings(range) >= WORTH_A_LOOK;
+        self.parts_left_alone().filter(is_worth).collect()
+    }
+
+    /// The one with the most swings.
+    pub(super) fn longest_of(&self, ranges: Vec<Range<usize>>) -> Option<Range<usize>> {
+        ranges.into_iter().max_by_key(|range| self.count_swings(range))
     }
 
     /// Do the swings become smaller, as without a motor they must? From the first and the last third of many.

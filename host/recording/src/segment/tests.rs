@@ -24,7 +24,7 @@ pub(super) fn moved_swing(angle_rad: f64, duration_s: f64, hand: impl Fn(f64) ->
     angles
 }
 
-fn noisy(angles_rad: &[f64]) -> Recording {
+pub(super) fn noisy(angles_rad: &[f64]) -> Recording {
     let mut state = 17_u64;
     let mut uniform = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
