@@ -29,6 +29,13 @@ pub struct FreeSwing<'a> {
     pub segments: Segments,
 }
 
+impl FreeSwing<'_> {
+    /// Does it swing freely then?
+    fn is_at(&self, time_s: f64) -> bool {
+        self.segments.free.contains(&self.recording.index_at(time_s)) && time_s >= self.recording.times_s()[0]
+    }
+}
+
 /// Finds the free swings, in order of time; one alone where the user says where it lies.
 ///
 /// # Errors
@@ -54,6 +61,8 @@ fn several<'a>(recording: &'a Recording, whole: &Segments) -> Option<Vec<FreeSwi
     };
     let mut found: Vec<FreeSwing> =
         begins.zip(ends).zip(&ranges).filter_map(|(part, wanted)| swing(part, wanted)).collect();
+    let middle_s = recording.times_s()[usize::midpoint(whole.free.start, whole.free.end)];
+    let has_longest = found.iter().any(|swing| swing.is_at(middle_s));
     let n_samples: usize = found.iter().map(|swing| swing.segments.free.len()).sum();
     let note = in_words(&found, ranges.len() - found.len());
     for swing in &mut found {
@@ -61,7 +70,7 @@ fn several<'a>(recording: &'a Recording, whole: &Segments) -> Option<Vec<FreeSwi
     }
     // Both what was known before and what is told of all stand with the first one.
     found.first_mut()?.recording.to_mut().notes = [&recording.notes[..], &[note]].concat();
-    (n_samples > whole.free.len()).then_some(found)
+    (has_longest && n_samples > whole.free.len()).then_some(found)
 }
 
 /// The free swing of a part, if it is the wanted one.
@@ -173,6 +182,17 @@ mod tests {
         let swings = found(&[released(0.9), shorter, released(0.6)].concat());
         assert_eq!(swings.len(), 2, "{swings:?}");
         assert!(swings[0].1.iter().any(|note| note.contains("; 1 more that last longer")), "{swings:?}");
+    }
+
+    /// It has the same period, but too few turns to be taken.
+    #[test]
+    fn without_the_longest_one_nothing_is_parted() {
+        let recording = noisy(&[released(0.9), released(0.5), released(0.7)].concat());
+        let whole = segment(&recording, &SegmentOptions::default()).unwrap();
+        assert_eq!(several(&recording, &whole).unwrap().len(), 3);
+        let short = whole.free.start..whole.free.start + 500;
+        let lost = Segments { free: short, ..whole };
+        assert!(several(&recording, &lost).is_none());
     }
 
     #[test]
