@@ -12,10 +12,10 @@ use tests::program::{PATIENT, path};
 /// Of both boards' processors.
 const CLOCK_HZ: u64 = 168_000_000;
 
-/// More friction than the paper's: swings end within 20 s, and the next one need not be waited for long.
+/// More friction than the paper's: swings end within 14 s, and the next one need not be waited for long.
 fn brisk() -> Scenario {
-    let mut scenario = Scenario { rest_s: 1.5, lift_s: 0.7, hold_s: 1.0, swing_s: 28.0, ..Scenario::default() };
-    scenario.parameters.set_friction(5.4e-4, 2e-3, 2.2e-3, 0.055);
+    let mut scenario = Scenario { rest_s: 1.5, lift_s: 0.7, hold_s: 1.0, swing_s: 18.0, ..Scenario::default() };
+    scenario.parameters.set_friction(5.4e-4, 3e-3, 3.3e-3, 0.055);
     scenario
 }
 

@@ -26,6 +26,7 @@ pub mod torque;
 pub mod verdict;
 pub mod weak;
 
+use crate::cores::on_all_cores;
 use crate::fit::identify::FitError;
 use crate::fit::tolerance::KnownRig;
 use crate::fit::touch::{self, Touch};
@@ -39,7 +40,6 @@ use measurement::Measurement;
 use mismatch::Mismatch;
 use numbers::Refit;
 use per_swing::Place;
-use rayon::prelude::*;
 use recording::Judged;
 use serde::Serialize;
 use shared::parameters::{Parameters, base};
@@ -139,7 +139,7 @@ pub fn compare<'r>(
     let rig = KnownRig { parameters: &parameters, ..rig };
     let judge_all = |all: &[Measurement], follow: Follow| -> Vec<Judged> {
         let judge = |m: &Measurement| recording::judge(m, &parameters, follow(&m.swing, &parameters));
-        all.par_iter().map(judge).collect()
+        on_all_cores(all, judge)
     };
     let as_fitted = judge_all(measurements, follow::follow);
     let is_asked = options.question_numbers && !options.fit_first;
@@ -238,9 +238,9 @@ fn torque_of(recordings: &[Judged], parameters: &Parameters<f64>) -> Option<Torq
         let of = |restart: &restart::Restart| {
             weak::windows(&recording.curves.times_s, restart, &base, noise_rad, width_s, &grid)
         };
-        recording.curves.restarts.iter().filter_map(of).collect()
+        recording.curves.restarts.iter().filter_map(of).collect::<Vec<_>>()
     };
-    let windows: Vec<weak::Windows> = recordings.par_iter().map(windows_of).flatten_iter().collect();
+    let windows: Vec<weak::Windows> = on_all_cores(recordings, windows_of).concat();
     torque::torque_map(grid, &windows, coulomb_nm)
 }
 

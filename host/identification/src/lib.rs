@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod compare;
+mod cores;
 pub mod diagnose;
 pub mod fit;
 pub mod formula;

@@ -6,13 +6,13 @@
 //! min over δ of |d − J·δ|²/σ² + δᵀ·P·δ, with d the difference, J the derivatives of the imitating model in the new
 //! experiment, and P the precision (inverse covariance) of its parameters from the present recordings.
 
+use crate::cores::on_all_cores;
 use crate::fit::fitted::Fitted;
 use crate::fit::linear::{Equations, Steps, equations};
 use crate::fit::problem::{PER_SWING, Point, Problem, Start, Unknown};
 use crate::fit::tally::Tally;
 use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
@@ -86,7 +86,7 @@ pub fn plan(swings: &[Swing], models: &[Fitted], changes: bool) -> Vec<Prospect>
         let worst = separations.iter().map(|s| s.delta_chi_square).fold(f64::INFINITY, f64::min);
         Prospect { experiment, separations, worst }
     };
-    let mut prospects: Vec<Prospect> = experiments(changes).into_par_iter().map(prospect).collect();
+    let mut prospects: Vec<Prospect> = on_all_cores(experiments(changes), prospect);
     prospects.sort_by(|a, b| b.worst.total_cmp(&a.worst));
     prospects
 }

@@ -5,6 +5,7 @@
 
 use super::follow::starts_only;
 use super::slope::slopes;
+use crate::cores::on_all_cores;
 use crate::fit::descent::{Tolerance, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Point, Start};
@@ -14,7 +15,6 @@ use crate::recording::median;
 use crate::recording::smooth::LocalFit;
 use crate::recording::turning;
 use crate::swing::{Swing, Window};
-use rayon::prelude::*;
 use shared::parameters::Parameters;
 use std::ops::Range;
 
@@ -75,8 +75,8 @@ pub fn zero_of_swings(swing: &Swing, parameters: &Parameters<f64>, first_rad: f6
     };
     // Swings close to rest hang on stiction.
     let lively = swing.samples_within(Window::Lively);
-    let stretches: Vec<&[usize]> = cuts.at.windows(2).filter(|ends| ends[1] < lively).collect();
-    let mut zeros: Vec<f64> = stretches.into_par_iter().filter_map(one).collect();
+    let stretches = cuts.at.windows(2).filter(|ends| ends[1] < lively);
+    let mut zeros: Vec<f64> = on_all_cores(stretches, one).into_iter().flatten().collect();
     if zeros.len() < FEWEST_ZEROS { first_rad } else { median(&mut zeros) }
 }
 
@@ -105,7 +105,7 @@ pub fn restarts(
         let next_end = cuts.at.get(k + 2).copied();
         restart(swing, parameters, offset_rad, cuts, &Stretch { from: ends[0], to: ends[1], next_end, overlap_s })
     };
-    cuts.at.windows(2).enumerate().collect::<Vec<_>>().into_par_iter().filter_map(one).collect()
+    on_all_cores(cuts.at.windows(2).enumerate(), one).into_iter().flatten().collect()
 }
 
 struct Stretch {

@@ -12,13 +12,13 @@ use super::search::{Found, search};
 use super::summary::SpecialCase;
 use super::verdict::{INDISTINGUISHABLE, Judge};
 use super::zero::{self, Zero};
+use crate::cores::on_all_cores;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
 use crate::fit::refine::{levels as levels_of, on_all};
 use crate::fit::tally::Tally;
 use crate::swing::Swing;
 use crate::verdict::Left;
-use rayon::prelude::*;
 use shared::effect::Effect;
 
 /// What a diagnosis works on.
@@ -146,7 +146,7 @@ impl<'a, 'b> Bench<'a, 'b> {
             let rest = judge.without(claimed, effect.id).swap_remove(0);
             // A fit from the whole swing easily ends in a side valley.
             let fitted = |prediction: &Prediction| grown(self.rough, &prediction.fitted(self.rough));
-            let all: Vec<Fitted> = predictions(self.rough, &rest, &laws).par_iter().map(fitted).collect();
+            let all = on_all_cores(&predictions(self.rough, &rest, &laws), fitted);
             let best = all.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
             Some(on_all(self.problem, &levels_of(self.rough, &best)))
         };

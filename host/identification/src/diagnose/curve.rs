@@ -11,6 +11,7 @@ use super::physical::is_sound;
 use super::resemblance::{Numbers, Resemblance, of_model};
 use super::score::{Prediction, predictions};
 use super::verdict::Judge;
+use crate::cores::on_all_cores;
 use crate::fit::curve::KnownCurve;
 use crate::fit::curve::{Curved, built_up_nm, curved, extended};
 use crate::fit::curve_parts::{Known, known};
@@ -19,7 +20,6 @@ use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels, on_all};
 use crate::verdict::Left;
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::effect::{Action, CURVE_NAME, Effect};
 use shared::parameters::Parameters;
@@ -168,7 +168,7 @@ fn best_curve(on: &Problem, from: &Fitted, budget: &Budget) -> Option<Curved> {
     }
     let beside = promising(on, &alone, &memories_beside(from));
     let tried = |promise: &Prediction| extended(on, &alone, promise.effect, &promise.start);
-    let beside: Vec<Curved> = beside.par_iter().filter_map(tried).collect();
+    let beside: Vec<Curved> = on_all_cores(&beside, tried).into_iter().flatten().collect();
     let is_worth_it = |found: &Curved| excess(on, &found.model) < MOST_LEFT * excess(on, &alone.model);
     let best = beside.into_iter().filter(is_worth_it).min_by(|a, b| a.model.cost.total_cmp(&b.model.cost));
     Some(best.unwrap_or(alone))

@@ -3,11 +3,11 @@
 use super::budget::Budget;
 use super::models::{drop_doubles, is_explained, near_the_best, sort};
 use super::score::{Prediction, predictions};
+use crate::cores::on_all_cores;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels};
-use rayon::prelude::*;
 use shared::effect::{Action, CUSTOM_FORMULA_ID, Effect};
 
 /// Effects whose predicted reduction is below this share of the best one are not fitted.
@@ -52,16 +52,16 @@ pub(super) fn extensions(
     if best_reduction < least_share * (model.cost - problem.noise_cost()) {
         return Vec::new();
     }
-    let fit = |predictions: Vec<Prediction>| -> Vec<Fitted> {
-        predictions.par_iter().map(|prediction| fitted(problem, model, prediction, best_reduction)).collect()
+    let fit = |predictions: Vec<Prediction>| {
+        on_all_cores(&predictions, |prediction| fitted(problem, model, prediction, best_reduction))
     };
     let mut level = fit(first);
     sort(&mut level);
     let is_explained = |level: &[Fitted]| level.first().is_some_and(|best| is_explained(problem, best));
     if model.effects.is_empty() && !is_explained(&level) && budget.allows_more() {
         // What swings by itself would take the time of all others together.
-        let others = level.par_iter_mut().filter(|model| !swings(model));
-        others.for_each(|fitted| *fitted = grown(problem, fitted));
+        let others = level.iter_mut().filter(|model| !swings(model));
+        on_all_cores(others, |fitted| *fitted = grown(problem, fitted));
         sort(&mut level);
     }
     if !budget.allows_more() {

@@ -9,13 +9,13 @@
 use super::models::excess;
 use super::physical::is_sound;
 use super::score::{Prediction, predictions};
+use crate::cores::on_all_cores;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
 use crate::fit::refine::Band;
 use crate::formula::{self, read};
 use crate::swing::Window;
-use rayon::prelude::*;
 use shared::effect::{Effect, MAX_VALUES};
 
 /// Laws of speed that are combined with laws of angle.
@@ -117,8 +117,8 @@ pub fn formulas(problem: &Problem, model: &Fitted, score: impl Fn(&Fitted) -> f6
     let worth = |(guess, prediction): &(Guess, Prediction)| prediction.reduction - unit * guess.length() as f64;
     all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     all.truncate(FITTED);
-    let mut found: Vec<Found> =
-        all.par_iter().filter_map(|(guess, prediction)| fitted(problem, model, guess, prediction)).collect();
+    let found = on_all_cores(&all, |(guess, prediction)| fitted(problem, model, guess, prediction));
+    let mut found: Vec<Found> = found.into_iter().flatten().collect();
     let rank = |found: &Found| rank(score(&found.model), weight, found.length);
     found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     found.dedup_by(|a, b| a.guess.effect == b.guess.effect);
@@ -128,7 +128,7 @@ pub fn formulas(problem: &Problem, model: &Fitted, score: impl Fn(&Fitted) -> f6
         let special = special_case(problem, model, &general).map(|special| special.finished(problem));
         std::iter::once(general).chain(special).collect::<Vec<Found>>()
     };
-    let mut found: Vec<Found> = found.par_iter().flat_map(finished).collect();
+    let mut found = on_all_cores(&found, finished).concat();
     found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     found
 }

@@ -6,10 +6,10 @@
 use super::models::{sort, worth_all_samples};
 use super::physical::is_sound;
 use super::score::{Prediction, predictions};
+use crate::cores::on_all_cores;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
 use crate::fit::refine::{levels, on_all};
-use rayon::prelude::*;
 use shared::effect::Effect;
 
 /// A replacement must promise this share of what the effect itself is worth; a linearised step predictions too little.
@@ -63,6 +63,6 @@ impl Replacements<'_, '_> {
             let is_near = levels[0].cost < worth_all_samples(self.rough, claimed_cost);
             if is_near { on_all(self.problem, &levels) } else { levels[0].evaluated(self.problem) }
         };
-        best.par_iter().map(fitted).collect()
+        on_all_cores(&best, fitted)
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Friction and inertia must be allowed to answer at once, or effects that resemble them are never found.
 
+use crate::cores::on_all_cores;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::linear::{Linear, equations_with_added};
@@ -11,7 +12,6 @@ use crate::fit::solve::ANSWER_DAMPING;
 use crate::fit::step::{bounded_step, stepped};
 use crate::pace;
 use crate::swing::Window;
-use rayon::prelude::*;
 use shared::effect::{Effect, MAX_VALUES};
 
 /// What a start point of an effect promises.
@@ -48,11 +48,10 @@ impl Prediction {
 /// Predictions for all start points of all given effects on top of a model whose cost is that of these swings, the best
 /// first.
 pub fn predictions(on: &Problem, model: &Fitted, effects: &[&'static Effect<f64>]) -> Vec<Prediction> {
-    let starts: Vec<(&'static Effect<f64>, [f64; MAX_VALUES])> =
-        effects.iter().flat_map(|effect| pace::starts(effect, on.pace()).map(|start| (*effect, start))).collect();
+    let starts = effects.iter().flat_map(|effect| pace::starts(effect, on.pace()).map(|start| (*effect, start)));
     let known = model.linearised(on);
-    let mut predictions: Vec<Prediction> =
-        starts.into_par_iter().filter_map(|(effect, start)| prediction(on, model, &known, effect, &start)).collect();
+    let found = on_all_cores(starts, |(effect, start)| prediction(on, model, &known, effect, &start));
+    let mut predictions: Vec<Prediction> = found.into_iter().flatten().collect();
     predictions.sort_by(|a, b| b.reduction.total_cmp(&a.reduction));
     predictions
 }

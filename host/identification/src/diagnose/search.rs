@@ -8,6 +8,7 @@ use super::models::{
 };
 use super::physical::is_sound;
 use super::widening::{narrowed, widened};
+use crate::cores::on_all_cores;
 use crate::fit::descent::{Termination, Tolerance};
 use crate::fit::fitted::{Fitted, Stiction};
 use crate::fit::problem::Problem;
@@ -15,7 +16,6 @@ use crate::fit::refine::{Band, levels, on_all};
 use crate::fit::stiction::{GAIN_WORTH_A_BAND, lowest_with_band};
 use crate::swing::Swing;
 use crate::verdict::Left;
-use rayon::prelude::*;
 use shared::effect::{CUSTOM_FORMULA_NAME, Effect};
 
 /// At most this many effects are added.
@@ -158,17 +158,17 @@ fn next_level(
     let Some(lowest) = found.first().map(|best| best.cost) else { return found };
     let (mut level, mut rest) = best_on_all(problem, rough, found, budget);
     let best = level[0].clone();
-    let has_another = |model: &Fitted| best.has_band() || model.has_band();
+    let has_another = |model: &Fitted| best.has_band() || model.has_band() || stops_elsewhere(&best, model);
     rest.extend(level.extract_if(1.., |model| has_another(model)));
-    let others = rest.par_iter_mut().filter(|model| has_another(model) && model.cost < BEAM_REACH * lowest);
-    others.for_each(|model| *model = with_the_stiction_of(rough, best.stiction(), model));
+    let others = rest.iter_mut().filter(|model| has_another(model) && model.cost < BEAM_REACH * lowest);
+    on_all_cores(others, |model| *model = with_the_stiction_of(rough, best.stiction(), model));
     // Models far above the best one stay as they are: nothing that follows depends on their last digit.
     let reach = NEAR * best.evaluated(rough).cost.min(lowest);
     let left = |model: &Fitted| match model.cost < reach {
         true => model.refined(problem, Band::Free, Tolerance::ROUGH),
         false => model.evaluated(problem),
     };
-    level.par_extend(rest.par_iter().map(left));
+    level.extend(on_all_cores(&rest, left));
     level.retain(|model| is_sound(problem, model));
     sort(&mut level);
     with_the_bands_they_lack(problem, rough, &mut level);
@@ -187,8 +187,11 @@ fn with_the_bands_they_lack(problem: &Problem, rough: &Problem, level: &mut [Fit
         let promised = || model.evaluated(rough).cost - lowest_with_band(rough, model);
         is_near && !model.has_band() && model.n_added() <= n_most && (never_rests || promised() > least_gain)
     };
-    let lacking = level.par_iter_mut().filter(|model| may_lack(model));
-    lacking.for_each(|model| *model = model.refined(problem, Band::Searched, Tolerance::JUDGE).better(model.clone()));
+    on_all_cores(level.iter_mut(), |model| {
+        if may_lack(model) {
+            *model = model.refined(problem, Band::Searched, Tolerance::JUDGE).better(model.clone());
+        }
+    });
     sort(level);
 }
 
@@ -203,11 +206,11 @@ fn best_on_all(
     let n_near = near_the_best(&level).len().clamp(1, MAX_FINISHED);
     let mut rest = level.split_off(n_near);
     // Each with the stop levels that may suit it.
-    let mut near: Vec<Vec<Fitted>> = level.par_iter().map(|model| levels(rough, model)).collect();
+    let mut near: Vec<Vec<Fitted>> = on_all_cores(&level, |model| levels(rough, model));
     near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
     if !is_well_explained(problem, &near[0][0]) && budget.allows_more() {
         // Of laws that are nearly alike, one that ended on the way, at another turning point, is taken for a wrong one.
-        near.par_iter_mut().filter(|levels| !swings(&levels[0])).for_each(|model| begun_anew(rough, model));
+        on_all_cores(near.iter_mut().filter(|levels| !swings(&levels[0])), |model| begun_anew(rough, model));
         near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
         let simplest = near.iter().rposition(|levels| is_usual_form_of(&levels[0], &near[0][0])).unwrap_or(0);
         // A support imitates a law and its band better than the law without it.
@@ -222,8 +225,8 @@ fn best_on_all(
     rest.extend(near.split_off(n_worth_it).into_iter().map(|mut levels| levels.swap_remove(0)));
     // What somebody typed deserves its last digit anyway.
     let typed: Vec<Fitted> = rest.extract_if(.., |model| model.has(CUSTOM_FORMULA_NAME)).collect();
-    let mut best: Vec<Fitted> = near.par_iter().map(|levels| on_all(problem, levels)).collect();
-    best.par_extend(typed.par_iter().map(|model| model.refined(problem, Band::Level, Tolerance::JUDGE)));
+    let mut best: Vec<Fitted> = on_all_cores(&near, |levels| on_all(problem, levels));
+    best.extend(on_all_cores(&typed, |model| model.refined(problem, Band::Level, Tolerance::JUDGE)));
     sort(&mut best);
     (best, rest)
 }
@@ -290,6 +293,12 @@ fn found_roughly(
     looked_at_again(rough, level)
 }
 
+/// Without a velocity band, is the stop level of the best model one that would stop the swings of another one elsewhere?
+fn stops_elsewhere(best: &Fitted, model: &Fitted) -> bool {
+    let (low, high) = model.level_range_nm;
+    !(low..=high).contains(&best.stiction().level_nm)
+}
+
 /// A model with the stiction of another one, which may be a property of the bearing and no merit of its effect; what a
 /// model was begun with may have imitated the effect.
 fn with_the_stiction_of(rough: &Problem, stiction: Stiction, model: &Fitted) -> Fitted {
@@ -309,7 +318,7 @@ fn looked_at_again(problem: &Problem, mut level: Vec<Fitted>) -> Vec<Fitted> {
             *model = model.refined(problem, Band::Held, Tolerance::LAST);
         }
     };
-    level[..n_near].par_iter_mut().for_each(looked_at);
+    on_all_cores(&mut level[..n_near], looked_at);
     sort(&mut level);
     level
 }

@@ -6,11 +6,11 @@ use super::models::{is_explained, near_the_best};
 use super::physical::is_sound;
 use super::score::{Prediction, predictions};
 use super::strength::is_as_strong_as_can_be;
+use crate::cores::on_all_cores;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels};
-use rayon::prelude::*;
 use shared::effect::{Effect, MAX_VALUES};
 
 /// The models of a sorted level that come near the best, each of their laws in its wider form where there is one, fitted
@@ -21,8 +21,8 @@ pub(super) fn widened(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
         return Vec::new();
     }
     let all: Vec<Widening> = near_the_best(level).iter().flat_map(widenings).collect();
-    let fitted = all.par_iter().filter_map(|widening| widening.fitted(rough)).flatten_iter();
-    fitted.filter(|model| is_sound(rough, model)).collect()
+    let fitted = on_all_cores(&all, |widening| widening.fitted(rough));
+    fitted.into_iter().flatten().flatten().filter(|model| is_sound(rough, model)).collect()
 }
 
 /// The models of a sorted level that come near the best, each law with a special case that was not fitted in that form: it may
@@ -38,8 +38,8 @@ pub(super) fn narrowed(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
         let lacking = model.effects.iter().copied().filter(|wide| is_lacking(model, wide));
         lacking.filter_map(|wide| in_usual_form(rough, model, wide)).collect()
     };
-    let narrow = near_the_best(level).par_iter().flat_map_iter(of_model);
-    narrow.filter(|model| is_sound(rough, model)).collect()
+    let narrow = on_all_cores(near_the_best(level), of_model);
+    narrow.into_iter().flatten().filter(|model| is_sound(rough, model)).collect()
 }
 
 /// A model whose error is this share of the motion is late by up to a sixth of a radian in the end, where first-order answers err
@@ -96,7 +96,7 @@ impl Widening<'_> {
 /// A model with each of its laws in its wider form, fitted on decimated swings.
 pub(super) fn in_wider_forms(rough: &Problem, model: &Fitted) -> Vec<Fitted> {
     let all: Vec<Widening> = widenings(model).collect();
-    all.par_iter().filter_map(|widening| widening.wide(rough)).collect()
+    on_all_cores(&all, |widening| widening.wide(rough)).into_iter().flatten().collect()
 }
 
 /// A model with a law in its usual form in place of the wider one, fitted; `None` where it is no wider form, or the usual one

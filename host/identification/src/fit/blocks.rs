@@ -13,8 +13,8 @@ use super::linear::{SwingLinear, dot};
 use super::problem::{PER_SWING, Problem, Quantity, Unknown};
 use super::ridge::roughness;
 use super::solve::Factor;
+use crate::cores::on_all_cores;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 use shared::curve::{Curve, Spline};
 use shared::effect::Effect;
 use std::array;
@@ -85,7 +85,7 @@ pub fn choice(on: &Problem, fine: &Fitted, begin: Begin) -> Option<Choice> {
     let straight_squares = shape(2).left_out(&blocks, &[0.0]).swap_remove(0);
     let strengths: Vec<f64> = STRENGTHS.map(|power| unit * 10f64.powi(power)).collect();
     let tried: Vec<Shape> = N_KNOTS.into_iter().filter(|n_knots| *n_knots <= n_fine).map(shape).collect();
-    let left_out: Vec<Vec<Vec<f64>>> = tried.par_iter().map(|shape| shape.left_out(&blocks, &strengths)).collect();
+    let left_out: Vec<Vec<Vec<f64>>> = on_all_cores(&tried, |shape| shape.left_out(&blocks, &strengths));
     let mut best: Option<(f64, &Shape, f64, &Vec<f64>)> = None;
     for (shape, of_strengths) in tried.iter().zip(&left_out) {
         for (strength, squares) in strengths.iter().zip(of_strengths) {

@@ -17,8 +17,8 @@ use super::linear::{Linear, SwingLinear, dot};
 use super::phase;
 use super::problem::{PER_SWING, Problem, Start};
 use super::solve::Factor;
+use crate::cores::on_all_cores;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::ops::Range;
 
@@ -156,7 +156,7 @@ fn windows(on: &Problem, linear: &Linear, quarters: &[Vec<usize>], periods: usiz
             swing.columns[..n_unknowns].iter().map(Vec::as_slice).enumerate().collect();
         shared.extend(offset.iter().map(|offset| (n_unknowns + swing_idx, offset.as_slice())));
         let of_window = |range| cluster(on, swing_idx, swing, range, own, &shared, size);
-        phase::windows(&quarters[swing_idx], periods, swing.residuals.len()).into_par_iter().map(of_window).collect()
+        on_all_cores(phase::windows(&quarters[swing_idx], periods, swing.residuals.len()), of_window)
     };
     linear.each(of_swing).concat()
 }

@@ -4,8 +4,8 @@ use super::descent::{Tolerance, descend};
 use super::fitted::{Fitted, sort};
 use super::linear::Steps;
 use super::problem::{Problem, Unknown};
+use crate::cores::on_all_cores;
 use crate::swing::Window;
-use rayon::prelude::*;
 use shared::effect::Effect;
 use shared::parameters::base;
 
@@ -32,7 +32,7 @@ impl Fitted {
 
 /// The best of some models on the swings of a problem. There must be one.
 pub(super) fn best_on(on: &Problem, models: &[Fitted], tolerance: Tolerance) -> Fitted {
-    let mut all: Vec<Fitted> = models.par_iter().map(|model| model.descended(on, Window::Whole, tolerance)).collect();
+    let mut all: Vec<Fitted> = on_all_cores(models, |model| model.descended(on, Window::Whole, tolerance));
     sort(&mut all);
     all.swap_remove(0)
 }

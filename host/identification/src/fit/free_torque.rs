@@ -16,9 +16,9 @@ use super::response::Path;
 use super::scouts::scouts;
 use super::solve::Factor;
 use super::state_grid::{Grid, N_KNOTS};
+use crate::cores::on_all_cores;
 use crate::swing::Swing;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 use std::array;
 use std::ops::Range;
 
@@ -53,7 +53,7 @@ fn of_all(on: &Problem, model: &Fitted) -> Option<FreeTorque> {
     let swings: Vec<SwingLinear> = model.linearised(on).each(|_, swing| swing.clone());
     let ranges = ranges(on, model, &swings);
     let path = |idx: usize| Path::of(&model.parameters, model.starts[idx], &on.swings[idx]);
-    let paths: Vec<Path> = (0..swings.len()).into_par_iter().map(path).collect();
+    let paths: Vec<Path> = on_all_cores(0..swings.len(), path);
     let grid = Grid::over(&paths)?;
     let n_blocks = ranges.iter().map(Vec::len).sum();
     if n_blocks < FEWEST {
@@ -62,8 +62,8 @@ fn of_all(on: &Problem, model: &Fitted) -> Option<FreeTorque> {
     let place = Place { n_unknowns: model.unknowns.len(), n_swings: swings.len() };
     let noise = on.noise_rad().powi(2);
     let removes = |columns: Vec<Vec<Vec<f64>>>| Folds::new(&place, &swings, &columns, &ranges).removes(noise);
-    let as_torque = paths.par_iter().map(|path| path.answers(N_KNOTS, |at| grid.weights(at))).collect();
-    let as_reading = paths.par_iter().map(|path| grid.readings(path)).collect();
+    let as_torque = on_all_cores(&paths, |path| path.answers(N_KNOTS, |at| grid.weights(at)));
+    let as_reading = on_all_cores(&paths, |path| grid.readings(path));
     let (as_torque, as_reading) = rayon::join(|| removes(as_torque), || removes(as_reading));
     Some(FreeTorque { as_torque: as_torque?, as_reading: as_reading?, n_blocks })
 }
@@ -166,8 +166,8 @@ impl Folds {
         let without = self.left_out(None) - noise;
         let ridge = self.told() * Grid::ridge();
         let strengths: Vec<f64> = STRENGTHS.map(|power| 10f64.powi(power)).collect();
-        let with = strengths.par_iter().map(|strength| self.left_out(Some(&(*strength * &ridge))) - noise);
-        let best = with.min_by(f64::total_cmp)?;
+        let with = on_all_cores(strengths, |strength| self.left_out(Some(&(strength * &ridge))) - noise);
+        let best = with.into_iter().min_by(f64::total_cmp)?;
         (without > LEAST_EXCESS * noise && best.is_finite()).then(|| 1.0 - best / without)
     }
 

@@ -2,9 +2,9 @@
 
 use super::arrow::Arrow;
 use super::problem::{PER_SWING, Point, Problem, Start};
+use crate::cores::on_all_cores;
 use crate::swing::Window;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 /// Finite-difference steps are chosen so that the readings change by about this much (rms, rad): far above rounding,
 /// far below where the curvature shows.
@@ -67,7 +67,7 @@ const MOST_KEPT: usize = 16;
 impl<'a> Linear<'a> {
     /// Of linearised swings that have so many unknowns in common.
     pub fn of(n_unknowns: usize, swings: Vec<SwingLinear>) -> Self {
-        let equations = assemble(n_unknowns, swings.par_iter().map(Block::of).collect());
+        let equations = assemble(n_unknowns, on_all_cores(&swings, Block::of));
         Self { columns: Columns::Kept(swings), n_unknowns, equations }
     }
 
@@ -83,7 +83,7 @@ impl<'a> Linear<'a> {
     /// What something is of each swing.
     pub fn each<T: Send>(&self, of: impl Fn(usize, &SwingLinear) -> T + Sync) -> Vec<T> {
         match &self.columns {
-            Columns::Kept(swings) => swings.par_iter().enumerate().map(|(idx, swing)| of(idx, swing)).collect(),
+            Columns::Kept(swings) => on_all_cores(swings.iter().enumerate(), |(idx, swing)| of(idx, swing)),
             Columns::Anew(place) => place.each(|idx, swing| of(idx, &swing)),
         }
     }
@@ -127,7 +127,7 @@ impl<'a> Place<'a> {
 
     fn each<T: Send>(&self, of: impl Fn(usize, SwingLinear) -> T + Sync) -> Vec<T> {
         let of_swing = |swing_idx: usize| of(swing_idx, self.of_swing(swing_idx));
-        (0..self.problem.swings.len()).into_par_iter().map(of_swing).collect()
+        on_all_cores(0..self.problem.swings.len(), of_swing)
     }
 
     fn equations(&self) -> Equations {

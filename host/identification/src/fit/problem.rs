@@ -2,6 +2,7 @@
 
 use super::ridge::Ridge;
 use super::tolerance::{Known, Prior, Tolerances};
+use crate::cores::on_all_cores;
 use crate::fit::tally::Tally;
 use crate::lanes::Lanes;
 use crate::pace;
@@ -9,7 +10,6 @@ use crate::recording::Measured;
 use crate::swing::{Swing, Window, pace};
 use crate::trajectory::{Schedule, simulate};
 use crate::verdict::{ChiSquare, Colour};
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::curve::Curve;
 use shared::effect::{Effect, Parameter};
@@ -319,8 +319,8 @@ impl<'a> Problem<'a> {
 
     /// Readings without offset of one swing for several guesses, one column a guess, over its first samples.
     pub fn predict(&self, swing_idx: usize, n_samples: usize, guesses: &[(&[f64], Start)]) -> Vec<Vec<f64>> {
-        let batches: Vec<&[(&[f64], Start)]> = guesses.chunks(LANES).collect();
-        batches.into_par_iter().flat_map_iter(|batch| self.predict_batch(swing_idx, n_samples, batch)).collect()
+        let batch = |batch| self.predict_batch(swing_idx, n_samples, batch);
+        on_all_cores(guesses.chunks(LANES), batch).into_iter().flatten().collect()
     }
 
     fn predict_batch(&self, swing_idx: usize, n_samples: usize, batch: &[(&[f64], Start)]) -> Vec<Vec<f64>> {
@@ -382,7 +382,7 @@ impl<'a> Problem<'a> {
             };
             predicted.iter().zip(&columns).map(cost).collect()
         };
-        let per_swing: Vec<Vec<f64>> = (0..self.swings.len()).into_par_iter().map(of_swing).collect();
+        let per_swing: Vec<Vec<f64>> = on_all_cores(0..self.swings.len(), of_swing);
         let penalty = |guess: usize| self.penalty(window, &guesses[guess].values);
         let cost = |guess: usize| per_swing.iter().map(|costs| costs[guess]).sum::<f64>() + penalty(guess);
         (0..guesses.len()).map(cost).collect()

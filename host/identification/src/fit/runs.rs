@@ -6,9 +6,9 @@ use super::linear::dot;
 use super::problem::{LANES, PER_SWING, Point, Problem, Start};
 use super::quality::{Measured, Responses, Simulated};
 use super::solve::solve_damped;
+use crate::cores::on_all_cores;
 use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 /// Derivative step for start angle (rad) and velocity (rad/s).
 const START_STEP: f64 = 1e-5;
@@ -39,7 +39,7 @@ impl Nuisance {
             let slope = |k: usize| predicted[k].iter().zip(&predicted[0]).map(|(a, b)| (a - b) / START_STEP).collect();
             vec![slope(1), slope(2), vec![1.0; n_samples]]
         };
-        Self((0..problem.swings.len()).into_par_iter().map(of_swing).collect())
+        Self(on_all_cores(0..problem.swings.len(), of_swing))
     }
 }
 
@@ -65,7 +65,7 @@ fn simulated(problem: &Problem, from: &Point, window: Window, values: &[Vec<f64>
         let guesses: Vec<(&[f64], Start)> = values.iter().map(|values| (values.as_slice(), start)).collect();
         problem.predict(swing_idx, swing.samples_within(window), &guesses)
     };
-    problem.swings.par_iter().enumerate().map(of_swing).collect()
+    on_all_cores(problem.swings.iter().enumerate(), of_swing)
 }
 
 /// Solves for the starts of simulated runs and compares these with the measurement.
@@ -100,14 +100,15 @@ fn solved(
             };
             (solved, simulated)
         };
-        let compared = |runs: Vec<Vec<f64>>| {
-            let (starts, simulated): (Vec<Start>, Vec<_>) = runs.into_iter().map(solve_start).unzip();
+        let compared = |runs: &[Vec<f64>]| {
+            let (starts, simulated): (Vec<Start>, Vec<_>) = runs.iter().cloned().map(solve_start).unzip();
             let responses = measured.compare_each(&simulated);
-            starts.into_iter().zip(responses).map(move |(start, responses)| (start, responses, n_samples))
+            let of_run = |(start, responses)| (start, responses, n_samples);
+            starts.into_iter().zip(responses).map(of_run).collect::<Vec<_>>()
         };
-        runs.into_par_iter().chunks(LANES).flat_map_iter(compared).collect()
+        on_all_cores(runs.chunks(LANES), compared).concat()
     };
-    let per_swing: Vec<Vec<(Start, Responses, usize)>> = simulated.into_par_iter().enumerate().map(of_swing).collect();
+    let per_swing: Vec<Vec<(Start, Responses, usize)>> = on_all_cores(simulated.into_iter().enumerate(), of_swing);
     let run = |(run_idx, values): (usize, &Vec<f64>)| {
         let parts: Vec<&(Start, Responses, usize)> = per_swing.iter().map(|swing| &swing[run_idx]).collect();
         let starts = parts.iter().map(|part| part.0).collect();

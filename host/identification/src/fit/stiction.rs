@@ -12,9 +12,9 @@ use super::held;
 use super::linear::{Steps, linearise};
 use super::problem::Problem;
 use super::stop_level;
+use crate::cores::on_all_cores;
 use crate::pace;
 use crate::swing::Window;
-use rayon::prelude::*;
 use shared::parameters::base;
 
 /// Velocity bands that are tried at the usual pace, rad/s.
@@ -115,8 +115,7 @@ fn with_band(on: &Problem, none: &Fitted, tolerance: Tolerance) -> Option<Fitted
 /// bands are tried with the level that the rest shows.
 fn around(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Option<Fitted> {
     let cheapest = |found: Vec<Fitted>| found.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-    let led_to =
-        |pairs: Vec<Stiction>| cheapest(pairs.into_par_iter().map(|pair| tried(on, from, pair, tolerance)).collect());
+    let led_to = |pairs: Vec<Stiction>| cheapest(on_all_cores(pairs, |pair| tried(on, from, pair, tolerance)));
     let promising = |levels_nm: &Vec<f64>| Some(near(on, &led_to(promising(on, from, levels_nm))?, tolerance));
     let best = cheapest(levels_nm(from).iter().filter_map(promising).collect())?;
     if best.cost < (1.0 + EXCESS_WORTH_A_BAND) * on.noise_cost() {

@@ -7,8 +7,8 @@ use super::fitted::{Fitted, Stiction, sort};
 use super::linear::{Linear, Steps, linearise};
 use super::problem::{Point, Problem};
 use super::rounded_stop::rounded_between;
+use crate::cores::on_all_cores;
 use crate::swing::{Swing, Window};
-use rayon::prelude::*;
 use shared::parameters::base;
 
 /// At most this many turning points before the stop of each swing are considered, and as many ranges judged at once.
@@ -101,7 +101,7 @@ fn in_earnest(decimated: &Problem, from: &Fitted, levels: Vec<Level>) -> Vec<Fit
         let moved = from.with_stiction(Stiction::level(level.level_nm));
         Fitted { level_range_nm: level.range, ..moved }.descended(decimated, Window::Whole, Tolerance::ROUGH)
     };
-    let mut tried: Vec<Fitted> = levels.into_par_iter().map(at_level).collect();
+    let mut tried: Vec<Fitted> = on_all_cores(levels, at_level);
     sort(&mut tried);
     tried
 }
@@ -174,7 +174,7 @@ pub(super) fn ranges(problem: &Problem, point: &Point) -> Vec<Range> {
         // Where a swing that still moves ends, it does not turn.
         if moves(swing_idx) { all[1..].to_vec() } else { all }
     };
-    let of_swings: Vec<Vec<f64>> = (0..problem.swings.len()).into_par_iter().map(torques_of).collect();
+    let of_swings: Vec<Vec<f64>> = on_all_cores(0..problem.swings.len(), torques_of);
     // And it was held at none of its turning points.
     let passed = (0..of_swings.len()).filter(|swing_idx| moves(*swing_idx)).flat_map(|idx| of_swings[idx].first());
     let limit = passed.fold(f64::INFINITY, |least, torque| torque.min(least));

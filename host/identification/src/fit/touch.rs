@@ -11,9 +11,9 @@
 mod scan;
 
 use super::problem::Start;
+use crate::cores::on_all_cores;
 use crate::number::with_spread;
 use crate::swing::Swing;
-use rayon::prelude::*;
 use scan::{BESIDE, Place, places};
 use serde::Serialize;
 use shared::parameters::Parameters;
@@ -129,7 +129,7 @@ pub fn touches(swings: &[Swing], parameters: &Parameters<f64>, starts: &[Start])
         let places = if swing.is_driven { Vec::new() } else { places(swing, parameters, starts[idx]) };
         outstanding(&places).into_iter().map(|at| Touch::of(idx, swing, &places[at])).collect()
     };
-    swings.par_iter().enumerate().map(of_swing).collect::<Vec<_>>().concat()
+    on_all_cores(swings.iter().enumerate(), of_swing).concat()
 }
 
 /// The places, in order, that stand far out of all others; as few as do.

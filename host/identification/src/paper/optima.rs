@@ -6,10 +6,10 @@
 use super::data::{BOUNDS_OF_TABLE_9, Published, PublishedOptimum, SYMBOLS, Values};
 use super::designs::DesignComparison;
 use super::replay::Replay;
+use crate::cores::on_all_cores;
 use crate::fit::quality::Responses;
 use crate::rsm::coding::coded_point;
 use crate::rsm::{Composite, Desirability, Search, Surface, optimum};
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// One printed optimum beside ours.
@@ -61,8 +61,8 @@ const NOT_TABLE_6: &str =
 
 /// Sets the three optima beside ours.
 pub fn compare(published: &Published, replay: &Replay, designs: &[DesignComparison]) -> Vec<OptimumComparison> {
-    let pairs: Vec<_> = published.optima.iter().zip(designs).collect();
-    pairs.into_par_iter().map(|(printed, design)| compare_one(printed, design, replay)).collect()
+    let pairs = published.optima.iter().zip(designs);
+    on_all_cores(pairs, |(printed, design)| compare_one(printed, design, replay))
 }
 
 fn compare_one(printed: &PublishedOptimum, design: &DesignComparison, replay: &Replay) -> OptimumComparison {

@@ -5,9 +5,9 @@
 //! one does not have.
 
 use super::data::{Published, Values};
+use crate::cores::on_all_cores;
 use crate::fit::quality::Responses;
 use crate::responses::responses;
-use rayon::prelude::*;
 use serde::Serialize;
 use shared::paper::PaperSimulation;
 use shared::parameters::Parameters;
@@ -93,6 +93,6 @@ impl<'a> Replay<'a> {
 
     /// The same for many settings at once, on all cores.
     pub fn all(&self, settings: &[Values]) -> Vec<Responses> {
-        settings.par_iter().map(|values| self.responses(values)).collect()
+        on_all_cores(settings, |values| self.responses(values))
     }
 }

@@ -6,8 +6,8 @@ use super::data::{Published, Values};
 use super::designs::{DesignComparison, surfaces};
 use super::optima::{OurOptimum, best, natural_bounds};
 use super::replay::Replay;
+use crate::cores::on_all_cores;
 use crate::rsm::{Design, Factor, Surface};
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// Where the sequence leads.
@@ -45,14 +45,13 @@ pub fn compare(published: &Published, replay: &Replay, designs: &[DesignComparis
         let responses: Vec<_> = design.runs.iter().map(|run| run.ours).collect();
         optimum_of(&surfaces(&composite, &responses), replay)
     };
-    let paper_boxes: Vec<Stage> = designs.par_iter().map(replayed).collect();
+    let paper_boxes: Vec<Stage> = on_all_cores(designs, replayed);
     let mut own_boxes = vec![paper_boxes[0].clone()];
     for design in &published.designs[1..] {
         let centre = own_boxes.last().map_or(paper_boxes[0].values, |stage| stage.values);
         own_boxes.push(stage_around(&centre, &design.factors, replay));
     }
-    let printed = published.optima.par_iter().map(|optimum| replay.responses(&optimum.values).mse_angle);
-    let printed: Vec<f64> = printed.collect();
+    let printed = on_all_cores(&published.optima, |optimum| replay.responses(&optimum.values).mse_angle);
     SequenceComparison { printed_optima: std::array::from_fn(|k| printed[k]), paper_boxes, own_boxes }
 }
 

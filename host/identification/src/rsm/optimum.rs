@@ -10,7 +10,7 @@ use super::nelder_mead::{Candidate, climb};
 use super::random::Random;
 use super::surface::Surface;
 use super::term::Term;
-use rayon::prelude::*;
+use crate::cores::on_all_cores;
 use serde::Serialize;
 
 /// A coded value this close to ±1 lies on the face.
@@ -161,7 +161,7 @@ fn best_point(n_factors: usize, search: &Search, merit: impl Fn(&[f64]) -> f64 +
         let mut random = Random::new(search.seed.wrapping_add(1 + climb_idx as u64));
         climb(start, search.smallest_edge, &mut random, judged)
     };
-    let reached: Vec<Candidate> = starts.into_par_iter().enumerate().map(climbed).collect();
+    let reached: Vec<Candidate> = on_all_cores(starts.into_iter().enumerate(), climbed);
     let best = reached.into_iter().max_by(|a, b| a.merit.total_cmp(&b.merit));
     best.map_or_else(|| vec![0.0; n_factors], |best| best.point)
 }

@@ -7,6 +7,7 @@
 //! ([`super::super::response`]), which are taken out of residuals and jumps alike. It is the score test of an impulse, window
 //! by window.
 
+use crate::cores::on_all_cores;
 use crate::fit::clusters::{beyond, orthonormal};
 use crate::fit::linear::dot;
 use crate::fit::problem::Start;
@@ -14,7 +15,6 @@ use crate::fit::response::{Path, Transition, inverse, moved};
 use crate::recording::turning::half_swing_s;
 use crate::swing::{Swing, Window};
 use crate::trajectory::simulate;
-use rayon::prelude::*;
 use shared::model::Model;
 use shared::parameters::Parameters;
 use std::ops::Range;
@@ -58,7 +58,7 @@ pub(super) fn places(swing: &Swing, parameters: &Parameters<f64>, start: Start) 
     let last_s = seen.times_s.last().copied().unwrap_or(0.0);
     let n_half_swings = (last_s / seen.half_swing_s) as usize;
     let middles = BESIDE..(n_half_swings + 1).saturating_sub(BESIDE);
-    middles.into_par_iter().filter_map(|k| seen.place(k as f64 * seen.half_swing_s)).collect()
+    on_all_cores(middles, |k| seen.place(k as f64 * seen.half_swing_s)).into_iter().flatten().collect()
 }
 
 /// A swing beside its model, thinned.
