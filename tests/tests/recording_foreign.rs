@@ -69,6 +69,7 @@ fn read_rightly() -> Vec<Read> {
             1e-9,
             "3 (angle) taken as the angle, whose name says nothing else, and not 1 (baseAngle)",
         ),
+        good("matlab_cells.mat", 1e-9, ""),
         good("matlab_v4.mat", 1e-9, ""),
         good("matlab_v4_big.mat", 1e-9, "column 0 read as time"),
         good("lines.jsonl", 2e-8, ""),

@@ -104,7 +104,12 @@ impl Sources {
         let needed: Vec<usize> = needed.chain(parted.map(|parted| parted.rest)).collect();
         let run = runs::column(table, |idx| !needed.contains(&idx)).filter(|_| header.version.is_none());
         let is_free = |idx: &usize| !needed.contains(idx) && run != Some(*idx) && header.version.is_none();
-        let others = drives_and_carriers(table, &reading).filter(is_free).take(MOST_COLUMNS).collect();
+        let is_told = asked.angle.is_some() || asked.x.is_some();
+        let others = match table.names {
+            None if !is_told => (0..table.n_columns).filter(|idx| table.is_of_numbers(*idx)).collect::<Vec<_>>(),
+            _ => drives_and_carriers(table, &reading).collect(),
+        };
+        let others = others.into_iter().filter(is_free).take(MOST_COLUMNS).collect();
         Ok(Self { time, reading, parted, code, run, others, otherwise })
     }
 
@@ -194,6 +199,9 @@ impl Sources {
     /// sensor's, and an angle that does is that of the same shaft.
     pub(super) fn others(&self, table: &Table, samples: &Samples, readings: &[f64]) -> (Vec<Drive>, Vec<Carrier>) {
         let (mut drives, mut carriers) = (Vec::new(), Vec::new());
+        if table.names.is_none() {
+            return (drives, carriers);
+        }
         let raw = samples.readings.first().map_or(f64::NAN, |raw| movement(raw));
         for (idx, values) in self.others.iter().copied().zip(&samples.others) {
             let (name, values) = (table.column_name(idx), values.clone());

@@ -121,6 +121,9 @@ impl Samples {
             }
             row_idx += 1;
         }
+        if sources.run.is_none() {
+            samples.end_before_empty_rows(notes);
+        }
         notes.extend(missing.in_words("rows without a value are gaps"));
         notes.extend(wordy.in_words("lines without any number left out"));
         if !below.is_empty() {
@@ -347,6 +350,23 @@ impl Samples {
         let kept: Vec<bool> = (0..self.len()).map(|idx| idx < n_kept).collect();
         self.keep(&kept);
         true
+    }
+
+    /// Rows of nothing but zeros, behind the last one with a time, are room that a program made beforehand and never filled.
+    fn end_before_empty_rows(&mut self, notes: &mut Vec<String>) {
+        let is_empty = |idx: &usize| self.times[*idx] == 0.0 && self.readings.iter().all(|list| list[*idx] == 0.0);
+        let Some(last) = (0..self.times.len()).rfind(|idx| !is_empty(idx)) else { return };
+        let n_empty = self.times.len() - last - 1;
+        if n_empty == 0 || self.times[last] <= 0.0 {
+            return;
+        }
+        notes.push(format!("{n_empty} rows of nothing but zeros behind the last time, {}: left out", self.times[last]));
+        let kept: Vec<bool> = (0..self.len()).map(|idx| idx <= last).collect();
+        self.keep(&kept);
+        self.n_doubled = (0..self.len()).filter(|idx| self.is_doubled(*idx)).count();
+        let still_goes_back =
+            self.times.windows(2).enumerate().any(|(k, pair)| pair[1] <= pair[0] && !self.is_doubled(k + 1));
+        self.standstill = self.standstill.take().filter(|_| still_goes_back);
     }
 
     /// Does a sample repeat time and readings of the one before?

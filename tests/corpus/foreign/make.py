@@ -142,11 +142,23 @@ def matlab():
     (HERE / "simulink.mat").write_bytes(head + simulink(element, matrix, times, angles))
     newer = b"MATLAB 7.3 MAT-file, Platform: GLNXA64, HDF5 schema 1.00 .".ljust(512) + b"\x89HDF\r\n\x1a\n" + bytes(100)
     (HERE / "matlab_v73.mat").write_bytes(newer)
-    plain_matrices(head, matrix, times, angles)
+    plain_matrices(head, element, matrix, times, angles)
 
 
-def plain_matrices(head, matrix, times, angles):
-    """A quantity a row below the head of Simulink's "To File"; a matrix without names; names beside others like them; and version 4."""
+def cells(element, name, texts):
+    """One text a cell."""
+
+    def array(kind, name, size, rest):
+        parts = [element(6, struct.pack("<II", kind, 0)), element(5, struct.pack("<ii", *size)), element(1, name.encode())]
+        return element(14, b"".join(parts) + rest)
+
+    text = lambda text: array(4, "", (1, len(text)), element(16, text.encode()))
+    return array(1, name, (1, len(texts)), b"".join(map(text, texts)))
+
+
+def plain_matrices(head, element, matrix, times, angles):
+    """A quantity a row below the head of Simulink's "To File"; a matrix without names, and one with names in
+    cells; names beside others like them; and version 4."""
     to_file = b"MAT-file v.5".ljust(116, b"\0") + b" " * 8 + head[124:]
     (HERE / "matlab_to_file.mat").write_bytes(to_file + matrix("ans", [[t, a] for t, a in zip(times, angles)]))
     rates = [row[2] for row in ROWS]
@@ -154,6 +166,8 @@ def plain_matrices(head, matrix, times, angles):
     (HERE / "matlab_matrix.mat").write_bytes(head + gains + matrix("data", [times, angles, rates]))
     others = matrix("timeTrigger", [[0.0, 1.0] * (len(times) // 2)]) + matrix("baseAngle", [[0.1 * a for a in angles]])
     (HERE / "matlab_names.mat").write_bytes(head + others + matrix("time", [times]) + matrix("angle", [angles]))
+    data = matrix("data", [times, [0.1 * a for a in angles], angles])
+    (HERE / "matlab_cells.mat").write_bytes(head + cells(element, "columns", ["time", "arm", "angle"]) + data)
 
     def old(name, columns, what):
         rows = len(columns[0])

@@ -77,6 +77,27 @@ fn a_clock_that_stops_for_good_ends_the_recording() {
     check(&stopped, &ReadOptions { rate_hz: Some(100.0), ..ReadOptions::default() }, 1e-5, "");
 }
 
+/// As a program leaves them that made room for more.
+#[test]
+fn rows_of_zeros_behind_the_last_time_are_no_samples() {
+    let swing = table("t,theta\n", |(t, a, _)| format!("{:.2},{a:.5}", t + 0.01));
+    let recording = check_found(&(swing.clone() + &"0,0\n".repeat(700)), 1e-5, "700 rows of nothing but zeros");
+    assert_eq!(recording.len(), swing.lines().count() - 1);
+    // A clock that begins anew is another recording.
+    let refused = open((swing + &"0,0.001\n".repeat(700)).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("time goes back"), "{refused}");
+}
+
+#[test]
+fn the_unit_that_is_offered_is_one_in_which_a_pendulum_can_be_followed() {
+    for (tick_s, suffix) in [(1e-3, "t=0:ms"), (1e-6, "t=0:us"), (1e-9, "t=0:ns")] {
+        // Steps of 25 ms, and nothing that swings.
+        let text: String = (1..300).map(|k| format!("{:.0},0.{}\n", 0.025 * f64::from(k) / tick_s, k % 2)).collect();
+        let refused = open(format!("time,theta\n{text}").as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains(suffix), "{refused}");
+    }
+}
+
 /// As robots log it: the header of a message, `timeval` of C, a message in one row without names.
 #[test]
 fn whole_seconds_and_the_rest_of_them_are_one_time() {

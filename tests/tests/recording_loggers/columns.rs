@@ -44,6 +44,25 @@ fn an_arm_that_is_held_and_a_run_that_was_never_made_are_no_rivals() {
     check_found(&empty, 1e-5, "");
 }
 
+/// As a board logs an arm and what hangs on it, in a matrix without names.
+#[test]
+fn without_names_what_swings_much_farther_is_a_rival_unless_it_follows_from_the_angle() {
+    let arm = |t: f64| 0.1 * (4.9 * t).sin() * (-0.2 * t).exp();
+    let both = table("", |(t, a, _)| format!("{t:.2},{:.5},{a:.5}", arm(t)));
+    let refused = open(both.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("could be the angle: 1, 2;") && refused.contains("t=0,theta=2"), "{refused}");
+    check(&both, &told("t=0,theta=2"), 1e-5, "");
+    let late = table("", |(t, a, _)| format!("{:.5},{a:.5},{t:.2}", arm(t)));
+    let refused = open(late.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("t=2,theta=0 or t=2,theta=1"), "{refused}");
+    // A rate goes six times as far here; a voltage is noise, and a motor's angle goes on.
+    check_found(&table("", |(t, a, w)| format!("{t:.2},{a:.5},{w:.4}")), 1e-5, "column 0 read as time");
+    let mut chance = Chance::new(7);
+    let noise: Vec<f64> = (0..2000).map(|_| 3.0 * chance.normal().clamp(-2.0, 2.0)).collect();
+    let beside = |(t, a, _): Row| format!("{t:.2},{a:.5},{:.3},{:.3}", noise[(100.0 * t).round() as usize], 0.3 * t);
+    check_found(&table("", beside), 1e-5, "column 0 read as time");
+}
+
 #[test]
 fn an_angle_in_two_units_is_one_angle() {
     let both = table("t,theta(deg),theta(rad)\n", |(t, a, _)| format!("{t:.2},{:.3},{a:.5}", a.to_degrees()));

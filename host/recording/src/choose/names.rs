@@ -13,7 +13,7 @@ use super::parted::parted;
 use super::standing::{rises_evenly, unnamed_time};
 
 /// So many examples are shown of what could be told.
-const SHOWN: usize = 3;
+pub(super) const SHOWN: usize = 3;
 
 /// The only column whose name means this.
 pub(super) fn the_one(table: &Table, wanted: Meaning) -> Option<usize> {

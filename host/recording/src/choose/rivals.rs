@@ -3,18 +3,37 @@
 
 use super::super::chosen::{ReadingSource, Sources};
 use super::super::error::Fault;
-use super::super::limits::HARDLY;
+use super::super::limits::{HARDLY, LARGEST_UNSTATED_RAD};
+use super::super::median;
 use super::super::options::ReadOptions;
 use super::super::samples::Samples;
 use super::super::table::Table;
+use super::super::told::Told;
 use super::super::units::AngleUnit;
 use super::super::words::is_turn_of_body;
 use super::angle_unit_of;
-use super::names::listed;
+use super::names::{SHOWN, listed};
 
 /// A step of more than this share of all that a column covers is an angle that wraps around: by a whole turn, and it
 /// covers no more than that. A pendulum moves so far in half a period, which has more samples than two.
 const WRAP: f64 = 0.5;
+
+/// A column without a name is no lesser one before another goes so many times as far. The arms of two rotary pendulums were
+/// taken for these, which go 8 and 8 times as far; twice of it would let chance decide, with half of it what is written
+/// behind an angle (its rate, a voltage) is more often looked at.
+const FARTHER: f64 = 3.0;
+
+/// It swings if it passes its middle so often, by a tenth of its range, …
+const PASSES: usize = 8;
+const PASSED_BY: f64 = 0.1;
+
+/// … and its steps are small beside it: squares of them, as shares of its variance, are 2 of noise, and 0.4 of a swing
+/// with ten readings a period.
+const SMOOTH: f64 = 0.5;
+
+/// What follows from the angle (its rate, its acceleration, the same in another unit) has less than this share of its
+/// variance for itself.
+const OWN_SHARE: f64 = 0.1;
 
 impl Sources {
     /// Decides between rivals by all of their rows, and leaves the readings of the one that is the angle.
@@ -61,6 +80,26 @@ impl Sources {
         Ok(Self { reading, ..self })
     }
 
+    /// Without names the first column that may be the angle is taken; but not where another one swings that goes much farther
+    /// and does not follow from it: of an arm and its pendulum, say.
+    pub(crate) fn refuse_lesser(&self, table: &Table, samples: &Samples) -> Result<(), Fault> {
+        let (ReadingSource::Angle { idx, .. }, None) = (&self.reading, &table.names) else { return Ok(()) };
+        // Of one that never moves it is said so.
+        let Some(taken) = samples.readings.first().filter(|taken| range(taken) > 0.0) else { return Ok(()) };
+        // In the same unit, which nothing tells.
+        let is_turns = |values: &[f64]| values.iter().any(|value| value.abs() > LARGEST_UNSTATED_RAD);
+        let is_rival = |values: &[f64]| {
+            is_turns(values) == is_turns(taken) && Swinging::of(values).is_some_and(|swinging| swinging.is_own(taken))
+        };
+        let rivals: Vec<_> = self.others.iter().zip(&samples.others).filter(|(_, values)| is_rival(values)).collect();
+        if !rivals.iter().any(|(_, values)| range(values) > FARTHER * range(taken)) {
+            return Ok(());
+        }
+        let columns: Vec<usize> = std::iter::once(*idx).chain(rivals.iter().map(|(rival, _)| **rival)).collect();
+        let told = columns.iter().map(|reading| Told { reading: *reading, ..self.told() }.angle("", ""));
+        Err(undecided(table, &columns, &told.take(SHOWN).collect::<Vec<_>>().join(" or ")))
+    }
+
     /// Is the angle still one of several columns?
     pub(crate) fn undecided(&self, table: &Table) -> Option<Fault> {
         match &self.reading {
@@ -94,6 +133,50 @@ pub(super) fn undecided(table: &Table, columns: &[usize], example: &str) -> Faul
 pub(super) fn movement(readings: &[f64]) -> f64 {
     let widest = WRAP * range(readings);
     readings.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step <= widest).sum()
+}
+
+/// A column that goes to and fro.
+struct Swinging<'a> {
+    values: &'a [f64],
+    /// From one passage of the middle to the next, in rows.
+    n_between: usize,
+}
+
+impl<'a> Swinging<'a> {
+    /// `None` where it does not, or not smoothly.
+    fn of(values: &'a [f64]) -> Option<Self> {
+        let (middle, margin) = (median(&mut values.to_vec()), PASSED_BY * range(values));
+        let far = values.iter().enumerate().filter(|(_, value)| (*value - middle).abs() > margin);
+        let sides: Vec<(usize, bool)> = far.map(|(row, value)| (row, *value > middle)).collect();
+        let passed: Vec<usize> = sides.windows(2).filter(|pair| pair[0].1 != pair[1].1).map(|pair| pair[1].0).collect();
+        let mut between: Vec<f64> = passed.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect();
+        let steps: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+        let variance: f64 = values.iter().map(|value| (value - middle).powi(2)).sum();
+        let swings = passed.len() >= PASSES && steps < SMOOTH * variance;
+        swings.then(|| Self { values, n_between: median(&mut between) as usize })
+    }
+
+    /// Is more of it its own than what an angle, and how it changes, leave of it?
+    fn is_own(&self, angles: &[f64]) -> bool {
+        let n = self.values.len().min(angles.len());
+        // Between neighbours a coarse sensor changes by chance.
+        let n_apart = (self.n_between / 4).max(1);
+        let change = |k: usize| angles[(k + n_apart).min(n - 1)] - angles[k.saturating_sub(n_apart)];
+        let changes: Vec<f64> = (0..n).map(change).collect();
+        let columns = [&angles[..n], &changes[..], &self.values[..n]].map(centred);
+        let product = |a: usize, b: usize| columns[a].iter().zip(&columns[b]).map(|(a, b)| a * b).sum::<f64>();
+        let share = |of: usize, on: usize| if product(on, on) > 0.0 { product(of, on) / product(on, on) } else { 0.0 };
+        // What the change has beyond the angle, and of that what the column has.
+        let change_alone = product(1, 1) - share(1, 0) * product(1, 0);
+        let both = product(2, 1) - share(1, 0) * product(2, 0);
+        let of_change = if change_alone > 0.0 { both * both / change_alone } else { 0.0 };
+        product(2, 2) - share(2, 0) * product(2, 0) - of_change > OWN_SHARE * product(2, 2)
+    }
+}
+
+fn centred(values: &[f64]) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter().map(|value| value - mean).collect()
 }
 
 /// From the smallest to the largest of its numbers; 0 where there are none.

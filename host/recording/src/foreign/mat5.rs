@@ -17,6 +17,9 @@ const TAG: usize = 8;
 /// Structures within structures, so deep.
 const DEEPEST: usize = 8;
 
+/// A table has no more columns with names.
+const MOST_NAMES: usize = 64;
+
 /// What a variable holds.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Variable {
@@ -27,6 +30,8 @@ pub(super) enum Variable {
         values: Vec<f64>,
     },
     Text(String),
+    /// Cells, each with a text: what columns are called.
+    Names(Vec<String>),
     /// One list of values an entry, in the order of the fields.
     Structure {
         fields: Vec<String>,
@@ -34,7 +39,7 @@ pub(super) enum Variable {
     },
     /// One of MATLAB's own objects, such as a `timeseries`, by its class; what it holds lies elsewhere in a secret form.
     Object(String),
-    /// Cells, tables, sparse matrices, arrays of more than two dimensions.
+    /// Other cells, tables, sparse matrices, arrays of more than two dimensions.
     Other,
 }
 
@@ -93,6 +98,7 @@ pub(super) mod kind {
 
 /// The classes of matrices that are read.
 mod class {
+    pub(super) const CELLS: u32 = 1;
     pub(super) const STRUCTURE: u32 = 2;
     pub(super) const TEXT: u32 = 4;
     pub(super) const FIRST_OF_NUMBERS: u32 = 6;
@@ -174,6 +180,10 @@ fn matrix(bytes: &[u8], is_big: bool, deepest: usize) -> Result<(String, Variabl
             structure(&mut parts, n_entries, deepest - 1)?
         }
         (class::TEXT, _) => Variable::Text(text(&parts.must()?, is_big)),
+        (class::CELLS, [n_rows, n_columns]) => {
+            let n_cells = n_rows.saturating_mul(*n_columns);
+            (1..=MOST_NAMES).contains(&n_cells).then(|| names(&mut parts, n_cells)).flatten().unwrap_or(Variable::Other)
+        }
         (class::FIRST_OF_NUMBERS..=class::LAST_OF_NUMBERS, [n_rows, n_columns]) => {
             let values = parts.next()?.map(|element| numbers(&element, is_big)).unwrap_or_default();
             if n_rows.checked_mul(*n_columns) != Some(values.len()) {
@@ -191,6 +201,15 @@ fn object(parts: &mut Elements) -> Result<(String, Variable), Problem> {
     let mut word = || Ok(String::from_utf8_lossy(parts.must()?.data).into_owned());
     let (name, _system, class) = (word()?, word()?, word()?);
     Ok((name, Variable::Object(class)))
+}
+
+/// `None` where a cell has no text.
+fn names(parts: &mut Elements, n_cells: usize) -> Option<Variable> {
+    let mut name = || match matrix(parts.next().ok()??.data, parts.is_big, 0).ok()?.1 {
+        Variable::Text(name) => Some(name),
+        _ => None,
+    };
+    (0..n_cells).map(|_| name()).collect::<Option<_>>().map(Variable::Names)
 }
 
 fn structure(parts: &mut Elements, n_entries: usize, deepest: usize) -> Result<Variable, Problem> {

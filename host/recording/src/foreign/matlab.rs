@@ -1,5 +1,5 @@
 //! MATLAB files of versions 4 to 7: every vector is a column of its name, every matrix has its columns numbered. A matrix
-//! that stands alone is a table without names.
+//! that stands alone is a table without names, unless cells hold as many texts as it has columns.
 //!
 //! Of structures the fields count, and of those that Simulink logs (`Structure With Time`) each signal's values, under
 //! its label, or else under the name of the variable.
@@ -37,9 +37,18 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
         ));
     }
     match columns.lone_matrix() {
-        Some(matrix) => Ok(text_of(&[], matrix)),
+        Some(matrix) => Ok(text_of(names_of(&variables, matrix.len()), matrix)),
         None => Ok(text_of(&columns.names, &columns.numbers)),
     }
+}
+
+/// The cells with a text for each of so many columns; none where there are no such cells, or several.
+fn names_of(variables: &[(String, Variable)], n_columns: usize) -> &[String] {
+    let mut fitting = variables.iter().filter_map(|(_, variable)| match variable {
+        Variable::Names(names) if names.len() == n_columns => Some(names.as_slice()),
+        _ => None,
+    });
+    fitting.next().filter(|_| fitting.next().is_none()).unwrap_or_default()
 }
 
 /// What to do with timeseries, which Simulink writes `To Workspace`, by the name of the one that is likely the angle.
@@ -75,7 +84,7 @@ impl Columns {
             Variable::Structure { fields, entries } => {
                 entries.iter().for_each(|entry| self.add_entry(name, fields, entry));
             }
-            Variable::Text(_) | Variable::Object(_) | Variable::Other => {}
+            Variable::Text(_) | Variable::Names(_) | Variable::Object(_) | Variable::Other => {}
         }
     }
 
