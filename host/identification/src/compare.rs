@@ -240,7 +240,7 @@ fn torque_of(recordings: &[Judged], parameters: &Parameters<f64>) -> Option<Torq
         };
         recording.curves.restarts.iter().filter_map(of).collect::<Vec<_>>()
     };
-    let windows: Vec<weak::Windows> = on_all_cores(recordings, windows_of).concat();
+    let windows: Vec<weak::Windows> = on_all_cores(recordings, windows_of).into_iter().flatten().collect();
     torque::torque_map(grid, &windows, coulomb_nm)
 }
 

@@ -105,8 +105,10 @@ impl Sources {
         let run = runs::column(table, |idx| !needed.contains(&idx)).filter(|_| header.version.is_none());
         let is_free = |idx: &usize| !needed.contains(idx) && run != Some(*idx) && header.version.is_none();
         let is_told = asked.angle.is_some() || asked.x.is_some();
-        let others = match table.names {
-            None if !is_told => (0..table.n_columns).filter(|idx| table.is_of_numbers(*idx)).collect::<Vec<_>>(),
+        let others: Vec<usize> = match (&table.names, &reading) {
+            (None, ReadingSource::Angle { .. }) if !is_told => {
+                (0..table.n_columns).filter(|idx| table.is_of_numbers(*idx)).collect()
+            }
             _ => drives_and_carriers(table, &reading).collect(),
         };
         let others = others.into_iter().filter(is_free).take(MOST_COLUMNS).collect();

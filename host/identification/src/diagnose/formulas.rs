@@ -128,7 +128,7 @@ pub fn formulas(problem: &Problem, model: &Fitted, score: impl Fn(&Fitted) -> f6
         let special = special_case(problem, model, &general).map(|special| special.finished(problem));
         std::iter::once(general).chain(special).collect::<Vec<Found>>()
     };
-    let mut found = on_all_cores(&found, finished).concat();
+    let mut found: Vec<Found> = on_all_cores(&found, finished).into_iter().flatten().collect();
     found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     found
 }

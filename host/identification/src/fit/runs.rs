@@ -100,13 +100,15 @@ fn solved(
             };
             (solved, simulated)
         };
-        let compared = |runs: &[Vec<f64>]| {
-            let (starts, simulated): (Vec<Start>, Vec<_>) = runs.iter().cloned().map(solve_start).unzip();
+        let compared = |runs: Vec<Vec<f64>>| {
+            let (starts, simulated): (Vec<Start>, Vec<_>) = runs.into_iter().map(solve_start).unzip();
             let responses = measured.compare_each(&simulated);
             let of_run = |(start, responses)| (start, responses, n_samples);
             starts.into_iter().zip(responses).map(of_run).collect::<Vec<_>>()
         };
-        on_all_cores(runs.chunks(LANES), compared).concat()
+        let mut runs = runs.into_iter();
+        let next = || Some(runs.by_ref().take(LANES).collect::<Vec<_>>()).filter(|batch| !batch.is_empty());
+        on_all_cores(std::iter::from_fn(next), compared).concat()
     };
     let per_swing: Vec<Vec<(Start, Responses, usize)>> = on_all_cores(simulated.into_iter().enumerate(), of_swing);
     let run = |(run_idx, values): (usize, &Vec<f64>)| {
