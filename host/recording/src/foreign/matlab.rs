@@ -42,10 +42,12 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     }
 }
 
-/// The cells with a text for each of so many columns; none where there are no such cells, or several.
+/// The cells with a text for each of so many columns, a time or an angle among them; none where there are no such cells, or
+/// several.
 fn names_of(variables: &[(String, Variable)], n_columns: usize) -> &[String] {
+    let is_known = |name: &String| matches!(meaning(name), Meaning::Time { .. } | Meaning::Angle { .. });
     let mut fitting = variables.iter().filter_map(|(_, variable)| match variable {
-        Variable::Names(names) if names.len() == n_columns => Some(names.as_slice()),
+        Variable::Names(names) if names.len() == n_columns && names.iter().any(is_known) => Some(names.as_slice()),
         _ => None,
     });
     fitting.next().filter(|_| fitting.next().is_none()).unwrap_or_default()
@@ -176,6 +178,17 @@ mod tests {
         assert!(told.contains("t = theta2.Time; theta = theta2.Data; save('swing.mat'"), "{told}");
         assert!(how_to_save(&[series("logged")]).unwrap().contains("t = logged.Time"));
         assert_eq!(how_to_save(&[other]), None);
+    }
+
+    #[test]
+    fn cells_name_the_columns_where_they_are_as_many_and_say_what_is_measured() {
+        let names = |names: &[&str]| {
+            let names = names.iter().map(|name| (*name).to_owned()).collect();
+            ("names".to_owned(), Variable::Names(names))
+        };
+        let (good, few, gains) = (names(&["time", "theta"]), names(&["time"]), names(&["kp", "kd"]));
+        assert_eq!(names_of(&[few.clone(), gains.clone(), good.clone()], 2), ["time", "theta"]);
+        assert!(names_of(&[few, gains], 2).is_empty() && names_of(&[good.clone(), good], 2).is_empty());
     }
 
     #[test]
