@@ -1,5 +1,7 @@
 //! The rows of a table, one after the other: numbers of the chosen columns, gaps, what was cut off.
 
+mod left_out;
+
 use super::cell::{Cell, Numerals};
 use super::chosen::{Sources, TimeSource};
 use super::clock;
@@ -9,7 +11,6 @@ use super::grid;
 use super::labels::Labels;
 use super::limits::{LONGEST_STEP_S, MOST_SAMPLES};
 use super::median_step_s;
-use super::order;
 use super::spikes;
 use super::straight;
 use super::table::Table;
@@ -175,9 +176,8 @@ impl Samples {
 
     /// With what is seen of a run while a file of its own is read.
     fn looked_over(mut self) -> Self {
-        self.n_doubled = (0..self.len()).filter(|idx| self.is_doubled(*idx)).count();
-        let wrong =
-            (1..self.times.len()).find(|idx| self.times[*idx] <= self.times[*idx - 1] && !self.is_doubled(*idx));
+        self.count_doubled();
+        let wrong = self.first_standstill();
         self.standstill = wrong.and_then(|idx| {
             check_step(|| format!("row {} of the run", idx + 1), "", self.times[idx - 1], self.times[idx]).err()
         });
@@ -309,64 +309,13 @@ impl Samples {
         Fault::TimeRepeats { place, time, unit, n_rows: n_rows.max(2) }
     }
 
-    /// Rows out of the order of time, where they are few and the clock goes on around them.
-    fn leave_out_strays(&mut self, notes: &mut Vec<String>) -> bool {
-        let Some(kept) = order::kept(&self.times, |idx| self.is_doubled(idx)) else { return false };
-        let n = kept.iter().filter(|kept| !**kept).count();
-        if let Some(first) = kept.iter().position(|kept| !kept) {
-            let (stray, before) = (self.times[first], self.times[first - 1]);
-            notes.push(match n {
-                1 => format!("1 row is out of the order of time, {stray} after {before}, and the clock goes on: left out"),
-                n => format!(
-                    "{n} rows are out of the order of time, the first of them {stray} after {before}, and the clock goes \
-                     on: left out"
-                ),
-            });
-        }
-        self.keep(&kept);
-        true
-    }
-
-    /// Keeps the first of two rows of the same time, where they are few and the clock goes on around them.
-    fn leave_out_twins(&mut self, notes: &mut Vec<String>) -> bool {
-        let Some(kept) = order::first_of_twins(&self.times) else { return false };
-        let n = kept.iter().filter(|kept| !**kept).count();
-        let first = kept.iter().position(|kept| !kept).map_or(0.0, |idx| self.times[idx]);
-        notes.push(format!(
-            "{n} rows have the time of the row before, {first} first, as when a sensor writes whenever it moves: left out"
-        ));
-        self.keep(&kept);
-        true
-    }
-
-    /// Rows behind the moment at which the clock stopped for good have no time; those before it are a recording.
-    fn end_with_the_clock(&mut self, notes: &mut Vec<String>) -> bool {
-        let Some(n_kept) = ticks::before_stop(&self.times, |idx| self.is_doubled(idx)) else { return false };
-        notes.push(format!(
-            "the clock stops at {}: the {} rows behind have no time and are left out; --rate, the samples a second, takes all",
-            self.times[n_kept - 1],
-            self.len() - n_kept
-        ));
-        let kept: Vec<bool> = (0..self.len()).map(|idx| idx < n_kept).collect();
-        self.keep(&kept);
-        true
-    }
-
-    /// Rows of nothing but zeros, behind the last one with a time, are room that a program made beforehand and never filled.
-    fn end_before_empty_rows(&mut self, notes: &mut Vec<String>) {
-        let is_empty = |idx: &usize| self.times[*idx] == 0.0 && self.readings.iter().all(|list| list[*idx] == 0.0);
-        let Some(last) = (0..self.times.len()).rfind(|idx| !is_empty(idx)) else { return };
-        let n_empty = self.times.len() - last - 1;
-        if n_empty == 0 || self.times[last] <= 0.0 {
-            return;
-        }
-        notes.push(format!("{n_empty} rows of nothing but zeros behind the last time, {}: left out", self.times[last]));
-        let kept: Vec<bool> = (0..self.len()).map(|idx| idx <= last).collect();
-        self.keep(&kept);
+    fn count_doubled(&mut self) {
         self.n_doubled = (0..self.len()).filter(|idx| self.is_doubled(*idx)).count();
-        let still_goes_back =
-            self.times.windows(2).enumerate().any(|(k, pair)| pair[1] <= pair[0] && !self.is_doubled(k + 1));
-        self.standstill = self.standstill.take().filter(|_| still_goes_back);
+    }
+
+    /// The first sample whose time does not increase, unless it repeats the one before.
+    fn first_standstill(&self) -> Option<usize> {
+        (1..self.times.len()).find(|idx| self.times[*idx] <= self.times[*idx - 1] && !self.is_doubled(*idx))
     }
 
     /// Does a sample repeat time and readings of the one before?

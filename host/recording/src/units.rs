@@ -1,5 +1,7 @@
 //! Units of time, angle and angular velocity, in the words of many languages.
 
+use super::limits::LONGEST_STEP_S;
+
 /// Unit of a time column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeUnit {
@@ -55,6 +57,17 @@ impl TimeUnit {
             Self::Days => 86_400.0,
         }
     }
+}
+
+/// The largest unit below the second in which a pendulum can be followed by steps of so many, and how `--columns` says it.
+pub(crate) fn finer(step: f64) -> (&'static str, &'static str) {
+    let units = [
+        (TimeUnit::Milliseconds, "milliseconds", ":ms"),
+        (TimeUnit::Microseconds, "microseconds", ":us"),
+        (TimeUnit::Nanoseconds, "nanoseconds", ":ns"),
+    ];
+    let found = units.into_iter().find(|(unit, ..)| step * unit.seconds() < LONGEST_STEP_S);
+    found.map_or(("another unit", ":ms"), |(_, name, suffix)| (name, suffix))
 }
 
 impl AngleUnit {

@@ -7,22 +7,11 @@ use crate::limits::{
 };
 use crate::number::significant;
 use crate::told::Told;
-use crate::units::TimeUnit;
+use crate::units;
 use thiserror::Error;
 
 /// More rows of one time are no clock of few digits, which has some dozens in a tick.
 const CLOCK_STOPS: usize = 50;
-
-/// The largest unit below the second in which a pendulum can be followed by such steps, and how `--columns` says it.
-fn finer_unit(step: f64) -> (&'static str, &'static str) {
-    let units = [
-        (TimeUnit::Milliseconds, "milliseconds", ":ms"),
-        (TimeUnit::Microseconds, "microseconds", ":us"),
-        (TimeUnit::Nanoseconds, "nanoseconds", ":ns"),
-    ];
-    let found = units.into_iter().find(|(unit, ..)| step * unit.seconds() < LONGEST_STEP_S);
-    found.map_or(("another unit", ":ms"), |(_, name, suffix)| (name, suffix))
-}
 
 /// What is wrong with the content of a recording.
 #[derive(Debug, Error)]
@@ -261,8 +250,8 @@ pub enum Fault {
     #[error(
         "the median time step is {step} s, expected less than {limit} s for a pendulum; if the column counts {unit}, or is \
          not the time, say so: --columns {} or t=1,theta=2; if it counts frames, say how many a second: --rate 30",
-        told.angle(finer_unit(*step).1, ""),
-        unit = finer_unit(*step).0,
+        told.angle(units::finer(*step).1, ""),
+        unit = units::finer(*step).0,
         step = *step as f32,
         limit = LONGEST_STEP_S
     )]
