@@ -61,7 +61,7 @@ impl Angles<'_> {
         self.unwrap(&mut angles_rad);
         let swings = Swings::of(self.times_s, &angles_rad);
         if let Some(swings) = &swings {
-            swings.judge_period(self.told)?;
+            swings.judge_period(self.told, self.options)?;
             self.judge_unit(swings, unit)?;
             self.set_zero(swings, "it is measured from the horizontal", &mut angles_rad);
         }
@@ -81,7 +81,7 @@ impl Angles<'_> {
             None => circle.in_words(),
         });
         if let Some(swings) = swings {
-            swings.judge_period(self.told)?;
+            swings.judge_period(self.told, self.options)?;
             self.set_zero(&swings, "the picture is turned", &mut angles_rad);
         }
         Ok(angles_rad)

@@ -54,7 +54,7 @@ impl Numerals {
         if let Some(degrees) = of_degrees_and_minutes(cell) {
             return Cell::Number(degrees);
         }
-        let cell = cell.trim().trim_end_matches('°').trim_end();
+        let cell = without_mark_of_text(cell.trim()).trim_end_matches('°').trim_end();
         if is_missing(cell) {
             return Cell::Missing;
         }
@@ -140,6 +140,11 @@ pub(super) fn number_and_unit(cell: &str) -> Option<(&str, &str)> {
     let end = cell.rfind(|letter: char| letter.is_ascii_digit() || letter == '.')?;
     let (number, unit) = cell.split_at(end + 1);
     is_unit(unit.trim()).then(|| (number.trim_end(), unit.trim()))
+}
+
+/// A spreadsheet's apostrophe before what is to be shown as it was typed: `'0:00:01.25`.
+pub(super) fn without_mark_of_text(cell: &str) -> &str {
+    cell.strip_prefix('\'').filter(|rest| !rest.contains('\'')).unwrap_or(cell)
 }
 
 /// Is there nothing in the cell?

@@ -81,6 +81,15 @@ impl Sources {
         };
         if let (ReadingSource::Angle { idx, .. }, None) = (&reading, &asked.angle) {
             note_rivals(table, "angle", *idx, as_angle, notes);
+            let is_other =
+                |other: &usize| *other != *idx && time.column() != Some(*other) && table.is_of_numbers(*other);
+            let n_others = (0..table.n_columns).filter(is_other).count();
+            if table.names.is_none() && header.version.is_none() && n_others > 0 {
+                let n_columns = table.n_columns;
+                notes.push(format!(
+                    "column {idx} of {n_columns} read as the angle; --columns theta=... takes another one"
+                ));
+            }
             if table.n_columns > 1 && mute_column(table) == Some(*idx) {
                 notes.push(format!("{} says nothing else and is read as the angle", table.column_name(*idx)));
             }
@@ -436,13 +445,15 @@ fn choose_angle(
 }
 
 /// Rotary pendulums call the arm theta and the pendulum alpha, and others so the acceleration of theta. It is an angle
-/// where it has a rate of its own, or no speed stands beside theta.
+/// where it has a rate of its own, also without a theta, or no speed stands beside theta.
 fn with_alpha(table: &Table, mut named: Vec<(usize, Option<AngleUnit>)>) -> Vec<(usize, Option<AngleUnit>)> {
     let names = table.names.as_deref().unwrap_or_default();
     let any = |is_it: fn(&str) -> bool| names.iter().any(|name| is_it(name));
     if any(words::is_rate_of_alpha) || !any(words::is_speed) {
         let beside_theta: Vec<_> = named.iter().filter_map(|(idx, _)| words::beside_theta(names.get(*idx)?)).collect();
-        let is_its = |name: &String| words::beside_alpha(name).is_some_and(|beside| beside_theta.contains(&beside));
+        let is_alone = named.is_empty() && any(words::is_rate_of_alpha);
+        let is_its =
+            |name: &String| words::beside_alpha(name).is_some_and(|beside| is_alone || beside_theta.contains(&beside));
         let is_new = |idx: usize| table.is_of_numbers(idx) && named.iter().all(|(other, _)| *other != idx);
         let alphas = names.iter().enumerate().filter(|(idx, name)| is_its(name) && is_new(*idx));
         let alphas: Vec<_> = alphas.map(|(idx, _)| (idx, None)).collect();

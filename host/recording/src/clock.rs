@@ -3,6 +3,8 @@
 //!
 //! Only differences matter: zones are left out, and of a date without a clear order month and day are taken as they come.
 
+use super::cell::without_mark_of_text;
+
 /// A moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Moment {
@@ -24,7 +26,7 @@ impl Moment {
 
 /// Reads a clock time, with or without a date; `None` for anything else.
 pub(super) fn read(text: &str) -> Option<Moment> {
-    let text = text.trim();
+    let text = without_mark_of_text(text.trim());
     if let Some((days, clock)) = text.split_once(" days ") {
         let (day, second) = (days.parse().ok()?, read_clock(clock.trim())?);
         return Some(Moment { day: Some(day), second });

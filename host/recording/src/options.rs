@@ -24,3 +24,11 @@ pub struct ReadOptions {
     /// What a file holds that does not say it.
     pub measured: Option<Measured>,
 }
+
+impl ReadOptions {
+    /// Does the user say in what unit the time counts, or how many samples a second there are?
+    pub(super) fn says_time(&self) -> bool {
+        let unit = self.columns.as_ref().and_then(|columns| columns.time.as_ref()?.1);
+        self.rate_hz.is_some() || unit.is_some()
+    }
+}

@@ -10,6 +10,7 @@ use super::growth::{
     MIN_PERIODS, SMALLEST_SHARE, SURE, growth_beside_bending, growth_of, growth_while_falling, lengthening,
 };
 use super::noise;
+use super::options::ReadOptions;
 use super::told::Told;
 use super::turning::{self, TurningPoint};
 use super::{median, median_step_s, weighted_median};
@@ -113,11 +114,16 @@ impl Swings {
     /// Can a pendulum have this period?
     ///
     /// # Errors
-    /// It can't: the unit of the time is not what it seems.
-    pub(super) fn judge_period(&self, told: Told) -> Result<(), Fault> {
+    /// It can't: the unit of the time is not what it seems, or where that was told something else than gravity swings it.
+    pub(super) fn judge_period(&self, told: Told, options: &ReadOptions) -> Result<(), Fault> {
         let (period_s, shortest_s, longest_s) = (self.period_s, SHORTEST_PERIOD_S, LONGEST_PERIOD_S);
         let is_possible = (shortest_s..longest_s).contains(&period_s);
-        if is_possible { Ok(()) } else { Err(Fault::ImpossiblePeriod { period_s, shortest_s, longest_s, told }) }
+        let is_told = options.says_time();
+        if is_possible {
+            Ok(())
+        } else {
+            Err(Fault::ImpossiblePeriod { period_s, shortest_s, longest_s, told, is_told })
+        }
     }
 
     /// For readings that are rates (rad/s): angular frequency of small swings, rad/s. From the smallest swings that are

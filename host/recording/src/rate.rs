@@ -74,7 +74,7 @@ impl Rates<'_> {
     /// By period, speed, and how the period grows with the amplitude; what the user told is only doubted.
     fn judge(&mut self, rates: &[f64], unit: Option<RateUnit>, told: Told) -> Result<(), Fault> {
         let Some(swings) = Swings::of(self.times_s, rates) else { return Ok(()) };
-        swings.judge_period(told)?;
+        swings.judge_period(told, self.options)?;
         let largest = swings.largest_rad;
         let fastest = 2.0 * swings.small_rad_s();
         let is_degrees = unit.is_some_and(|unit| unit.angle == AngleUnit::Degrees);

@@ -136,6 +136,7 @@ impl Samples {
 
     /// What only all rows of a run tell: clocks are set right, and rows that stand there twice left out.
     pub(super) fn finish(&mut self, notes: &mut Vec<String>) -> Result<(), Fault> {
+        self.turn_round(notes);
         if self.set_clock_right(notes)? {
             self.n_doubled = 0;
         }

@@ -15,6 +15,7 @@ mod law;
 mod several;
 mod start;
 mod stretch;
+mod too_few;
 
 use super::noise::{self, Noise};
 use super::places::as_gaps;
@@ -100,6 +101,33 @@ pub enum SegmentError {
         /// Length of the stretch, s.
         duration_s: f64,
     },
+    /// Because a motor moves it most of the time.
+    #[error(
+        "only {} of free swing, because {column} moves it: it goes from {low} to {high} and is on in {percent:.0} % of the \
+         recording; record how it swings with the motor off, or choose such a stretch with --from and --to",
+        turning_points(*n_turning_points)
+    )]
+    Driven {
+        /// Turning points found.
+        n_turning_points: usize,
+        /// What messages call the column of the motor.
+        column: String,
+        /// The smallest number in it, as shown.
+        low: String,
+        /// The largest one.
+        high: String,
+        /// Of the samples, at which it is on.
+        percent: f64,
+    },
+    /// Because nothing between them is there.
+    #[error(
+        "of {n_samples} readings nearly each is a turning point: there are one or two in a half swing, or the turning points \
+         alone were written down; how it swings shows from ten readings a swing on"
+    )]
+    OnlyTurns {
+        /// Readings there are.
+        n_samples: usize,
+    },
     /// Something drives it.
     #[error(
         "its swings grow, from {} to {} {unit} to either side, where free ones die away: something drives it (a motor, a \
@@ -149,6 +177,10 @@ pub enum SegmentError {
 /// Fewer than two swings, or limits outside the recording.
 pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segments, SegmentError> {
     let asked = asked_range(recording, options)?;
+    free_swing(recording, options, asked.clone()).map_err(|fault| too_few::explained(fault, recording, &asked))
+}
+
+fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usize>) -> Result<Segments, SegmentError> {
     let cut = Cut::new(recording, asked.clone())?;
     let stretch = cut.undisturbed()?;
     let rest = if options.to_s.is_some() { None } else { cut.rest(&stretch) };
@@ -395,6 +427,8 @@ fn notes(
         );
     }
     notes.extend(cut.driven_in_words(free));
+    let hung = start.lead_in.as_ref().filter(|_| !start.was_held && options.from_s.is_none());
+    notes.extend(hung.zip(rest).and_then(|(hung, rest)| cut.held_up_in_words(hung, free, rest)));
     if !cut.fades(free) {
         let unit = cut.recording.measured().unit();
         let grown = cut.grown(free).map(|(from, to)| {

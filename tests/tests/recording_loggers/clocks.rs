@@ -2,6 +2,7 @@
 
 use crate::swing::{RATE_HZ, Row, check, check_found, open, swing, table, told};
 use host::recording::ReadOptions;
+use host::recording::segment::{SegmentOptions, segment};
 
 #[test]
 fn the_unit_of_the_time_is_the_one_in_which_a_pendulum_swings_so() {
@@ -265,4 +266,29 @@ fn times_that_a_video_rounded_are_even_again() {
     assert!(recording.notes().join("; ").contains("30.0000 a second"), "{:?}", recording.notes());
     let off_s = recording.times_s().iter().zip(&truth).map(|(time_s, row)| (time_s - row.0).abs()).fold(0.0, f64::max);
     assert!(off_s < 2e-4, "{off_s}");
+}
+
+#[test]
+fn rows_that_stand_there_last_one_first_are_read_from_below() {
+    let upside_down = |head: &str, row: &dyn Fn(Row) -> String| {
+        let rows: Vec<String> = swing(RATE_HZ, 20).into_iter().rev().map(|values| row(values) + "\n").collect();
+        format!("{head}{}", rows.concat())
+    };
+    let note = "the last row was the first in time";
+    check_found(&upside_down("t,theta\n", &|(t, a, _)| format!("{t:.2},{a:.5}")), 1e-5, note);
+    // A motor's column is turned round with it, and what counts the rows names no runs.
+    let with_motor = |(t, a, _): Row| format!("{:.0},{:.0},{a:.5},{}", 100.0 * t, 1.7e12 + 1e3 * t, u8::from(t < 5.0));
+    let recording = check_found(&upside_down("ID,ms,theta,pwm\n", &with_motor), 1e-5, note);
+    let cut = segment(&recording, &SegmentOptions::default()).unwrap();
+    assert!(cut.notes.join("; ").contains("moves between 0.00 and 4.99 s"), "{:?}", cut.notes);
+    // One row that stands still among them: nobody knows what that clock did.
+    let halting = upside_down("t,theta\n", &|(t, a, _)| format!("{:.2},{a:.5}", if t == 3.0 { 3.01 } else { t }));
+    let refused = open(halting.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("time goes back from 19.99"), "{refused}");
+}
+
+#[test]
+fn a_spreadsheets_apostrophe_before_what_was_typed_is_no_part_of_it() {
+    check_found(&table("tiempo,ángulo\n", |(t, a, _)| format!("'0:0:{t:.2},{a:.5}")), 1e-5, "");
+    check_found(&table("t,theta\n", |(t, a, _)| format!("'{t:.2},'{a:.5}")), 1e-5, "");
 }

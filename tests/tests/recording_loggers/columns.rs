@@ -276,3 +276,27 @@ fn alpha_beside_theta_is_the_pendulum_the_acceleration_or_asked_for() {
     let recording = open(table("t,theta,omega,alpha\n", row).as_bytes(), &ReadOptions::default()).unwrap();
     assert!((recording.angles_rad()[0] - 1.0).abs() < 1e-6, "{:?}", recording.notes());
 }
+
+#[test]
+fn alpha_with_a_rate_of_its_own_is_an_angle_though_no_theta_stands_there() {
+    let row = |(t, a, v): Row| format!("{t:.2},{a:.5},{v:.4}");
+    let recording = check_found(&table("t,alpha,dalpha\n", row), 1e-5, "");
+    assert_eq!(recording.measured(), Measured::Angle);
+    let refused = open(table("t,alpha,beta\n", row).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("no angle column"), "{refused}");
+}
+
+#[test]
+fn an_angle_that_names_its_time_or_a_sensor_with_a_number_is_one() {
+    let at_time = |(t, a, v): Row| format!("{t:.2},{:.3},{v:.2}", a.to_degrees());
+    check_found(&table("TimeSinceFirstFrame(s),AngleAtTime(deg),dAngle(0.01deg)\n", at_time), CENTIDEGREES, "");
+    check_found(&table("Time,IMU1Angle,IMU1Temp\n", |(t, a, _)| format!("{t:.2},{a:.5},21")), 1e-5, "");
+}
+
+#[test]
+fn of_several_columns_without_names_it_is_said_which_one_is_the_angle() {
+    let text = table("", |(t, a, v)| format!("{t:.2} {a:.5} {v:.3} 0"));
+    check_found(&text, 1e-5, "column 1 of 4 read as the angle; --columns theta=... takes another one");
+    let alone = check_found(&table("", |(t, a, _)| format!("{t:.2} {a:.5}")), 1e-5, "");
+    assert!(!alone.notes().join("; ").contains("read as the angle"), "{:?}", alone.notes());
+}

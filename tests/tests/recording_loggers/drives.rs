@@ -139,3 +139,22 @@ fn a_swing_on_a_cart_begins_where_the_cart_stands() {
     assert!(rolling.notes.iter().any(|note| note.contains("more in which 2 (CartPos) still moves")), "{rolling:?}");
     assert_eq!((cart(0.0).free.start, cart(0.0).notes), (0, Vec::new()));
 }
+
+#[test]
+fn where_hardly_anything_swings_freely_because_a_motor_moves_it_that_is_said() {
+    // A controller takes it from one angle to another, or somebody does.
+    let told = |share: f64| {
+        let row = |(t, ..): Row| {
+            let angle = (0.4 * t).tanh() + 0.3 * (t - 9.0).tanh();
+            format!("{t:.2},{angle:.5},{:.2}", if t < 20.0 * share { 1.5 + (0.3 * t).sin() } else { 0.0 })
+        };
+        let text = table("t,theta,torque\n", row);
+        let recording = open(text.as_bytes(), &ReadOptions::default()).unwrap();
+        segment(&recording, &SegmentOptions::default()).unwrap_err().to_string()
+    };
+    let driven = told(0.8);
+    assert!(driven.contains("because 2 (torque) moves it: it goes from 0 to 2.5"), "{driven}");
+    assert!(driven.contains("is on in 80 % of the recording; record how it swings with the motor off"), "{driven}");
+    let pushed = told(0.1);
+    assert!(pushed.contains("release from a larger angle") && !pushed.contains("torque"), "{pushed}");
+}

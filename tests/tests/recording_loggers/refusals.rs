@@ -234,3 +234,13 @@ fn a_table_of_times_beside_lengths_is_refused_as_one() {
         assert!(refused.contains("among them are durations"), "{units}: {refused}");
     }
 }
+
+#[test]
+fn a_period_beyond_a_pendulums_asks_for_the_unit_of_the_time_and_takes_the_answer() {
+    let slow = table("t (s),theta\n", |(t, a, _)| format!("{:.1},{:.6}", 200.0 * t, 0.01 * a));
+    let refused = |options: &ReadOptions| open(slow.as_bytes(), options).map(|_| ()).unwrap_err();
+    let unsaid = refused(&ReadOptions::default());
+    assert!(unsaid.contains("say it, --columns t=0:ms,theta=1"), "{unsaid}");
+    let said = refused(&told("t=0:s,theta=1"));
+    assert!(said.contains("as in a torsion pendulum") && !said.contains("say it"), "{said}");
+}

@@ -367,10 +367,9 @@ pub enum Fault {
     TooLarge,
     /// A swing too fast or too slow for the unit of time that was assumed.
     #[error(
-        "it swings there and back in {} s; expected {shortest_s} to {longest_s} s for a pendulum, so the unit of \
-         the time is not what it seems: say it, {} (s, ms, us, ns, min, day)",
+        "it swings there and back in {} s; expected {shortest_s} to {longest_s} s for a pendulum, so {}",
         significant(*period_s, 4),
-        if told.time.is_some() { format!("--columns {}", told.angle(":ms", "")) } else { "--rate".to_owned() }
+        unless_gravity_swings_it(*told, *is_told)
     )]
     ImpossiblePeriod {
         /// As read, s.
@@ -381,6 +380,8 @@ pub enum Fault {
         longest_s: f64,
         /// The columns.
         told: Told,
+        /// Did somebody say the unit of the time?
+        is_told: bool,
     },
     /// The period does not depend on the amplitude as it would if the angles were radians.
     #[error(
@@ -499,4 +500,18 @@ pub enum Fault {
         /// Codes.
         n_codes: usize,
     },
+}
+
+/// What follows of a period that no pendulum has.
+fn unless_gravity_swings_it(told: Told, is_told: bool) -> String {
+    let how = || match told.time {
+        Some(_) => format!("--columns {}", told.angle(":ms", "")),
+        None => "--rate".to_owned(),
+    };
+    if is_told {
+        return "with the time that was told a spring or a wire swings it and no gravity, as in a torsion pendulum, which can't be \
+                fitted, or this column is not its angle"
+            .to_owned();
+    }
+    format!("the unit of the time is not what it seems: say it, {} (s, ms, us, ns, min, day)", how())
 }

@@ -1,5 +1,6 @@
 //! MATLAB files of versions 4 to 7: every vector is a column of its name, every matrix has its columns numbered. A matrix
-//! that stands alone is a table without names, unless cells hold as many texts as it has columns.
+//! that stands alone is a table without names, unless cells hold as many texts as it has columns, or it is a time and what
+//! the variable is called after.
 //!
 //! Of structures the fields count, and of those that Simulink logs (`Structure With Time`) each signal's values, under
 //! its label, or else under the name of the variable.
@@ -36,9 +37,22 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
              the vectors themselves, such as t = Time{1}; save('swing.mat', 't', 'theta', '-v7')",
         ));
     }
-    match columns.lone_matrix() {
-        Some(matrix) => Ok(text_of(names_of(&variables, matrix.len()), matrix)),
-        None => Ok(text_of(&columns.names, &columns.numbers)),
+    let Some((first, matrix)) = columns.lone_matrix() else { return Ok(text_of(&columns.names, &columns.numbers)) };
+    let named = names_of(&variables, matrix.len());
+    let by_variable = time_and(&columns.names[first], matrix);
+    let names = if named.is_empty() { by_variable.as_slice() } else { named };
+    Ok(text_of(names, matrix))
+}
+
+/// The names of a time and an angle or a rate, where the variable is called after one and only the first column rises
+/// throughout; none otherwise.
+fn time_and(first: &str, matrix: &[Vec<f64>]) -> Vec<String> {
+    let variable = first.strip_suffix(" 1").unwrap_or(first);
+    let rises = |column: &[f64]| column.windows(2).all(|pair| pair[1] > pair[0]);
+    let is_known = matches!(meaning(variable), Meaning::Angle { .. } | Meaning::Rate { .. });
+    match matrix {
+        [time, other] if is_known && rises(time) && !rises(other) => vec!["time".to_owned(), variable.to_owned()],
+        _ => Vec::new(),
     }
 }
 
@@ -139,20 +153,20 @@ impl Columns {
         self.widths.push(n_quantities);
     }
 
-    /// The columns of a matrix beside which nothing is long enough to be a recording.
-    fn lone_matrix(&self) -> Option<&[Vec<f64>]> {
+    /// The columns of a matrix beside which nothing is long enough to be a recording, and which column is its first.
+    fn lone_matrix(&self) -> Option<(usize, &[Vec<f64>])> {
         let mut first = 0;
-        let parts: Vec<&[Vec<f64>]> = self
+        let parts: Vec<(usize, &[Vec<f64>])> = self
             .widths
             .iter()
             .map(|width| {
                 first += width;
-                &self.numbers[first - width..first]
+                (first - width, &self.numbers[first - width..first])
             })
-            .filter(|columns| columns[0].len() >= MIN_SAMPLES)
+            .filter(|(_, columns)| columns[0].len() >= MIN_SAMPLES)
             .collect();
-        let [matrix] = parts[..] else { return None };
-        (matrix.len() > 1).then_some(matrix)
+        let [(first, matrix)] = parts[..] else { return None };
+        (matrix.len() > 1).then_some((first, matrix))
     }
 }
 
@@ -189,6 +203,20 @@ mod tests {
         let (good, few, gains) = (names(&["time", "theta"]), names(&["time"]), names(&["kp", "kd"]));
         assert_eq!(names_of(&[few.clone(), gains.clone(), good.clone()], 2), ["time", "theta"]);
         assert!(names_of(&[few, gains], 2).is_empty() && names_of(&[good.clone(), good], 2).is_empty());
+    }
+
+    #[test]
+    fn a_time_and_what_follows_it_have_the_name_of_the_variable() {
+        let (time, swung) = (vec![0.0, 0.1, 0.2], vec![0.3, -0.1, 0.2]);
+        let both = [time.clone(), swung.clone()];
+        assert_eq!(time_and("yaw_speed 1", &both), ["time", "yaw_speed"]);
+        assert_eq!(time_and("theta 1", &both), ["time", "theta"]);
+        for (variable, matrix) in
+            [("ans 1", &both), ("theta 1", &[swung.clone(), time.clone()]), ("theta 1", &[time.clone(), time.clone()])]
+        {
+            assert!(time_and(variable, matrix).is_empty(), "{variable} {matrix:?}");
+        }
+        assert!(time_and("theta 1", &[time, swung.clone(), swung]).is_empty());
     }
 
     #[test]

@@ -1,5 +1,7 @@
-//! Rows that are no samples, by their times: room that was never filled, strays, twins, and what a stopped clock leaves.
+//! What the times tell of the rows: those that are no samples (room that was never filled, strays, twins, what a stopped
+//! clock leaves), and those that stand there last one first.
 
+use super::super::limits::MIN_SAMPLES;
 use super::super::{order, ticks};
 use super::Samples;
 
@@ -15,6 +17,25 @@ impl Samples {
         notes.push(format!("{n_empty} rows of nothing but zeros behind the last time, {}: left out", self.times[last]));
         let kept: Vec<bool> = (0..self.len()).map(|idx| idx <= last).collect();
         self.keep(&kept);
+        self.count_anew();
+    }
+
+    /// A program that writes the newest row first: each time is before that of the row above. Counts of few bits that run
+    /// down, and the same time in two rows, are another matter.
+    pub(super) fn turn_round(&mut self, notes: &mut Vec<String>) {
+        let runs_back = self.times.len() >= MIN_SAMPLES && self.times.windows(2).all(|pair| pair[1] < pair[0]);
+        if !runs_back {
+            return;
+        }
+        notes.push("the last row was the first in time: read from below".to_owned());
+        self.times.reverse();
+        self.readings.iter_mut().chain(&mut self.others).for_each(|list| list.reverse());
+        self.codes.reverse();
+        self.count_anew();
+    }
+
+    /// What was counted while the rows were read, of rows that were put in order since.
+    fn count_anew(&mut self) {
         self.count_doubled();
         let still_goes_back = self.first_standstill().is_some();
         self.standstill = self.standstill.take().filter(|_| still_goes_back);

@@ -1,3 +1,5 @@
+mod refusals;
+
 use super::*;
 
 pub(super) const STEP_S: f64 = 0.005;
@@ -386,6 +388,19 @@ fn what_hung_still_until_a_hand_lifted_it_is_free_from_its_largest_swing_on() {
     }
 }
 
+/// Lifted from where it hung still by a motor that then holds it there, about which it swings.
+#[test]
+fn what_hangs_elsewhere_than_at_first_is_doubted_unless_friction_may_hold_it_there() {
+    let lift = |idx: usize, from_rad: f64| from_rad + (0.8 - from_rad) * (1.0 - (idx as f64 / 127.3).cos()) / 2.0;
+    let told = |from_rad: f64| {
+        let lifted = (0..400).map(|idx| lift(idx, from_rad)).collect();
+        find(&[vec![from_rad; 400], lifted, swing(0.8, 60.0)].concat()).notes.join("; ")
+    };
+    let held_up = told(-0.5);
+    assert!(held_up.contains("doubtful: it was still at -0.50 rad at first and hangs at "), "{held_up}");
+    assert!(!told(0.0).contains("farther apart") && !told(0.1).contains("farther apart"), "{}", told(0.1));
+}
+
 #[test]
 fn sizes_that_fall_by_whole_lines_are_no_motor_that_was_switched_off() {
     for (size_rad, lasts_s) in [(0.05, 60.0), (0.04, 90.0), (0.07, 45.0)] {
@@ -516,40 +531,4 @@ fn a_hanging_angle_that_is_not_zero_does_not_matter() {
     let segments = find(&angles_rad);
     assert!((100..112).contains(&segments.free.start), "{segments:?}");
     assert!(segments.rest.is_some(), "{segments:?}");
-}
-
-#[test]
-fn one_swing_is_too_few_and_the_message_says_so() {
-    let error = segment(&noisy(&swing(1.0, 0.8)), &SegmentOptions::default()).unwrap_err();
-    assert!(error.to_string().contains("two swings"), "{error}");
-}
-
-#[test]
-fn a_still_pendulum_has_too_few_swings() {
-    let error = segment(&noisy(&vec![0.2; 1000]), &SegmentOptions::default()).unwrap_err();
-    assert!(matches!(error, SegmentError::TooFewSwings { n_turning_points: 0, .. }), "{error}");
-}
-
-#[test]
-fn limits_of_the_user_are_taken_as_they_are() {
-    let recording = noisy(&swing(1.0, 12.0));
-    let options = SegmentOptions { from_s: Some(2.0), to_s: Some(8.0) };
-    let segments = segment(&recording, &options).unwrap();
-    assert_eq!(segments.free, 400..1601);
-    assert_eq!(segments.notes.len(), 2);
-}
-
-#[test]
-fn limits_outside_the_recording_are_refused_with_its_times() {
-    let recording = noisy(&swing(1.0, 12.0));
-    let options = SegmentOptions { from_s: Some(20.0), to_s: None };
-    let error = segment(&recording, &options).unwrap_err().to_string();
-    assert!(error.contains("from 0 s to 11.995 s"), "{error}");
-}
-
-#[test]
-fn one_turning_point_is_told_as_one() {
-    let told = |n_turning_points| SegmentError::TooFewSwings { n_turning_points, duration_s: 1.25 }.to_string();
-    assert!(told(1).starts_with("only one turning point of free swing in 1.25 s"), "{}", told(1));
-    assert!(told(2).starts_with("only 2 turning points of free swing in 1.25 s"), "{}", told(2));
 }

@@ -62,7 +62,10 @@ pub(crate) fn meaning(name: &str) -> Meaning {
     let is_sine = has(SINE) || has(COSINE);
     let is_alpha = |word: &str| is_sine && matches!(word, "alpha" | "α");
     let says_derived = words.iter().any(|word| DERIVED.contains(&word.as_str()) && !is_alpha(word));
-    let is_derived = says_derived || words.iter().any(|word| is_derivative(word)) || has_derivative_sign(name);
+    // `dAngle` falls into two words.
+    let is_step = words.windows(2).any(|pair| pair[0] == "d" && is_derivative(&pair.concat()));
+    let is_derived =
+        says_derived || is_step || words.iter().any(|word| is_derivative(word)) || has_derivative_sign(name);
     if is_derived || is_per_time || has_rate_unit {
         let is_rate = (is_per_time || has_rate_unit || has(RATE) || is_angular_velocity(&words))
             && !name.contains(['²', '^'])
@@ -70,7 +73,8 @@ pub(crate) fn meaning(name: &str) -> Meaning {
             && !has(&["alpha"]);
         return if is_rate { Meaning::Rate { unit: rate_unit_of(&words, angle, time) } } else { Meaning::Other };
     }
-    if has(TIME) {
+    // `AngleAtTime(deg)` is none.
+    if has(TIME) && !(angle.is_some() && has(ANGLE)) {
         return Meaning::Time { unit: time, strength: NAMES_THE_THING };
     }
     // The sine and the cosine of an angle are x and y of a point at distance 1.
@@ -116,10 +120,10 @@ pub(crate) fn meaning(name: &str) -> Meaning {
     }
 }
 
-/// `angular_velocity`, `AngVel`, `vitesse angulaire`, and no acceleration.
+/// `angular_velocity`, `AngVel`, `vitesse angulaire`, `yaw_speed`, and no acceleration.
 fn is_angular_velocity(words: &[String]) -> bool {
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
-    (is_angular(words) || has(&["ang"])) && has(SPEED) || has(&["angvel"])
+    (is_angular(words) || has(&["ang"]) || has(TURNS_OF_BODY)) && has(SPEED) || has(&["angvel"])
 }
 
 fn is_angular(words: &[String]) -> bool {

@@ -21,15 +21,18 @@ fn all_words(name: &str) -> Vec<String> {
         .collect()
 }
 
-/// `timeMs` in two.
+/// `timeMs` in two, and `IMU1Angle`.
 fn humps(part: &str) -> Vec<String> {
     let mut humps = vec![String::new()];
-    let mut before_is_small = false;
-    for letter in part.chars() {
-        if before_is_small && letter.is_uppercase() {
+    let mut before = ' ';
+    let mut letters = part.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let mut begins_small = || letters.peek().is_some_and(|next| next.is_lowercase());
+        let may_end = before.is_lowercase() || (before.is_ascii_digit() && begins_small());
+        if may_end && letter.is_uppercase() {
             humps.push(String::new());
         }
-        before_is_small = letter.is_lowercase();
+        before = letter;
         if let Some(hump) = humps.last_mut() {
             hump.push(letter);
         }
