@@ -33,5 +33,6 @@ pub mod python;
 #[cfg(unix)]
 pub mod qemu;
 pub mod rates;
+pub mod sizes;
 pub mod verdicts;
 pub mod workbench;

@@ -6,8 +6,8 @@
 
 use host::diagnose::diagnose;
 use shared::effect::Effect;
-use std::collections::HashMap;
 use tests::hidden::{Random, Rig};
+use tests::sizes::Sizes;
 use tests::verdicts::{NAMED_FIRST, NOISES_LEFT, Outcome, check_in_full, check_within_chance};
 
 /// So many noises a base model leaves without the one effect that is hidden …
@@ -31,9 +31,6 @@ const LIGHT: [&str; 8] = [
     "sensor-lag",
     "angle-offset",
 ];
-
-/// Kept sizes differ by no more from those that are found; what a rig leaves is only known to a twelfth.
-const SIZES_ALIKE: f64 = 0.1;
 
 /// What is no missing effect: nothing, a velocity band, a wrong clock, air's lift, a wrong mass.
 const INNOCENT: [&str; 8] = ["none", "none", "band", "band", "band", "clock", "buoyancy", "mass"];
@@ -59,33 +56,8 @@ struct Case {
     make: Box<dyn Fn(&Sizes) -> Rig>,
 }
 
-/// How large what is hidden has to be, by the label of a rig: found by some fits of the base model, and kept for the rigs
-/// of the usual run, of which a third of the time was spent on that.
-struct Sizes(HashMap<&'static str, Vec<f64>>);
-
-const KEPT: &str = include_str!("discover_many/sizes.txt");
-
-impl Sizes {
-    fn kept() -> Self {
-        let of_line = |line: &'static str| {
-            let (label, sizes) = line.split_once(' ').unwrap();
-            (label, sizes.split(' ').map(|size| size.parse().unwrap()).collect())
-        };
-        Self(KEPT.lines().map(of_line).collect())
-    }
-
-    fn unknown() -> Self {
-        Self(HashMap::new())
-    }
-
-    /// A rig with the sizes that are kept for it, or with those that are found.
-    fn of(&self, label: &str, mut rig: Rig, found: impl FnOnce(Rig) -> Rig) -> Rig {
-        let Some(sizes) = self.0.get(label) else { return found(rig) };
-        assert_eq!(sizes.len(), rig.hidden.len(), "{label}");
-        rig.hidden.iter_mut().zip(sizes).for_each(|(hidden, size)| hidden.size = *size);
-        rig
-    }
-}
+/// How large what is hidden has to be, for the rigs of the usual run.
+const SIZES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/discover_many/sizes.txt");
 
 fn innocent(round: u64, place: usize) -> Case {
     let (kind, seed) = (INNOCENT[place], 1000 * round + place as u64);
@@ -172,7 +144,7 @@ fn cases(round: u64) -> Vec<Case> {
 }
 
 fn judged(case: &Case, change: impl Fn(Rig) -> Rig) -> Outcome {
-    let rig = change((case.make)(&Sizes::kept()));
+    let rig = change((case.make)(&Sizes::kept(SIZES)));
     let diagnosis = serde_json::to_value(diagnose(&rig.swings(), &[], &rig.known())).unwrap();
     let outcome = Outcome::of(&rig, &diagnosis);
     let mark = if outcome.exact { "exact" } else { "     " };
@@ -212,26 +184,13 @@ fn check_every_effect_is_told(outcomes: &[Outcome]) {
     assert_eq!(told.len(), effects().len(), "rigs with one effect");
 }
 
-/// `UPDATE_SIZES=1` writes them anew. A rig that is not kept is made as the long form makes it.
+/// A rig that is not kept is made as the long form makes it.
 #[test]
 #[ignore = "takes a minute: tests/more discover-many"]
 fn the_kept_sizes_are_those_that_are_found() {
-    let cases: Vec<Case> = forty().into_iter().chain(LIGHT.map(|name| light(0, name))).collect();
-    let found: Vec<(String, Rig)> =
-        cases.iter().map(|case| (case.label.clone(), (case.make)(&Sizes::unknown()))).collect();
-    if std::env::var("UPDATE_SIZES").is_ok() {
-        let hiding = found.iter().filter(|(_, rig)| !rig.hidden.is_empty());
-        let sizes = |rig: &Rig| rig.hidden.iter().map(|hidden| format!(" {:e}", hidden.size)).collect::<String>();
-        let lines: String = hiding.map(|(label, rig)| format!("{label}{}\n", sizes(rig))).collect();
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/discover_many/sizes.txt");
-        return std::fs::write(file, lines).unwrap();
-    }
-    for (case, (label, found)) in cases.iter().zip(&found) {
-        let kept = (case.make)(&Sizes::kept());
-        for (kept, found) in kept.hidden.iter().zip(&found.hidden) {
-            assert!((kept.size / found.size - 1.0).abs() < SIZES_ALIKE, "{label}: {} {}", kept.size, found.size);
-        }
-    }
+    let found = Sizes::unknown();
+    forty().into_iter().chain(LIGHT.map(|name| light(0, name))).for_each(|case| drop((case.make)(&found)));
+    found.check_kept_in(SIZES);
 }
 
 /// Bearings so light that the pendulum swings for minutes.
