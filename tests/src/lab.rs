@@ -5,7 +5,9 @@ use crate::hidden::Rig;
 use crate::program::{Run, host};
 use host::recording::{Existing, Header, Recording, save};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// A folder with a folder a rig; it goes with the value.
 pub struct Lab(tempfile::TempDir);
@@ -44,6 +46,13 @@ pub fn pushed(recording: &Recording) -> Recording {
     Recording::uniform(recording.rate_hz().round(), angles_rad).expect("a recording")
 }
 
+/// A recording of [`Lab::with`], simulated once for all laboratories of a program.
+fn usual(rig: u64, n: u64) -> Recording {
+    static KNOWN: Mutex<BTreeMap<(u64, u64), Arc<OnceLock<Recording>>>> = Mutex::new(BTreeMap::new());
+    let place = KNOWN.lock().expect("nobody panics with it").entry((rig, n)).or_default().clone();
+    place.get_or_init(|| swing(&pendulum(40 + rig), n, 0.005).recording(0)).clone()
+}
+
 impl Lab {
     /// Without any rig.
     pub fn new() -> Self {
@@ -56,8 +65,7 @@ impl Lab {
         for number in 1..=n_rigs {
             let (name, rig) = (format!("rig-{number}"), pendulum(40 + number));
             lab.add_rig(&name, &rig);
-            (1..=n_swings)
-                .for_each(|n| lab.save(&swing(&rig, n, 0.005).recording(0), &format!("{name}/swing-{n}.csv")));
+            (1..=n_swings).for_each(|n| lab.save(&usual(number, n), &format!("{name}/swing-{n}.csv")));
         }
         lab
     }

@@ -66,6 +66,9 @@ impl Listed {
 
     /// What acts at rest too, N·m.
     pub(super) fn drive_nm(&self, at: [f64; 2], time_s: f64) -> f64 {
+        if self.laws.is_empty() {
+            return 0.0;
+        }
         let motion = self.motion(at, 0.0, time_s);
         let torque = |law: &Law| match law.action {
             Action::Drive(torque) => torque(&motion, &law.values),
@@ -77,6 +80,9 @@ impl Listed {
 
     /// What acts while sliding, N·m.
     pub(super) fn friction_nm(&self, at: [f64; 2], direction: f64, time_s: f64) -> f64 {
+        if self.laws.is_empty() {
+            return 0.0;
+        }
         let motion = self.motion(at, direction, time_s);
         let torque = |law: &Law| match law.action {
             Action::Friction(torque) => torque(&motion, &law.values),
@@ -87,6 +93,9 @@ impl Listed {
 
     /// Torques with a memory go on from one instant to another.
     pub(super) fn advance(&mut self, from: ([f64; 2], f64), to: ([f64; 2], f64), direction: f64) {
+        if self.laws.is_empty() {
+            return;
+        }
         let (before, after) = (self.motion(from.0, direction, from.1), self.motion(to.0, direction, to.1));
         for law in &mut self.laws {
             if let Action::State(state) = law.action {
@@ -97,6 +106,9 @@ impl Listed {
 
     /// What the sensor makes of a reading, rad.
     pub(super) fn read(&mut self, reading_rad: f64, at: [f64; 2], time_s: f64) -> f64 {
+        if self.laws.is_empty() {
+            return reading_rad;
+        }
         let motion = self.motion(at, if at[1] == 0.0 { 0.0 } else { at[1].signum() }, time_s);
         self.laws.iter_mut().fold(reading_rad, |reading, law| match law.action {
             Action::Sensor(sensor) => (sensor.read)(reading, &motion, &mut law.sensor, &law.values),

@@ -46,6 +46,8 @@ pub(super) fn form(name: &str, random: &mut Random) -> Option<(f64, [f64; 2], f6
 
 /// Size and shape of all of them on a rig; zero where there is none.
 pub(super) struct Shapes {
+    /// Most rigs have none, and a plant asks twenty thousand times a second.
+    is_any: bool,
     weight_nm: f64,
     coulomb_nm: f64,
     viscous: f64,
@@ -64,6 +66,7 @@ impl Shapes {
         let three = |name: &str| rig.hidden(name).map_or([0.0; 3], |h| [h.size, h.shape[0], h.shape[1]]);
         let two = |name: &str| [three(name)[0], three(name)[1]];
         Self {
+            is_any: SHAPES.iter().any(|(name, _)| rig.hidden(name).is_some()),
             weight_nm: rig.mass_kg * rig.gravity_m_s2 * rig.length_m,
             coulomb_nm: rig.coulomb_nm,
             viscous: rig.viscous,
@@ -80,6 +83,9 @@ impl Shapes {
 
     /// Dry friction, N·m.
     pub(super) fn dry_nm(&self, angle: f64, velocity: f64, time_s: f64) -> f64 {
+        if !self.is_any {
+            return 0.0;
+        }
         // A. Tustin, J. IEE 94 (1947) 143 has δ = 1; polymers have less.
         let [extra, speed, delta] = self.slow;
         let slow = if extra == 0.0 { 0.0 } else { extra * (-(velocity.abs() / speed).powf(delta)).exp() };
@@ -97,6 +103,9 @@ impl Shapes {
 
     /// Friction that vanishes at rest, N·m.
     pub(super) fn smooth_nm(&self, angle: f64, velocity: f64, time_s: f64) -> f64 {
+        if !self.is_any {
+            return 0.0;
+        }
         // A field that falls as Lorentz's curve, not as Gauss's.
         let [strength, place, width] = self.brake;
         let brake = if strength == 0.0 { 0.0 } else { strength / (1.0 + ((angle - place) / width).powi(2)) };
@@ -112,7 +121,7 @@ impl Shapes {
 
     /// A torque that acts at rest too, N·m: a spring that hardens (Duffing).
     pub(super) fn drive_nm(&self, angle: f64) -> f64 {
-        -self.spring * angle.powi(3)
+        if self.is_any { -self.spring * angle.powi(3) } else { 0.0 }
     }
 
     /// The range of the bristle, rad.
