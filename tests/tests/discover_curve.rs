@@ -24,6 +24,12 @@ fn rig(hidden: Vec<Hidden>) -> Rig {
     }
 }
 
+/// What is found of two releases is found of three too, which take longer. Where nothing may be claimed, and where a band
+/// is held against the truth, three show more.
+fn released_twice(rig: Rig) -> Rig {
+    Rig { releases_rad: rig.releases_rad[..2].to_vec(), ..rig }
+}
+
 fn hidden(name: &'static str, size: f64, shape: [f64; 2]) -> Hidden {
     Hidden { name, size, shape, largest: size, is_listed: false }
 }
@@ -79,7 +85,7 @@ fn where_a_named_law_explains_the_swings_no_curve_is_spoken_of() {
 /// Brakes beside the path: friction depends on the angle, and no curve of the speed is called an explanation.
 #[test]
 fn friction_that_depends_on_the_angle_too_is_never_called_explained() {
-    let rig = rig(vec![hidden("outside", 6e-3, [0.55, 0.12])]);
+    let rig = released_twice(rig(vec![hidden("outside", 6e-3, [0.55, 0.12])]));
     let diagnosis = diagnose(&rig.swings(), &[], &rig.known());
     assert!(diagnosis.unexplained, "{:?}", diagnosis.verdict);
     let split = diagnosis.of_state.as_ref().expect("more than the noise is left");
@@ -91,7 +97,7 @@ fn friction_that_depends_on_the_angle_too_is_never_called_explained() {
 /// Its readings come ever later, so that swings seem to jump: no torque of angle and speed does that.
 #[test]
 fn a_clock_that_loses_time_is_no_law_of_the_motion() {
-    let rig = Rig { clock_jump_s: 5e-3, ..rig(Vec::new()) };
+    let rig = released_twice(Rig { clock_jump_s: 5e-3, ..rig(Vec::new()) });
     let diagnosis = diagnose(&rig.swings(), &[], &rig.known());
     assert!(diagnosis.unexplained, "{:?}", diagnosis.verdict);
     let split = diagnosis.of_state.expect("more than the noise is left");
