@@ -26,7 +26,9 @@ use super::table::Table;
 use super::told::Told;
 use super::units::{AngleUnit, RateUnit, TimeUnit};
 use super::words::{self, Meaning, is_of_carrier, is_of_sine, is_size, meaning};
-use names::{all_best, ambiguous, bare_axes, example, find, is_of_periods, no_angle, note_rivals, the_one};
+use names::{
+    all_best, ambiguous, bare_axes, example, find, is_of_periods, no_angle, note_rivals, note_unnamed, the_one,
+};
 use parted::{beside_clock, parted};
 use rivals::{movement, undecided};
 use standing::unnamed_time;
@@ -81,14 +83,8 @@ impl Sources {
         };
         if let (ReadingSource::Angle { idx, .. }, None) = (&reading, &asked.angle) {
             note_rivals(table, "angle", *idx, as_angle, notes);
-            let is_other =
-                |other: &usize| *other != *idx && time.column() != Some(*other) && table.is_of_numbers(*other);
-            let n_others = (0..table.n_columns).filter(is_other).count();
-            if table.names.is_none() && header.version.is_none() && n_others > 0 {
-                let n_columns = table.n_columns;
-                notes.push(format!(
-                    "column {idx} of {n_columns} read as the angle; --columns theta=... takes another one"
-                ));
+            if header.version.is_none() {
+                note_unnamed(table, *idx, time.column(), notes);
             }
             if table.n_columns > 1 && mute_column(table) == Some(*idx) {
                 notes.push(format!("{} says nothing else and is read as the angle", table.column_name(*idx)));

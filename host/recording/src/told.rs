@@ -20,6 +20,17 @@ impl Told {
         format!("{}rate={}{unit}", self.before(""), self.reading)
     }
 
+    /// What follows of a period that no pendulum has, where somebody said the unit of the time, and where nobody did.
+    pub(super) fn explains_period(self, is_told: bool) -> String {
+        if is_told {
+            return "with the time that was told a spring or a wire swings it and no gravity, as in a torsion pendulum, which \
+                    can't be fitted, or this column is not its angle"
+                .to_owned();
+        }
+        let how = self.time.map_or("--rate".to_owned(), |_| format!("--columns {}", self.angle(":ms", "")));
+        format!("the unit of the time is not what it seems: say it, {how} (s, ms, us, ns, min, day)")
+    }
+
     fn before(self, time_unit: &str) -> String {
         self.time.map_or(String::new(), |idx| format!("t={idx}{time_unit},"))
     }

@@ -369,7 +369,7 @@ pub enum Fault {
     #[error(
         "it swings there and back in {} s; expected {shortest_s} to {longest_s} s for a pendulum, so {}",
         significant(*period_s, 4),
-        unless_gravity_swings_it(*told, *is_told)
+        told.explains_period(*is_told)
     )]
     ImpossiblePeriod {
         /// As read, s.
@@ -500,18 +500,4 @@ pub enum Fault {
         /// Codes.
         n_codes: usize,
     },
-}
-
-/// What follows of a period that no pendulum has.
-fn unless_gravity_swings_it(told: Told, is_told: bool) -> String {
-    let how = || match told.time {
-        Some(_) => format!("--columns {}", told.angle(":ms", "")),
-        None => "--rate".to_owned(),
-    };
-    if is_told {
-        return "with the time that was told a spring or a wire swings it and no gravity, as in a torsion pendulum, which can't be \
-                fitted, or this column is not its angle"
-            .to_owned();
-    }
-    format!("the unit of the time is not what it seems: say it, {} (s, ms, us, ns, min, day)", how())
 }
