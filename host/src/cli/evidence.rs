@@ -1,5 +1,7 @@
 //! A diagnosis in words and tables: what is missing, how sure that is, and what it gains.
 
+mod before;
+
 use super::curve_words;
 use super::table::wrapped;
 use crate::compare::pictures::short_name;
@@ -8,7 +10,6 @@ use crate::diagnose::value::BASE_TITLE;
 use crate::diagnose::zero::PUT_RIGHT;
 use crate::diagnose::{Candidate, Diagnosis, Holding, NotTried, Standing, Step, Suggestion, Value};
 use crate::fit::identify::Carries;
-use crate::fit::touch::Touch;
 use crate::formula::effect_of;
 use crate::geometry::{PER_GRAVITY, is_unknown};
 use crate::number::{angle, noises, with_spread};
@@ -46,8 +47,7 @@ pub(super) fn sentences(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// What is missing, or likely missing.
 fn said(diagnosis: &Diagnosis) -> Vec<String> {
-    let mut parts: Vec<String> = diagnosis.touches.iter().map(touched).collect();
-    parts.extend(driven(diagnosis).into_iter().chain(lost(diagnosis)));
+    let mut parts = before::in_words(diagnosis);
     if diagnosis.follows || diagnosis.unexplained || !diagnosis.verdict.is_empty() {
         parts.push(verdict(diagnosis));
     }
@@ -89,34 +89,6 @@ fn doubts(diagnosis: &Diagnosis) -> Vec<String> {
     parts.extend(not_tried(diagnosis));
     parts.extend(is_unknown(&diagnosis.parameters.pendulum).then(|| wrapped(PER_GRAVITY, 0)));
     parts
-}
-
-/// What a touch leaves must not be taken for a law.
-fn touched(touch: &Touch) -> String {
-    let (sentence, alone) = (touch.sentence(), touch.alone("diagnose"));
-    wrapped(&format!("{sentence} Only the longer part of that swing is looked at here, as if by {alone}."), 0)
-}
-
-/// That a motor or a hand drives the swings.
-fn driven(diagnosis: &Diagnosis) -> Option<String> {
-    let words = format!(
-        "The swings of {} don't become smaller, as free ones do: a motor or a hand drives them. What follows takes them for \
-         free ones and says nothing of this pendulum.",
-        diagnosis.driven.join(", ")
-    );
-    (!diagnosis.driven.is_empty()).then(|| wrapped(&words, 0))
-}
-
-/// That no model follows: where the noise is as large as the motion, a model that stands still leaves noise.
-fn lost(diagnosis: &Diagnosis) -> Option<String> {
-    let (unit, name) = (diagnosis.measured.unit(), diagnosis.measured.name());
-    let words = format!(
-        "The model does not follow these swings at all: it leaves {:.3} {unit}, with a noise of {:.3} {unit}. Is the {name} in \
-         {unit}, zero where the pendulum hangs, and the geometry right? Did nothing touch or drive it (--from, --to)? \
-         Until that is right, no diagnosis means anything.",
-        diagnosis.rmse_after, diagnosis.noise
-    );
-    (!diagnosis.follows).then(|| wrapped(&words, 0))
 }
 
 /// What the held-out swings say.

@@ -12,7 +12,7 @@ use crate::diagnose::zero;
 use crate::fit::touch::Touch;
 use crate::number::{angle, noises, significant, with_spread};
 use crate::recording::Measured;
-use crate::verdict::Left;
+use crate::verdict::{LOOK_FIRST, Left, hardly_follows};
 use serde::Serialize;
 use shared::effect::Effect;
 
@@ -74,7 +74,16 @@ impl Totals {
             ratio: residual_rad / noise_rad.max(1e-300),
         }
     }
+
+    /// Is so much of the motion left, beyond the noise, that something else than an effect should be looked for first?
+    fn hardly_follows(&self) -> bool {
+        let left_of_noise = 1.0 - self.ratio.max(1.0).powi(-2);
+        hardly_follows(((1.0 - self.explained) * left_of_noise).sqrt())
+    }
 }
+
+/// Where it is open whether physics is missing.
+const MORE_THAN_NOISE: &str = ", so there is more left than noise";
 
 /// Everything that a comparison looked at, before its verdict.
 #[derive(Clone, Copy, Debug)]
@@ -130,7 +139,12 @@ impl Seen<'_> {
     pub fn sentences(&self) -> Vec<String> {
         let mut words = vec![explained(self.totals)];
         words.extend(self.touches.iter().map(touched));
-        match self.answer() {
+        let answer = self.answer();
+        let is_doubtful = matches!(answer, Answer::NoPattern | Answer::PhysicsMissing) && self.totals.hardly_follows();
+        words.extend(
+            is_doubtful.then(|| format!("It hardly follows: before you ask what physics is missing, {LOOK_FIRST}.")),
+        );
+        match answer {
             Answer::NumbersDoNotFit => words.extend(numbers(self)),
             Answer::DoesNotFit => {
                 words.extend(self.mismatches.iter().map(|mismatch| {
@@ -139,7 +153,7 @@ impl Seen<'_> {
             }
             Answer::NothingMissing => words.push(nothing(self)),
             Answer::NoPattern => {
-                words.push(beyond(self, ", so there is more left than noise"));
+                words.push(beyond(self, MORE_THAN_NOISE));
                 words.push(
                     if self.measured == Measured::Rate {
                         "Rates alone do not show where; host diagnose tells which effect is missing."
@@ -151,7 +165,7 @@ impl Seen<'_> {
                 );
             }
             Answer::PhysicsMissing => {
-                words.push(beyond(self, ", so physics is missing"));
+                words.push(beyond(self, if is_doubtful { MORE_THAN_NOISE } else { ", so physics is missing" }));
                 words.extend(fails_most(self));
                 words.extend(findings(self));
             }
@@ -366,6 +380,21 @@ mod tests {
     #[test]
     fn an_angle_is_told_with_three_digits() {
         assert_eq!([0.1234, 0.01234, 1.234e-3, 1.234e-4].map(in_mrad), ["123", "12.3", "1.23", "0.123"]);
+    }
+
+    #[test]
+    fn what_hardly_follows_the_motion_is_not_called_missing_physics() {
+        let mut judged = judged();
+        judged.verdict.more_than_noise = true;
+        let (energy, recordings) = (Energy::default(), [judged]);
+        let said = |ratio: f64, explained: f64| {
+            let totals = Totals { ratio, explained, ..Totals::default() };
+            Seen { recordings: &recordings, ..seen(&energy, &totals) }.sentences().join(" ")
+        };
+        let hardly = "It hardly follows: before you ask what physics is missing";
+        // 30 % of the motion is left, 27 % beyond the noise; 20 %; and 30 % of which most is noise.
+        assert!(said(2.3, 0.91).contains(hardly), "{}", said(2.3, 0.91));
+        assert!(!said(2.3, 0.96).contains(hardly) && !said(1.2, 0.91).contains(hardly));
     }
 
     #[test]

@@ -19,7 +19,7 @@ use crate::fit::touch::Touch;
 use crate::look::{Look, of_reason};
 use crate::recording::Measured;
 use crate::swing::{Swing, Window};
-use crate::verdict::Left;
+use crate::verdict::{Left, hardly_follows};
 use serde::Serialize;
 use shared::bank::findings::Reason;
 use shared::effect::CUSTOM_FORMULA_NAME;
@@ -91,6 +91,8 @@ pub struct Diagnosis {
     pub touches: Vec<Touch>,
     /// Does the model that is told follow the swings at all? If not, whatever is said of it means nothing.
     pub follows: bool,
+    /// Is so much of the motion left, beyond the noise, that something else than an effect should be looked for first?
+    pub hardly_follows: bool,
     /// Effects claimed to be missing from the base model; empty: nothing is missing, or nothing could be named.
     pub verdict: Vec<&'static str>,
     /// Effects that the data can't tell from one of the verdict.
@@ -297,6 +299,7 @@ impl Summary<'_, '_, '_> {
             driven: Swing::driven(problem.swings),
             touches: Vec::new(),
             follows: problem.is_followed(self.claimed.cost),
+            hardly_follows: unexplained && hardly_follows(problem.left_of_motion(self.claimed.cost)),
             family: family(&self.claimed, &self.undecided),
             not_tried: self.not_tried.into_iter().filter(|it| !self.undecided.contains(&it.effect)).collect(),
             undecided: self.undecided,

@@ -29,7 +29,7 @@ use shared::model::Model;
 use shared::parameters::Parameters;
 use std::time::Instant;
 
-const NOISE_RAD: f64 = 5e-4;
+pub(super) const NOISE_RAD: f64 = 5e-4;
 
 const RELEASE_RAD: f64 = 1.4;
 
@@ -488,20 +488,6 @@ fn a_zero_is_claimed_beside_what_is_claimed_only() {
     assert_eq!(found.suspect, Some("quadratic-drag"), "{:?}", found.unproven);
     assert!(found.rmse_after > 0.95 * found.rmse_before, "{} of {}", found.rmse_after, found.rmse_before);
     assert!(found.verdict.is_empty(), "{:?}", found.verdict);
-}
-
-#[test]
-fn where_noise_is_as_large_as_the_motion_it_is_said_that_nothing_follows() {
-    let follows = |noise_rad: f64| {
-        let mut swing = simulated("noisy", &rig(), 6.0, 1);
-        let mut noise = Noise::new(2);
-        swing.angles_rad.iter_mut().for_each(|angle| *angle += noise_rad * noise.normal());
-        swing.noise_rad = noise_rad.hypot(NOISE_RAD);
-        let found = diagnose(&[swing], &[], &rig());
-        (found.left, found.follows)
-    };
-    assert_eq!(follows(0.0), (Left::Noise, true));
-    assert_eq!(follows(2.0), (Left::Noise, false));
 }
 
 #[test]

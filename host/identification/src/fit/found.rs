@@ -61,6 +61,8 @@ pub struct Fit {
     pub rmse_rad: f64,
     /// What the model leaves.
     pub left: Left,
+    /// Is so much of the motion left, beyond the noise, that something else than an effect should be looked for first?
+    pub hardly_follows: bool,
     /// What touched the pendulum on its way. The model begins anew behind each, unless response surfaces alone were asked for.
     pub touches: Vec<Touch>,
     /// Noise of the measurement, rad.

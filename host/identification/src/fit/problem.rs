@@ -461,6 +461,11 @@ impl<'a> Problem<'a> {
         self.rmse_rad(cost) / motion
     }
 
+    /// What a model of this cost leaves beyond the noise, as a share of the readings, both root mean square.
+    pub fn left_of_motion(&self, cost: f64) -> f64 {
+        self.share_of_motion((cost - self.noise_cost()).max(0.0))
+    }
+
     /// The cost that noise alone leaves, rad².
     pub fn noise_cost(&self) -> f64 {
         self.noise_rad().powi(2) * self.n_samples(Window::Whole) as f64

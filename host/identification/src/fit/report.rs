@@ -12,7 +12,7 @@ use super::uncertainty::{Number, Status, UNKNOWN_SHARE, Uncertainty, uncertainty
 use crate::fit::tally::Tally;
 use crate::number::{angle, noises};
 use crate::swing::{Swing, Window, kind};
-use crate::verdict::{CHANCE_STDS, Left};
+use crate::verdict::{CHANCE_STDS, LOOK_FIRST, Left, hardly_follows};
 use shared::parameters::base;
 use std::time::Instant;
 
@@ -57,6 +57,7 @@ impl Report<'_, '_> {
             identified,
             rmse_rad,
             left,
+            hardly_follows: left == Left::Missing && hardly_follows(problem.left_of_motion(model.cost)),
             noise_rad: problem.noise_rad(),
             held_out_rmse_rad,
             responses_before,
@@ -88,8 +89,7 @@ impl Report<'_, '_> {
                 driven.join(", ")
             ));
         } else if left == Left::Missing {
-            let beyond_noise = self.model.cost - self.problem.noise_cost();
-            warnings.push(what_is_wrong(ratio, self.problem.share_of_motion(beyond_noise)));
+            warnings.push(what_is_wrong(ratio, self.problem.left_of_motion(self.model.cost)));
         }
         if uncertainty.coloured {
             warnings.push("the residuals are correlated in time; the uncertainties allow for it".to_owned());
@@ -168,23 +168,17 @@ impl Report<'_, '_> {
     }
 }
 
-/// A model that leaves this share of the motion, beyond the noise, hardly follows it. Of 201 recordings of strangers in which
-/// more than noise was left 20 leave more, ten of them driven, held up or disturbed and two on a cart; half of it is left by
-/// 61, many of them free swings, twice of it by none.
-const HARDLY_FOLLOWED: f64 = 0.25;
-
 /// Where so many noises are left, and this share of the motion: what hardly follows the swings lacks more than a drag.
 fn what_is_wrong(ratio: f64, share: f64) -> String {
     let noises = noises(ratio);
-    if share < HARDLY_FOLLOWED {
+    if !hardly_follows(share) {
         return format!(
             "the error is {noises} times the noise: physics is missing from the model (host diagnose names it)"
         );
     }
     format!(
         "the error is {noises} times the noise and beyond it {:.0} % of the motion: the model hardly follows these \
-         swings; before you ask what physics is missing, see that the column is the angle of one pendulum, in that unit, \
-         let go and left alone (host compare shows where the model fails)",
+         swings; before you ask what physics is missing, {LOOK_FIRST}",
         100.0 * share
     )
 }

@@ -12,7 +12,7 @@ pub fn of_reason(reason: Reason) -> &'static str {
     match reason {
         Reason::TooFewSwings => "too few swings yet: let it go again, from a large angle",
         Reason::NotThisPendulum => {
-            "with no friction and inertia does the rig's model follow these swings: check mass, length and calibration"
+            "no friction and inertia make the rig's model follow these swings: check mass, length and calibration"
         }
         Reason::WrongNumbers => "numbers are wrong, and these swings show nothing else: fit the model and push it",
         Reason::FrictionAboutRest => {

@@ -237,7 +237,12 @@ fn next(options: &Options, recordings: &[PathBuf], shown: &Shown) -> (Cow<'stati
     if !Swing::driven(shown.swings).is_empty() {
         return swings_freely(options.port.as_deref());
     }
+    let is_doubtful = shown.outcome.fit.hardly_follows;
     match (&options.port, &shown.done.model) {
+        (_, Some(path)) if is_doubtful => {
+            ("shows where the model fails".into(), format!("host compare {names} --rig {}", output::file(path)))
+        }
+        (None, None) if is_doubtful => shows_the_swing(options.plot.is_some(), &names, &rig),
         (Some(port), None) if is_pushed && is_unasked => names_what_is_missing(port, &rig, &names, Path::new("")),
         (Some(port), None) if is_pushed => keeps_the_model(port, &rig, options.discover, Path::new("")),
         (_, None) if physics_is_missing(&shown.outcome.fit) => {
@@ -268,6 +273,14 @@ fn names_what_is_missing(port: &str, rig: &str, names: &str, folder: &Path) -> (
         let why = format!("keeps the model in a file; then host diagnose {names} --rig {file} names what is missing");
         (why.into(), format!("host pull --port {port} -o {file}"))
     }
+}
+
+/// Whether it is a swing at all is seen by whoever looks at it.
+fn shows_the_swing(is_drawn: bool, names: &str, rig: &str) -> (Cow<'static, str>, String) {
+    if is_drawn {
+        return ("keeps the model, for host compare".into(), format!("host fit {names}{rig} -o {USUAL_NAME}"));
+    }
+    ("draws measured against model, to see what was recorded".into(), format!("host fit {names}{rig} --plot fit.svg"))
 }
 
 /// What nothing can be learned from has to be recorded anew.
@@ -361,6 +374,13 @@ mod tests {
         let (why, command) = advised("COM3");
         assert_eq!(command, "host pull --port COM3 -o rig.toml");
         assert!(why.contains("then host diagnose swing.csv --rig rig.toml names what is missing"), "{why}");
+    }
+
+    #[test]
+    fn where_the_model_hardly_follows_the_next_step_is_to_look() {
+        let advised = |is_drawn| shows_the_swing(is_drawn, "swing.csv", " --rig my.toml").1;
+        assert_eq!(advised(false), "host fit swing.csv --rig my.toml --plot fit.svg");
+        assert_eq!(advised(true), "host fit swing.csv --rig my.toml -o rig.toml");
     }
 
     #[test]
