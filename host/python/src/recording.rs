@@ -65,6 +65,7 @@ impl Options {
                 angle_unit,
                 zero: self.zero,
                 pivot: self.pivot,
+                within_s: [self.start, self.end],
                 mirrored: self.mirror,
                 runs: self.run.iter().map(RunName::in_words).collect(),
                 measured: None,

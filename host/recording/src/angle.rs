@@ -12,6 +12,7 @@ use super::told::Told;
 use super::units::AngleUnit;
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::ops::Range;
 
 /// Angles of unstated unit beyond this leave a note: more than half a turn is rare.
 const NOTED_UNSTATED_RAD: f64 = 3.3;
@@ -70,7 +71,8 @@ impl Angles<'_> {
 
     /// From a point on the pendulum; where its pivot is, if that is known without the user.
     pub(super) fn of_point(mut self, x: &[f64], y: &[f64], pivot: Option<[f64; 2]>) -> Result<Vec<f64>, Fault> {
-        let circle = Circle::through(x, y, self.options.pivot.or(pivot))?;
+        let within = self.within();
+        let circle = Circle::through(&x[within.clone()], &y[within], self.options.pivot.or(pivot))?;
         let mut angles_rad = circle.angles_rad(x, y);
         plausible::unwrap(&mut angles_rad);
         let zero_rad = self.options.zero.unwrap_or(0.0).to_radians();
@@ -85,6 +87,14 @@ impl Angles<'_> {
             self.set_zero(&swings, "the picture is turned", &mut angles_rad);
         }
         Ok(angles_rad)
+    }
+
+    /// The samples that the user asks for; all of them where there are none.
+    fn within(&self) -> Range<usize> {
+        let [from_s, to_s] = self.options.within_s;
+        let start = from_s.map_or(0, |from_s| self.times_s.partition_point(|time_s| *time_s < from_s));
+        let end = to_s.map_or(self.times_s.len(), |to_s| self.times_s.partition_point(|time_s| *time_s <= to_s));
+        if start < end { start..end } else { 0..self.times_s.len() }
     }
 
     /// Counts of an encoder that go on where they begin anew.

@@ -5,6 +5,8 @@
 //! A short arc tells little of its centre, and a picture that is bent a little moves it far: there the origin of x and y is
 //! the pivot if all points are equally far from it, where people who follow a point in a video like to put it.
 
+mod stray;
+
 use super::error::Fault;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -67,6 +69,8 @@ pub(super) struct Circle {
     arc_radius: Option<f64>,
     /// By which share of the radius a bent picture may move its centre, if that was not told.
     doubt: f64,
+    /// Share of the points that lie somewhere else and tell nothing of it.
+    stray: f64,
 }
 
 impl Circle {
@@ -74,15 +78,25 @@ impl Circle {
     pub(super) fn through(x: &[f64], y: &[f64], pivot: Option<[f64; 2]>) -> Result<Self, Fault> {
         let every = x.len().div_ceil(MOST_POINTS).max(1);
         let points: Vec<[f64; 2]> = x.iter().zip(y).step_by(every).map(|(x, y)| [*x, *y]).collect();
+        let whole = Self::of(&points, pivot);
+        let without_strays = || {
+            let kept = stray::without_strays(&points)?;
+            let stray = 1.0 - kept.len() as f64 / points.len() as f64;
+            Some(Self { stray, ..Self::of(&kept, pivot).ok()? })
+        };
+        whole.or_else(|fault| without_strays().ok_or(fault))
+    }
+
+    fn of(points: &[[f64; 2]], pivot: Option<[f64; 2]>) -> Result<Self, Fault> {
         if let Some(pivot) = pivot {
-            return Self::about(pivot, mean_distance(&points, pivot), &points).unless_off();
+            return Self::about(pivot, mean_distance(points, pivot), points).unless_off();
         }
         let short = |spread: f64| Fault::ShortArc { spread_percent: 100.0 * spread };
-        let found = fitted(&points);
-        let circle = found.map(|(centre, radius, spread)| (Self::about(centre, radius, &points), spread));
-        let spread = circle.as_ref().map_or(1.0, |(circle, spread)| spread.hypot(circle.bent(&points)));
+        let found = fitted(points);
+        let circle = found.map(|(centre, radius, spread)| (Self::about(centre, radius, points), spread));
+        let spread = circle.as_ref().map_or(1.0, |(circle, spread)| spread.hypot(circle.bent(points)));
         if spread > MOST_SPREAD
-            && let Some(about_origin) = Self::about_origin(&points)
+            && let Some(about_origin) = Self::about_origin(points)
         {
             let is_other = |radius: &f64| (radius / about_origin.radius - 1.0).abs() > NOTED_BENT;
             let arc_radius = circle.map(|(circle, _)| circle.radius).filter(is_other);
@@ -91,7 +105,7 @@ impl Circle {
         match circle {
             None => Err(short(1.0)),
             Some((_, spread)) if spread > MOST_SPREAD => Err(short(spread)),
-            Some((circle, _)) => Self { doubt: circle.bent(&points), ..circle }.unless_off(),
+            Some((circle, _)) => Self { doubt: circle.bent(points), ..circle }.unless_off(),
         }
     }
 
@@ -107,6 +121,7 @@ impl Circle {
             is_about_origin: false,
             arc_radius: None,
             doubt: 0.0,
+            stray: 0.0,
         };
         Self { off: circle.typical_distance(points), ..circle }
     }
@@ -160,7 +175,7 @@ impl Circle {
 
     /// What was found, for a person.
     pub(super) fn in_words(&self) -> String {
-        let Self { x, y, radius, off, up, is_about_origin, arc_radius, doubt } = self;
+        let Self { x, y, radius, off, up, is_about_origin, arc_radius, doubt, stray } = self;
         let way = if *up > 0.0 { "up" } else { "down" };
         let so_far = if *off > NOTED_OFF {
             format!("; the points are {:.1} % of it off, as when the camera is not square to the swing", 100.0 * off)
@@ -184,7 +199,14 @@ impl Circle {
         } else {
             String::new()
         };
-        format!("angles from x and y, y counting {way}: pivot at ({x:.4}, {y:.4}), radius {radius:.4}{so_far}")
+        let without = match stray {
+            0.0 => String::new(),
+            share => format!(
+                "; {:.0} % of the points lie somewhere else, as where a tracker followed something else, and tell nothing of it",
+                100.0 * share
+            ),
+        };
+        format!("angles from x and y, y counting {way}: pivot at ({x:.4}, {y:.4}), radius {radius:.4}{so_far}{without}")
     }
 
     /// Of the means over stretches of the arc, so that the noise of single points does not count.

@@ -17,6 +17,8 @@ pub struct ReadOptions {
     pub zero: Option<f64>,
     /// `--pivot`: where the pivot is, in the file's x and y.
     pub pivot: Option<[f64; 2]>,
+    /// `--from` and `--to`, s: of x and y only those between them tell where the pivot is.
+    pub within_s: [Option<f64>; 2],
     /// `--mirror`: it counts the other way, clockwise positive.
     pub mirrored: bool,
     /// `--run`: of a file that holds several runs these, by name or by number from 1; none for all.

@@ -10,6 +10,7 @@
 //! range begins shortly after it, never before.
 
 mod backwards;
+mod ends;
 mod interrupted;
 mod law;
 mod several;
@@ -41,6 +42,9 @@ const NOISE_SPREADS: f64 = 5.0;
 
 /// Digits of a noise that a message shows.
 const NOISE_DIGITS: usize = 3;
+
+/// Times are shown to so much, s.
+const SHOWN_S: f64 = 0.01;
 
 /// A free swing of ten hours; a simulation of more would want more memory than there is.
 const LONGEST_S: f64 = 36_000.0;
@@ -184,7 +188,7 @@ fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usiz
     let cut = Cut::new(recording, asked.clone())?;
     let stretch = cut.undisturbed()?;
     let rest = if options.to_s.is_some() { None } else { cut.rest(&stretch) };
-    let start = if options.from_s.is_some() { Start::at(&cut, asked.start) } else { cut.start(&stretch) };
+    let mut start = if options.from_s.is_some() { Start::at(&cut, asked.start) } else { cut.start(&stretch) };
     let end = match &rest {
         Some(rest) => rest.start,
         None if options.to_s.is_some() => asked.end,
@@ -194,7 +198,11 @@ fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usiz
     let is_enough = |(idx, _): &(usize, &str)| cut.count_turns(&(*idx..end)) >= MIN_TURNING_POINTS;
     let carried = cut.carried_until(fallen, end).filter(is_enough).filter(|_| options.from_s.is_none());
     let begin = carried.map_or(fallen, |(idx, _)| idx);
-    let free = begin..end.max(begin);
+    let is_doubted = [options.from_s.is_none(), options.to_s.is_none() && rest.is_none()];
+    let free = cut.between_hands(begin..end.max(begin), is_doubted);
+    if free.start > begin && begin == start.free_idx {
+        start.moved_to(free.start, cut.times_s()[free.start]);
+    }
     let n_turning_points = cut.count_turns(&free);
     let duration_s = cut.duration_s(&free);
     if duration_s > LONGEST_S {
@@ -203,9 +211,9 @@ fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usiz
     if n_turning_points < MIN_TURNING_POINTS {
         return Err(SegmentError::TooFewSwings { n_turning_points, duration_s });
     }
-    let (held, hanging) = if start.was_held { (start.lead_in.clone(), None) } else { (None, start.lead_in.clone()) };
+    let (held, hanging) = cut.held_or_hanging(&start);
     let noise = cut.noise(&free).beside_still(recording, [hanging, rest.clone()], held);
-    let mut notes = notes(&cut, options, &start, &(fallen..free.end), rest.as_ref());
+    let mut notes = notes(&cut, options, &start, &(fallen.max(start.free_idx)..free.end), rest.as_ref());
     let touches = |lost: &&Range<usize>| lost.start < free.end && free.start < lost.end;
     let interrupted: Vec<Range<usize>> = cut.interrupted.iter().filter(touches).cloned().collect();
     notes.extend(interrupted_in_words(recording, &interrupted));
@@ -381,18 +389,21 @@ fn notes(
     if let Some(from_s) = options.from_s.filter(|from_s| *from_s > 0.0 && *from_s < begins_s) {
         notes.push(format!("--from {from_s} is before it begins: its own clock starts at {begins_s} s"));
     }
-    let before_s = cut.times_s()[start.free_idx] - first_s;
+    let free_s = cut.times_s()[start.free_idx];
+    let before_s = free_s - first_s;
+    // A part of a recording begins somewhere on its clock, which --from means.
+    let up_to = if first_s.abs() < SHOWN_S { String::new() } else { format!(", up to {free_s:.2} s") };
     match (&start.lead_in, options.from_s) {
         (_, Some(from_s)) => notes.push(format!("free swing taken from {from_s} s on, as told")),
         (_, None) if start.was_held => {
             notes.push(format!("cut {before_s:.2} s held still before the release at {:.3} s", start.release_s));
         }
         (Some(still), None) if start.free_idx > cut.asked.start => {
-            notes.push(format!("cut {before_s:.2} s: still for {:.2} s, then moved by hand", cut.duration_s(still)));
+            notes.push(format!("cut {before_s:.2} s{up_to}: still for {:.2} s, then in a hand", cut.duration_s(still)));
         }
         (None, None) if start.free_idx > cut.asked.start => {
             notes.push(format!(
-                "cut the first {before_s:.2} s: until then it does not follow a free swing (a hand, a motor, a stop, or a \
+                "cut the first {before_s:.2} s{up_to}: until then it does not follow a free swing (a hand, a motor, a stop, or a \
                  tracker that lost it); --from begins earlier"
             ));
         }
@@ -427,8 +438,6 @@ fn notes(
         );
     }
     notes.extend(cut.driven_in_words(free));
-    let hung = start.lead_in.as_ref().filter(|_| !start.was_held && options.from_s.is_none());
-    notes.extend(hung.zip(rest).and_then(|(hung, rest)| cut.held_up_in_words(hung, free, rest)));
     if !cut.fades(free) {
         let unit = cut.recording.measured().unit();
         let grown = cut.grown(free).map(|(from, to)| {

@@ -76,6 +76,7 @@ impl Reading {
             angle_unit,
             zero: self.zero,
             pivot: self.pivot,
+            within_s: [self.from, self.to],
             mirrored: self.mirror,
             runs: self.run.clone(),
             measured: self.measured,

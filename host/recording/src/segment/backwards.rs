@@ -8,6 +8,7 @@
 
 use super::super::median;
 use super::Cut;
+use super::ends::Off;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -39,6 +40,9 @@ const STEEP_RAD: f64 = 2.0;
 
 /// Samples of a half swing that are looked at, at most, …
 const MOST_SAMPLES: usize = 40;
+
+/// … or where each sample counts, …
+const MOST_LOOKED: usize = 200;
 
 /// … and at least: fewer leave too few for the numbers of the law.
 const FEWEST_SAMPLES: usize = 8;
@@ -109,11 +113,36 @@ impl Cut<'_> {
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     }
 
+    /// Samples from one on, away from another one up to which the law is fitted, and how far each is off that (rad); `None` where
+    /// it can't be told.
+    pub(super) fn off_from(&self, from: usize, inward: usize, to: usize) -> Option<Vec<Off>> {
+        let between = |a: usize, b: usize| a.min(b)..a.max(b) + 1;
+        let (fitted, looked) = (between(from, inward), between(from, to));
+        let is_steep =
+            |range: &Range<usize>| self.angles_rad()[range.clone()].iter().any(|angle| angle.abs() > STEEP_RAD);
+        let n_half_swing = fitted.len() / FITTED;
+        if n_half_swing < FEWEST_SAMPLES || is_steep(&fitted) || is_steep(&looked) {
+            return None;
+        }
+        let every = n_half_swing.div_ceil(MOST_SAMPLES);
+        let every_looked = n_half_swing.div_ceil(MOST_LOOKED);
+        let (of_law, away): (Vec<usize>, Vec<usize>) = if to < from {
+            (fitted.step_by(every).collect(), looked.rev().step_by(every_looked).collect())
+        } else {
+            (fitted.rev().step_by(every).collect(), looked.step_by(every_looked).collect())
+        };
+        let start = self.fitted(&of_law)?;
+        Some(away.iter().copied().zip(self.off(&start, &away)).collect())
+    }
+
     /// The start and the law that leave the least squares at these samples.
     fn fitted(&self, samples: &[usize]) -> Option<Start> {
         let frequency_rad_s = PI / self.half_swing_s;
         let gravity_rad_s2 = frequency_rad_s.powi(2);
-        let mut start = Start::from([self.angles_rad()[samples[0]], 0.0, gravity_rad_s2, 0.0, 0.0, 0.0]);
+        // Of large swings the period alone is too far off.
+        let is_near = (gravity_rad_s2..2.0 * gravity_rad_s2).contains(&self.law[0]);
+        let [known_rad_s2, tilt_rad_s2] = if is_near { [self.law[0], self.law[1]] } else { [gravity_rad_s2, 0.0] };
+        let mut start = Start::from([self.angles_rad()[samples[0]], 0.0, known_rad_s2, tilt_rad_s2, 0.0, 0.0]);
         // So far each number is moved for a derivative: a change of the angles far above rounding, and nearly linear.
         let steps =
             Start::from([1.0, frequency_rad_s, gravity_rad_s2, gravity_rad_s2, gravity_rad_s2, frequency_rad_s]);

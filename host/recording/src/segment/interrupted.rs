@@ -97,7 +97,7 @@ impl Cut<'_> {
         Some(off < OFF_TIMES * most && off < OFF_SHARE * amplitude_rad)
     }
 
-    fn index_within(&self, time_s: f64) -> Option<usize> {
+    pub(super) fn index_within(&self, time_s: f64) -> Option<usize> {
         let idx = self.recording.index_at(time_s);
         self.asked.contains(&idx).then_some(idx)
     }

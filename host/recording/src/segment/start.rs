@@ -63,6 +63,11 @@ impl Start {
     pub(super) fn at(cut: &Cut, free_idx: usize) -> Self {
         Self { lead_in: None, free_idx, release_s: cut.recording.times_s()[free_idx], was_held: false }
     }
+
+    /// A hand was on it until later than it seemed.
+    pub(super) fn moved_to(&mut self, free_idx: usize, time_s: f64) {
+        (self.free_idx, self.release_s) = (free_idx, time_s);
+    }
 }
 
 impl Cut<'_> {
@@ -219,6 +224,13 @@ impl Cut<'_> {
             return gained_rad_s > HELD_FALL_NOISE * self.noise_rms_rad;
         }
         self.fall_rad(still) > HELD_FALL_NOISE * self.noise_rms_rad
+    }
+
+    /// What was still at the beginning, where a hand held it, and where it hung.
+    pub(super) fn held_or_hanging(&self, start: &Start) -> (Option<Range<usize>>, Option<Range<usize>>) {
+        let still = start.lead_in.clone();
+        let is_held = still.as_ref().is_some_and(|still| start.was_held || self.must_be_held(still));
+        if is_held { (still, None) } else { (None, still) }
     }
 
     /// How far a free pendulum would have fallen in that time, rad: not at all within half a line of a coarse sensor about where

@@ -3,12 +3,11 @@
 use super::super::carrier::Carrier;
 use super::super::chance;
 use super::super::drive::{self, Drive};
-use super::super::measured::Measured;
 use super::super::median;
 use super::super::turning::{ROUGH_FALL_SHARE, TurningPoint};
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
 use crate::noise::{GAP_STEPS, rms_about_line};
-use crate::number::{angle, significant};
+use crate::number::significant;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -139,32 +138,6 @@ impl Cut<'_> {
         };
         let of_drives = drives.iter().filter_map(|drive| inside(drive).or_else(|| beside(drive)));
         of_drives.chain(self.recording.carriers.iter().filter_map(carried)).collect()
-    }
-
-    /// That it hung still at first where it does not hang in the end: farther apart than friction holds it that lets it turn
-    /// so often. What it holds anywhere within ±δ loses 2δ from turn to turn.
-    pub(super) fn held_up_in_words(
-        &self,
-        hung: &Range<usize>,
-        free: &Range<usize>,
-        rest: &Range<usize>,
-    ) -> Option<String> {
-        if self.recording.measured() == Measured::Rate {
-            return None;
-        }
-        let middle = |range: &Range<usize>| median(&mut self.angles_rad()[range.clone()].to_vec());
-        let (first, last) = (middle(hung), middle(rest));
-        let largest =
-            self.angles_rad()[free.clone()].iter().fold(0.0_f64, |most, angle| most.max((angle - last).abs()));
-        let n_losses = (MIN_TURNING_POINTS - 1) as f64;
-        (n_losses * (first - last).abs() > largest).then(|| {
-            format!(
-                "doubtful: it was still at {} rad at first and hangs at {} rad in the end, farther apart than friction \
-                 holds it: does something hold it up (a motor, a propeller), did its zero move, or did a hand hold it at first?",
-                angle(first),
-                angle(last)
-            )
-        })
     }
 
     /// Index ranges between the disturbances.
