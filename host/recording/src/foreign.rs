@@ -42,11 +42,7 @@ impl Kind {
             Self::LabView => labview::table(bytes),
             Self::Json => json::table(bytes),
             Self::Lists => lists::table(bytes),
-            Self::Markup => Err(refused(
-                "file of XML or HTML",
-                "Tracker (.trk), Logger Pro (.cmbl), CASSY Lab (.labx) and phyphox (.phyphox) keep their projects so; open \
-                 it there, and export the table with time and angle as text or CSV",
-            )),
+            Self::Markup => Err(project("file of XML or HTML")),
             Self::Unread(place) => {
                 let (_, format, cure) = UNREAD.get(place).copied().unwrap_or((b"", "file", "export it as CSV"));
                 Err(refused(format, cure))
@@ -54,4 +50,13 @@ impl Kind {
         };
         text.map(|text| (text, None))
     }
+}
+
+/// What a program keeps for itself, and where the table is to be had.
+fn project(format: &'static str) -> Fault {
+    refused(
+        format,
+        "Tracker (.trk), Logger Pro (.cmbl), CASSY Lab (.labx) and phyphox (.phyphox) keep their projects so; open it there, \
+         and export the table with time and angle as text or CSV",
+    )
 }

@@ -20,6 +20,9 @@ const NEIGHBOURS: usize = 2;
 /// Levels whose costs on decimated swings are closer than this, in noise variances, are decided on all samples.
 const DOUBT: f64 = 40.0;
 
+/// So near to an end of its range a level is on its edge, as a share of the range. Half and twice were not tried.
+const EDGE: f64 = 0.01;
+
 /// A range of Ms, N·m: all levels within it stop the pendulum alike.
 type Range = (f64, f64);
 
@@ -92,6 +95,8 @@ pub(super) fn levels(decimated: &Problem, from: &Fitted) -> Vec<Fitted> {
     }
     let doubt = tried[0].cost + DOUBT * decimated.noise_rad().powi(2);
     tried.truncate(if tried.len() > 1 && tried[1].cost < doubt { 2 } else { 1 });
+    tried = on_all_cores(tried, |model| off_the_edge(decimated, model));
+    sort(&mut tried);
     tried
 }
 
@@ -104,6 +109,23 @@ fn in_earnest(decimated: &Problem, from: &Fitted, levels: Vec<Level>) -> Vec<Fit
     let mut tried: Vec<Fitted> = on_all_cores(levels, at_level);
     sort(&mut tried);
     tried
+}
+
+/// A descent with a fixed level goes no farther than to where the pendulum would stop at another turn, and stands there as at
+/// a wall, with derivatives that jump: with the level in the middle of its range it goes on.
+fn off_the_edge(decimated: &Problem, model: Fitted) -> Fitted {
+    let free = model.with_stiction(Stiction::NONE);
+    let level_nm = model.stiction().level_nm;
+    let own = ranges(&free.problem(decimated), &free.point()).into_iter().find(|range| holds(range, level_nm));
+    let is_on_edge = |(low, high): &Range| (level_nm - low).min(high - level_nm) < EDGE * (high - low);
+    match own.filter(is_on_edge) {
+        Some(range) if level_nm > 0.0 => {
+            let moved = Fitted { level_range_nm: range, ..free.with_stiction(middle(&range)) };
+            let moved = moved.descended(decimated, Window::Whole, Tolerance::JUDGE);
+            if moved.cost <= model.cost { moved } else { model }
+        }
+        _ => model,
+    }
 }
 
 fn holds(range: &Range, level_nm: f64) -> bool {
@@ -216,5 +238,27 @@ mod tests {
         assert!(!promising(&problem, &point, &linear).is_empty());
         point.values[1] = PENDULUM.gravity_torque_nm();
         assert!(promising(&problem, &point, &linear).is_empty());
+    }
+
+    #[test]
+    fn a_level_on_the_edge_of_its_range_goes_to_the_middle_and_lets_the_descent_go_on() {
+        let (swings, count) = (dry_swing(1.3e-4, 1.1e-3), Tally::default());
+        let mut rig = Parameters::frictionless(PENDULUM);
+        rig.set_friction(0.0, 1.3e-4, 0.0, 0.0);
+        let problem = problem_of(&swings, &rig, &count);
+        let point = Point { values: problem.template_values(), starts: at_rest(0.02) };
+        let own = levels(&problem, &Fitted::at(&problem, &point)).swap_remove(0);
+        let free = own.with_stiction(Stiction::NONE);
+        let now = ranges(&free.problem(&problem), &free.point());
+        let (low, high) = now.into_iter().find(|range| holds(range, own.stiction().level_nm)).unwrap();
+        let inside =
+            |model: &Fitted| (model.stiction().level_nm - low).min(high - model.stiction().level_nm) / (high - low);
+        for level_nm in [high - 1e-6 * (high - low), low + 1e-6 * (high - low)] {
+            let on_edge = own.with_stiction(Stiction::level(level_nm)).evaluated(&problem);
+            let off = off_the_edge(&problem, on_edge.clone());
+            assert!(off.cost <= on_edge.cost && inside(&off) > 0.4, "{} {} {}", off.cost, on_edge.cost, inside(&off));
+        }
+        let in_the_middle = own.with_stiction(Stiction::level(0.5 * (low + high))).evaluated(&problem);
+        assert_eq!(off_the_edge(&problem, in_the_middle.clone()).point().values, in_the_middle.point().values);
     }
 }

@@ -5,7 +5,7 @@
 use super::archive::{bytes_of, only_one, stem, unreadable};
 use super::as_text::{refused, text_of};
 use super::kind::Kind;
-use super::{numpy, workbook};
+use super::{numpy, project, workbook};
 use crate::error::Fault;
 use std::io::Cursor;
 use zip::ZipArchive;
@@ -29,6 +29,9 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, S
             && !lower.contains("meta/")
             && !lower.contains("__macosx")
     };
+    if !names.is_empty() && names.iter().all(|name| name.to_lowercase().ends_with(".xml")) {
+        return Err(project("zip archive of XML"));
+    }
     let tables: Vec<&String> = names.iter().filter(is_table).collect();
     let Some(name) = only_one(&tables) else {
         let listed = if tables.is_empty() {
@@ -127,6 +130,7 @@ mod tests {
         assert_eq!(one, (b"t,theta".to_vec(), "Raw Data".to_owned()));
         let phone = [("Accelerometer.csv", "a"), ("run/Gyroscope.csv", "g"), ("GyroscopeUncalibrated.csv", "u")];
         assert_eq!(read(&phone).unwrap(), (b"g".to_vec(), "Gyroscope".to_owned()));
+        assert!(read(&[("data.xml", "<cassylab/>")]).unwrap_err().contains("CASSY Lab (.labx)"));
         assert!(read(&[("a.csv", "1"), ("b.csv", "2")]).unwrap_err().contains("2 tables (of a.csv, b.csv)"));
         assert!(read(&[("xl/workbook.xml", "")]).unwrap_err().contains("save the sheet as CSV"));
         assert!(read(&[("content.xml", "")]).unwrap_err().contains("save the sheet as CSV"));
