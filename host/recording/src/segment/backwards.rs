@@ -8,7 +8,6 @@
 
 use super::super::median;
 use super::Cut;
-use super::ends::Off;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -55,6 +54,9 @@ const N_ROUNDS: usize = 6;
 
 /// Speed below which dry friction turns, as a share of the largest.
 const SLOW_SHARE: f64 = 0.05;
+
+/// A sample, and how far it is off (rad).
+pub(super) type Off = (usize, f64);
 
 /// Angle, speed, and the four numbers of the law.
 type Start = SVector<f64, 6>;

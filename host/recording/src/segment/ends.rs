@@ -7,7 +7,7 @@
 
 use super::super::{Measured, median};
 use super::Cut;
-use super::backwards::{FEWEST_USUAL, FITTED, MOST_USUAL};
+use super::backwards::{FEWEST_USUAL, FITTED, MOST_USUAL, Off};
 use std::ops::Range;
 
 // Tried on 167 simulated recordings with hands whose moves are known, of which 19 ends are cut here (17 to 40 ms from where the hand
@@ -38,9 +38,6 @@ const SUDDEN: f64 = 0.25;
 /// … and until there it was off by no more than so many times what is usual at most. With half of it none are cut, with twice of it
 /// 24, six of them where no hand was, and 9 of strangers.
 const CALM: f64 = 1.5;
-
-/// A sample, and how far it is off (rad).
-pub(super) type Off = (usize, f64);
 
 impl Cut<'_> {
     /// The part of a free swing behind the hand at its beginning and before the one at its end, where these are doubted.
