@@ -7,15 +7,15 @@
 use super::{fitted, mean_distance};
 use crate::median;
 
-/// Circles through three points that are tried. With two thirds of the points on it one in four is of such alone, so that half of
-/// it would do and twice of it tells the same.
+/// Circles through three points that are tried. With two thirds of the points on the circle three in ten are of such alone, with a
+/// half one in eight. Half and twice were not tried.
 const TRIED: usize = 200;
 
 /// Points that decide between those.
 const MOST_DECIDING: usize = 500;
 
-/// A point belongs to the circle within so many standard deviations of its neighbours' distance: of 10,000 noisy ones none is
-/// farther by chance, and a stray one is by far more. Half and twice were not tried.
+/// A point belongs to the circle within so many standard deviations, as the median has them: of 10,000 noisy ones none is farther by
+/// chance, and a stray one is by far. Half and twice were not tried.
 const BELONGS: f64 = 5.0;
 
 /// The median of absolute values of normal numbers, in standard deviations.

@@ -51,7 +51,7 @@ function showWords() {
   };
   const why = (claim) => reasons[claim.standing];
   const doubt = (claim) => (claim.effect === found.suspect
-    ? ` ${claim.standing === 'partly' && claim.p_without_two > 0.05 ? 'Possible' : 'Likely'}, but not proven: ${claim.effect}. With it the error would fall to ${mrad(claim.rmse)}, but ${why(claim)}; another release can tell.`
+    ? ` Likely, but not proven: ${claim.effect}. With it the error would fall to ${mrad(claim.rmse)}, but ${why(claim)}; another release can tell.`
     : ` Not claimed: ${claim.effect}. It lowers the error to ${mrad(claim.rmse)}, but ${why(claim)}.`);
   const dropped = found.unproven.map(doubt).join('');
   const tie = found.family ? ` It is ${found.family.words}; its shape is undecided between ${found.family.members.join(' and ')}.` : found.undecided.length ? ` These swings cannot tell it from ${found.undecided.join(', ')}.` : '';
