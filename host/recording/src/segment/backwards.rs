@@ -87,54 +87,39 @@ impl Cut<'_> {
     /// How far the angles of one range, before or behind another, are off what those of the other one say, which is
     /// [`FITTED`] half swings long (rms, rad); NaN where it can't be told. What lies between them is not asked.
     pub(super) fn off_beside(&self, looked: Range<usize>, fitted: Range<usize>) -> f64 {
-        let n_half_swing = fitted.len() / FITTED;
-        let is_steep =
-            |range: &Range<usize>| self.angles_rad()[range.clone()].iter().any(|angle| angle.abs() > STEEP_RAD);
-        if n_half_swing < FEWEST_SAMPLES || is_steep(&looked) || is_steep(&fitted) {
+        if self.is_steep(&looked) || self.is_steep(&fitted) {
             return f64::NAN;
         }
-        let every = n_half_swing.div_ceil(MOST_SAMPLES);
-        let (of_law, away): (Vec<usize>, Vec<usize>) = if looked.start <= fitted.start {
-            (
-                (fitted.start..=fitted.end).step_by(every).collect(),
-                (looked.start..=fitted.start).rev().step_by(every).collect(),
-            )
-        } else {
-            (
-                (fitted.start..=fitted.end).rev().step_by(every).collect(),
-                (fitted.end..=looked.end).step_by(every).collect(),
-            )
+        let (near, far, to) = match looked.start <= fitted.start {
+            true => (fitted.start, fitted.end, looked.start),
+            false => (fitted.end, fitted.start, looked.end),
         };
-        let Some(start) = self.fitted(&of_law) else { return f64::NAN };
-        let asked = self
-            .off(&start, &away)
-            .into_iter()
-            .zip(&away)
-            .filter(|(_, idx)| looked.start <= **idx && **idx <= looked.end);
-        let squares: Vec<f64> = asked.map(|(off, _)| off * off).collect();
+        let Some(off) = self.off_along(near, far, to, MOST_SAMPLES) else { return f64::NAN };
+        let asked = off.iter().filter(|(idx, _)| looked.start <= *idx && *idx <= looked.end);
+        let squares: Vec<f64> = asked.map(|(_, off)| off * off).collect();
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     }
 
     /// Samples from one on, away from another one up to which the law is fitted, and how far each is off that (rad); `None` where
     /// it can't be told.
     pub(super) fn off_from(&self, from: usize, inward: usize, to: usize) -> Option<Vec<Off>> {
-        let between = |a: usize, b: usize| a.min(b)..a.max(b) + 1;
-        let (fitted, looked) = (between(from, inward), between(from, to));
-        let is_steep =
-            |range: &Range<usize>| self.angles_rad()[range.clone()].iter().any(|angle| angle.abs() > STEEP_RAD);
-        let n_half_swing = fitted.len() / FITTED;
-        if n_half_swing < FEWEST_SAMPLES || is_steep(&fitted) || is_steep(&looked) {
+        let is_steep = |end: usize| self.is_steep(&(from.min(end)..from.max(end) + 1));
+        if is_steep(inward) || is_steep(to) { None } else { self.off_along(from, inward, to, MOST_LOOKED) }
+    }
+
+    /// The same, however steep, with so many samples of a half swing at most.
+    fn off_along(&self, from: usize, inward: usize, to: usize, most_samples: usize) -> Option<Vec<Off>> {
+        let n_half_swing = from.abs_diff(inward) / FITTED;
+        if n_half_swing < FEWEST_SAMPLES {
             return None;
         }
-        let every = n_half_swing.div_ceil(MOST_SAMPLES);
-        let every_looked = n_half_swing.div_ceil(MOST_LOOKED);
-        let (of_law, away): (Vec<usize>, Vec<usize>) = if to < from {
-            (fitted.step_by(every).collect(), looked.rev().step_by(every_looked).collect())
-        } else {
-            (fitted.rev().step_by(every).collect(), looked.step_by(every_looked).collect())
-        };
-        let start = self.fitted(&of_law)?;
+        let start = self.fitted(&outward(from, inward, n_half_swing.div_ceil(MOST_SAMPLES)))?;
+        let away = outward(from, to, n_half_swing.div_ceil(most_samples));
         Some(away.iter().copied().zip(self.off(&start, &away)).collect())
+    }
+
+    fn is_steep(&self, range: &Range<usize>) -> bool {
+        self.angles_rad()[range.clone()].iter().any(|angle| angle.abs() > STEEP_RAD)
     }
 
     /// The start and the law that leave the least squares at these samples.
@@ -186,6 +171,11 @@ impl Cut<'_> {
         }
         off
     }
+}
+
+/// One sample in so many, from one on to another one, on either side of it.
+fn outward(from: usize, to: usize, every: usize) -> Vec<usize> {
+    if to < from { (to..=from).rev().step_by(every).collect() } else { (from..=to).step_by(every).collect() }
 }
 
 /// A step of Runge and Kutta, of either sign.

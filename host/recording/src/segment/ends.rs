@@ -145,12 +145,25 @@ mod tests {
         }
     }
 
-    /// What the crude law lacks leads it astray, but not at once.
+    /// A swing in air that takes much of the large ones, of which the law knows nothing.
+    fn in_air(angle_rad: f64, drag: f64) -> Vec<f64> {
+        let (mut angle, mut velocity) = (angle_rad, 0.0_f64);
+        let step = |idx: usize| {
+            let before = angle;
+            velocity -= 1e-4 * (70.0 * angle.sin() + 0.1 * velocity.signum() + drag * velocity * velocity.abs());
+            angle += 1e-4 * velocity;
+            idx.is_multiple_of(50).then_some(before)
+        };
+        (0..150_000).filter_map(step).collect()
+    }
+
+    /// What the crude law lacks leads it astray, but not at once; twice the largest drag here costs a swing of 1.6 rad 0.3 s.
     #[test]
-    fn what_no_hand_moves_is_free_to_its_ends() {
-        for angle_rad in [0.3, 1.0, 1.9] {
-            let whole = moved_swing(angle_rad, 15.0, |_| 0.0);
-            assert_eq!(find(&whole[..1600]).free, 0..1600, "{angle_rad}");
+    fn what_no_hand_moves_is_free_from_its_beginning() {
+        for angle_rad in [1.0, 1.3, 1.6, 1.9] {
+            for drag in [0.05, 0.1] {
+                assert_eq!(find(&in_air(angle_rad, drag)).free.start, 0, "{angle_rad} {drag}");
+            }
         }
     }
 }
