@@ -99,7 +99,7 @@ fn a_broken_file_is_refused_with_place_value_and_advice() {
     check_refused(&table("theta\n", |_, a| a.to_string()), &["no time column", "--rate"]);
     check_refused(&table("t,volts\n", |t, a| format!("{t},{a}")), &["no angle column", "t, volts", "--columns"]);
     check_refused(&table("t,theta1,theta2\n", |t, a| format!("{t},{a},{a}")), &["several", "theta1", "theta2"]);
-    check_refused(&table("t,code\n", |t, _| format!("{t},2048")), &["no calibration", "zero_code"]);
+    check_refused(&table("t,code\n", |t, a| format!("{t},{}", (900.0 * a) as i32)), &["counts a turn", "--zero"]);
 }
 
 #[test]
@@ -312,6 +312,24 @@ fn every_recording_that_comes_with_the_project_reads_and_is_healthy() {
         }
     }
     assert_eq!(n_read, 2 + 4 + 3 + 3);
+}
+
+/// Whatever a stranger calls it, and whichever way it is told what a count is worth.
+#[test]
+fn a_reading_that_a_converter_lost_is_left_out_whatever_its_column_is_called() {
+    let counts = |head: &str| {
+        let count = |t: f64| (2048.0 + 900.0 * (-t / 10.0).exp() * (6.0 * t).cos()).round();
+        let row = |idx: i32| format!("{},{}\n", 10 * idx, if idx == 333 { 0.0 } else { count(f64::from(idx) / 100.0) });
+        format!("{head}{}", (0..1000).map(row).collect::<String>())
+    };
+    let told = ReadOptions { zero: Some(2048.0), ..columns("t=0:ms,theta=1:4096/turn") };
+    let heads = ["adc", "code", "ADC_value", "pot", "counts"].map(|name| (format!("millis,{name}\n"), &told));
+    let calibrated = "# zero_code: 2048\n# radians_per_code: 0.00153398\nmillis,adc\n".to_owned();
+    for (head, options) in heads.into_iter().chain([(calibrated, &columns("t=0:ms"))]) {
+        let recording = parse_with(&counts(&head), options).unwrap_or_else(|error| panic!("{head}: {error}"));
+        assert_eq!(recording.len(), 999, "{head} {:?}", recording.notes());
+        assert!(recording.angles_rad().iter().all(|angle| angle.abs() < 1.4), "{head}");
+    }
 }
 
 #[test]

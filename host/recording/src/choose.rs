@@ -55,7 +55,7 @@ impl Sources {
         notes: &mut Vec<String>,
     ) -> Result<Self, Fault> {
         let asked = options.columns.clone().unwrap_or_default();
-        let code = choose_code(table, &asked)?;
+        let code = choose_code(table, header, &asked)?;
         let axes = plotted_axes(table, &asked);
         let (time, reading) = match axes {
             Some((time, angle)) => {
@@ -103,6 +103,8 @@ impl Sources {
         if time.column().is_some_and(|idx| reading.first_idx() == Some(idx)) {
             return Err(no_angle(table));
         }
+        // Beside an angle they are of use to a rig of ours alone, and would have to be kept through every repair.
+        let code = code.filter(|_| header.version.is_some() || matches!(reading, ReadingSource::Codes));
         log::debug!("columns: time from {time:?}, readings from {reading:?}, code from {code:?}");
         let otherwise = example(table, "angle", &[], reading.columns().first().copied());
         let needed = reading.columns().into_iter().chain(time.column()).chain(code);
@@ -270,9 +272,12 @@ fn in_two_columns(table: &Table, time: TimeSource, notes: &mut Vec<String>) -> (
     (TimeSource::Column { idx: parted.seconds, unit: Some(TimeUnit::Seconds) }, Some(parted))
 }
 
-fn choose_code(table: &Table, asked: &Columns) -> Result<Option<usize>, Fault> {
+/// Codes of which nothing tells what one is worth are counts like any other column's.
+fn choose_code(table: &Table, header: &Header, asked: &Columns) -> Result<Option<usize>, Fault> {
+    let are_calibrated = header.calibration.is_some() || header.version.is_some();
     match &asked.code {
         Some(column) => find(table, column).map(Some),
+        None if !are_calibrated => Ok(None),
         None => Ok(table.names.iter().flatten().position(|name| meaning(name) == Meaning::Code)),
     }
 }

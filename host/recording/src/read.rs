@@ -219,7 +219,7 @@ impl Opened<'_> {
         let sources = sources.settled(table, &mut samples, options, &mut notes)?;
         sources.refuse_lesser(table, &samples)?;
         let mut times_s = sources.time.times_s(&samples, sources.told(), &mut notes)?;
-        if !is_ours && samples.codes.is_empty() {
+        if !is_ours {
             grid::make_even(&mut times_s, &mut notes);
             samples.leave_out_losses(&mut times_s, &mut notes);
         }

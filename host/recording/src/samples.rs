@@ -16,6 +16,7 @@ use super::straight;
 use super::table::Table;
 use super::ticks;
 use super::words;
+use std::borrow::Cow;
 
 /// A file names at most so many columns that are needed at once: three axes, and what else is called a rate.
 pub(super) const MOST_COLUMNS: usize = 8;
@@ -351,16 +352,24 @@ impl Samples {
             notes.push(note);
             self.leave_out(times_s, &is_drawn);
         }
-        let is_frozen = self.readings.first().map_or(Vec::new(), |list| frozen::frozen(times_s, list));
+        let is_frozen = frozen::frozen(times_s, &self.first());
         if let Some(note) = frozen::note(&is_frozen, times_s) {
             notes.push(note);
             self.leave_out(times_s, &is_frozen);
         }
         // Of a point x tells: y is level where the pendulum hangs, and stands there in steps.
-        let is_spike = self.readings.first().map_or(Vec::new(), |list| spikes::spikes(times_s, list));
+        let is_spike = spikes::spikes(times_s, &self.first());
         if let Some(note) = spikes::note(&is_spike, times_s) {
             notes.push(note);
             self.leave_out(times_s, &is_spike);
+        }
+    }
+
+    /// The first list of readings, or else the codes of a converter.
+    fn first(&self) -> Cow<'_, [f64]> {
+        match self.readings.first() {
+            Some(readings) => Cow::Borrowed(readings),
+            None => self.codes.iter().map(|code| f64::from(*code)).collect(),
         }
     }
 

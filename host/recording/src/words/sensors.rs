@@ -73,6 +73,8 @@ pub(crate) fn is_raw(name: &str) -> bool {
 
 /// Words of volts and counts.
 const RAW: &[&str] = &[
+    "code",
+    "codes",
     "volt",
     "volts",
     "voltage",
