@@ -55,6 +55,7 @@ pub mod smooth;
 mod source;
 mod spikes;
 mod straight;
+mod stuck;
 mod table;
 mod ticks;
 mod told;

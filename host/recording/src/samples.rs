@@ -13,6 +13,7 @@ use super::limits::{LONGEST_STEP_S, MOST_SAMPLES};
 use super::median_step_s;
 use super::spikes;
 use super::straight;
+use super::stuck::{self, What};
 use super::table::Table;
 use super::ticks;
 use super::words;
@@ -351,6 +352,11 @@ impl Samples {
         if let Some(note) = straight::note(&is_drawn, times_s) {
             notes.push(note);
             self.leave_out(times_s, &is_drawn);
+        }
+        if let Some(found) = stuck::standstill(times_s, &self.first()) {
+            notes.push(stuck::note(&found, times_s));
+            let is_stuck = |idx| found.what == What::Stuck && idx > found.first;
+            self.leave_out(times_s, &(0..times_s.len()).map(is_stuck).collect::<Vec<bool>>());
         }
         let is_frozen = frozen::frozen(times_s, &self.first());
         if let Some(note) = frozen::note(&is_frozen, times_s) {

@@ -45,6 +45,11 @@ impl<const N: usize> LocalFit<N> {
         self.coefficients[1] / self.half_width_s
     }
 
+    /// Standard deviation of the velocity per unit of white noise, 1/s.
+    pub fn velocity_spread(&self) -> f64 {
+        self.inverse[(1, 1)].max(0.0).sqrt() / self.half_width_s
+    }
+
     /// Acceleration at the centre, rad/s²; needs `N` ≥ 3.
     pub fn acceleration_rad_s2(&self) -> f64 {
         2.0 * self.coefficients[2] / self.half_width_s.powi(2)
