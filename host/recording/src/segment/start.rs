@@ -1,7 +1,7 @@
 //! How the free swing begins: at once, with a release, or with a hand that lets go.
 
 use super::super::carrier::Carrier;
-use super::super::noise::robust_spread;
+use super::super::noise::{rms_about_line, robust_spread};
 use super::super::{Measured, median};
 use super::{Cut, STILL_SPREADS, mean};
 use nalgebra::{Matrix2, Vector2};
@@ -10,6 +10,10 @@ use std::ops::Range;
 
 /// The free range begins this long after the fitted release, s: the release is known to a few ms.
 const GUARD_S: f64 = 0.010;
+
+/// A hand that trembles by so many noises may open slowly: then it begins where the accelerations are free of it. Of 40 swings
+/// from such a hand six began up to 80 ms before it was off; half of it takes noise for a hand, twice of it leaves two of the six.
+const TREMBLES: f64 = 2.0;
 
 /// A free pendulum is seen to fall after some noise rms; still for the time of a fall of this many, it is held.
 const HELD_FALL_NOISE: f64 = 20.0;
@@ -22,6 +26,10 @@ const STOPS_FALL_NOISE: f64 = 40.0;
 /// What falls is further off so many windows later, in three twentieths of a half swing; with one, a knock of a window and
 /// a half still passed for a release. With twice as many it falls still.
 const FALLS_ON_FOR: usize = 3;
+
+/// … and by this share of what gravity alone would make of it: half of it ends a hold of 2 s at its first tremble, twice of it
+/// ends it as this does; with all of it a pendulum in thick grease would be held for good.
+const FALLS_LEAST: f64 = 0.25;
 
 /// The release is fitted to the first fall of this size, rad (a rate that makes it so within a swing): enough to be seen, too little for anything but gravity …
 const RELEASE_FALL_RAD: f64 = 0.15;
@@ -148,11 +156,19 @@ impl Cut<'_> {
         carriers.filter_map(|carrier| Some((stands(carrier)?, carrier.column.as_str()))).max_by_key(|(idx, _)| *idx)
     }
 
-    /// The still part at the beginning, if there is one. What falls goes on: if it is no further off some windows later, it
-    /// was chance, or a knock; with few samples a swing it is back again some windows later.
+    /// The still part at the beginning, if there is one. What falls goes on: if it is no further off some windows later, or hardly
+    /// where gravity would have it, it was chance, or a hand that trembles; with few samples a swing it is back again some windows
+    /// later.
     fn still_beginning(&self) -> Option<Range<usize>> {
+        let n_later = FALLS_ON_FOR * self.n_still_window();
+        let first = self.asked.start..(self.asked.start + n_later).min(self.asked.end);
+        let least_rad = match self.recording.measured() {
+            Measured::Angle => FALLS_LEAST * self.fall_rad(&first),
+            Measured::Rate => 0.0,
+        };
         let goes_on = |left_rad: f64, later_rad: Option<f64>| {
-            self.has_few_samples() || later_rad.is_none_or(|later| later / left_rad > 1.0)
+            let is_further = |later_rad: f64| later_rad / left_rad > 1.0 && later_rad.abs() > least_rad;
+            self.has_few_samples() || later_rad.is_none_or(is_further)
         };
         let still = self.still_from(self.asked.clone(), goes_on);
         (self.is_long(&still) && self.is_at_one_place(&still)).then_some(still)
@@ -278,7 +294,10 @@ impl Cut<'_> {
         let gain = (fallen.1 - pushed.1) / self.noise_rms_rad.powi(2);
         let was_pushed = pushed.1 < PUSHED * fallen.1 && gain > SURE_OF_PUSH;
         let (release_s, _) = if was_pushed { pushed } else { fallen };
-        let free_s = release_s + GUARD_S.max(self.recording.step_s());
+        let held_rms_rad = rms_about_line(&self.angles_rad()[held.start..held.start + n_sure]);
+        let trembles = held_rms_rad > TREMBLES * self.whole_noise.total_rms;
+        let guard_s = if trembles { self.width_s / 2.0 } else { GUARD_S.max(self.recording.step_s()) };
+        let free_s = release_s + guard_s;
         let lead_in = held.start..self.recording.index_at(release_s - GUARD_S).clamp(held.start, held.end);
         let free_idx = self.recording.index_at(free_s);
         Start { lead_in: (!lead_in.is_empty()).then_some(lead_in), free_idx, release_s, was_held: true }

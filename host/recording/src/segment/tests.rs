@@ -1,3 +1,4 @@
+mod hands;
 mod refusals;
 
 use super::*;
