@@ -42,7 +42,7 @@ pub(super) fn make_even(times_s: &mut [f64], notes: &mut Vec<String>) {
     }
     let step_s = median_step_s(times_s);
     let of_places = || {
-        let digit_s = last_digit(times_s).filter(|digit_s| *digit_s <= step_s)?;
+        let digit_s = last_digit(times_s).filter(|digit_s| *digit_s <= 1.01 * step_s)?;
         Some((even(times_s, step_s, digit_s)?, digit_s, format!("{digit_s} s")))
     };
     let of_digits = || {
@@ -154,10 +154,17 @@ fn even(times_s: &[f64], step_s: f64, digit_s: f64) -> Option<Vec<f64>> {
         place += ((pair[1] - pair[0]) / mean_s).round();
         places.push(place);
     }
-    let all: Vec<(f64, f64)> = places.into_iter().zip(times_s.iter().copied()).collect();
-    let places = || all.iter().map(|(place, _)| *place);
-    let even = line(&all, places());
-    if lies_on(times_s, &even, digit_s) { Some(even) } else { even_but_a_few(&all, &even, digit_s) }
+    let times_at = |places: Vec<f64>| -> Vec<(f64, f64)> { places.into_iter().zip(times_s.iter().copied()).collect() };
+    // Steps of 0.0125 s are 0.01 and 0.02 s in hundredths, and no row is left out.
+    let all_are_there = even_on(&times_at((0..times_s.len()).map(|row| row as f64).collect()), digit_s);
+    all_are_there.or_else(|| even_on(&times_at(places), digit_s))
+}
+
+/// The same of rows at known places.
+fn even_on(all: &[(f64, f64)], digit_s: f64) -> Option<Vec<f64>> {
+    let (places, times_s): (Vec<f64>, Vec<f64>) = all.iter().copied().unzip();
+    let even = line(all, places.into_iter());
+    if lies_on(&times_s, &even, digit_s) { Some(even) } else { even_but_a_few(all, &even, digit_s) }
 }
 
 /// The same where a few frames came late, or were said to: these keep their times. `near` is a line through all.
@@ -215,6 +222,18 @@ mod tests {
     }
 
     /// As a spreadsheet writes them: `1.87E+01`.
+    /// Steps of 12.5 and 14.3 ms are 10 and 20 ms then, and none is a row that was lost.
+    #[test]
+    fn times_whose_last_digit_is_most_of_a_step_become_even() {
+        for (rate_hz, digit_s) in [(80.0, 0.01), (70.0, 0.01), (60.0, 0.01), (800.0, 1e-3)] {
+            let (truth, mut times) = rounded(rate_hz, digit_s, |_| true);
+            make_even(&mut times, &mut Vec::new());
+            let late = times.iter().zip(&truth).map(|(time, truth)| time - truth);
+            let (low, high) = late.fold((f64::MAX, f64::MIN), |(low, high), late| (low.min(late), high.max(late)));
+            assert!(high - low < 0.05 * digit_s, "{rate_hz} {digit_s} {low} {high}");
+        }
+    }
+
     fn of_digits(n_digits: usize, begin_s: f64, n: u32) -> (Vec<f64>, Vec<f64>) {
         let truth: Vec<f64> = (0..n).map(|idx| begin_s + f64::from(idx) / 29.97).collect();
         let written = truth.iter().map(|time| format!("{time:.*e}", n_digits - 1).parse().unwrap()).collect();
