@@ -5,7 +5,7 @@
 //! Tables of Markdown, `| 0.12 | 57.3 |`, are parted by bars.
 //! Each line becomes the row that somebody could have printed without them; the labels become the names of the columns.
 
-use super::cell::number_and_unit;
+use super::cell::{Cell, Numerals, number_and_unit};
 use super::clock;
 use super::pairs::Pairs;
 use super::row::{Separator, find_separator, split};
@@ -19,6 +19,8 @@ pub(super) struct Dress {
     arrow: Option<Arrow>,
     /// What parts the numbers behind such a time, where they are several.
     behind: Option<Separator>,
+    /// A word with which each row begins, which gives its place to the clock time where that is kept.
+    word: Option<String>,
     /// Names that stand before the numbers, with a unit behind the number if there is one.
     pub(super) labels: Option<Vec<String>>,
     /// Some cells hold two numbers.
@@ -47,9 +49,11 @@ impl Dress {
         let has_arrow = 2 * behind.len() > lines.len();
         let bare = if has_arrow { &behind } else { lines };
         let labels = common_labels(bare);
+        let word = common_word(&behind).filter(|_| has_arrow && labels.is_none());
         let arrow = has_arrow.then(|| {
             let has_time = match &labels {
                 Some(labels) => labels.iter().any(|label| matches!(meaning(label), Meaning::Time { .. })),
+                None if word.is_some() => has_rising_column(&behind),
                 // A program that prints how long it runs prints no other time.
                 None => {
                     is_clock && 2 * behind.iter().filter(|rest| n_words_with_digits(rest) > 1).count() > behind.len()
@@ -62,7 +66,8 @@ impl Dress {
         let has_bars = !has_arrow && labels.is_none() && 2 * n_bars > lines.len();
         let is_kept = arrow == Some(Arrow::Keep) && labels.is_none();
         let behind = is_kept.then(|| several(&behind)).flatten();
-        Self { arrow, behind, labels, pairs, has_bars }
+        let word = word.filter(|_| is_kept);
+        Self { arrow, behind, word, labels, pairs, has_bars }
     }
 
     /// The row in plain text; lines in another dress stay as they are.
@@ -78,6 +83,10 @@ impl Dress {
             None => (None, line),
         };
         let time = time.filter(|_| self.arrow == Some(Arrow::Keep));
+        let rest = match &self.word {
+            Some(word) => behind_word(rest, word).unwrap_or(rest),
+            None => rest,
+        };
         let row = match &self.labels {
             Some(labels) => pairs(rest).filter(|pairs| names_of(pairs) == *labels).map(|pairs| in_one_row(&pairs)),
             None => between_brackets(rest).map(str::to_owned),
@@ -140,6 +149,44 @@ fn several(lines: &[&str]) -> Option<Separator> {
     let is_several = |line: &&str| split(line, separator).len() > 1;
     let is_lone = separator == Separator::Comma && !lines.iter().any(|line| line.contains(['.', ' ']));
     (!is_lone && lines.iter().any(is_several)).then_some(separator)
+}
+
+/// The word with which all of these lines begin that have numbers behind it: `ypr\t-0.14\t92.00`.
+fn common_word<'a>(lines: &[&'a str]) -> Option<String> {
+    let first_word = |line: &&'a str| Some(line.split_at_checked(line.find(is_parting)?)?.0);
+    let mut all: Vec<&str> = lines.iter().filter_map(first_word).filter(|word| is_word(word)).collect();
+    all.sort_unstable();
+    let most = all.chunk_by(|a, b| a == b).max_by_key(|run| run.len())?;
+    (2 * most.len() > lines.len()).then(|| most[0].to_owned())
+}
+
+fn is_parting(letter: char) -> bool {
+    letter.is_whitespace() || matches!(letter, ',' | ';')
+}
+
+fn is_word(text: &str) -> bool {
+    text.starts_with(|letter: char| letter.is_alphabetic() || letter == '$') && Numerals::new().read(text) == Cell::Text
+}
+
+/// What stands behind the word and what parts it from the numbers.
+fn behind_word<'a>(line: &'a str, word: &str) -> Option<&'a str> {
+    let rest = line.strip_prefix(word)?.trim_start();
+    Some(rest.strip_prefix([',', ';']).unwrap_or(rest).trim_start())
+}
+
+/// Does one of the numbers rise from each line to the next, as a time does?
+fn has_rising_column(lines: &[&str]) -> bool {
+    let separator = find_separator(lines);
+    let mut numerals = Numerals::new();
+    let mut number = |cell: &str| match numerals.read(cell) {
+        Cell::Number(number) => number,
+        _ => f64::NAN,
+    };
+    let mut cells_of = |line: &&str| split(line, separator).into_iter().map(&mut number).collect::<Vec<f64>>();
+    let rows: Vec<Vec<f64>> = lines.iter().map(&mut cells_of).collect();
+    let rises = |idx: usize| rows.windows(2).all(|pair| pair[1].get(idx) > pair[0].get(idx));
+    let n_columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    rows.len() > 1 && (0..n_columns).any(rises)
 }
 
 fn n_words_with_digits(text: &str) -> usize {
@@ -279,6 +326,16 @@ mod tests {
         let rows = [Some("2026-03-01 12:34:05,120\t-57.3"), Some("2026-03-01 12:34:05,130\t1.5")];
         check(&levels, None, &rows);
         check(&["2026-03-01 12:34:05,120,57.3", "01.03.2026 12:34:05,130 ; 5"], None, &[None, None]);
+    }
+
+    #[test]
+    fn the_clock_of_a_monitor_stands_in_the_place_of_a_word_before_each_row() {
+        let lines = ["12:34:05.120 -> ypr\t-0.1\t57.3", "12:34:05.130 -> ypr\t-0.1\t57.2"];
+        check(&lines, None, &[Some("12:34:05.120\t-0.1\t57.3"), Some("12:34:05.130\t-0.1\t57.2")]);
+        // A time of its own is the better one.
+        let timed = ["12:34:05.120 -> imu, 120, 57.3", "12:34:05.130 -> imu, 130, 57.2"];
+        check(&timed, None, &[Some("imu, 120, 57.3"), Some("imu, 130, 57.2")]);
+        check(&["ypr\t-0.1\t57.3", "ypr\t-0.1\t57.2"], None, &[None, None]);
     }
 
     #[test]

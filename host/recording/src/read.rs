@@ -217,7 +217,7 @@ impl Opened<'_> {
         let is_ours = header.version.is_some();
         samples.finish(&mut notes).map_err(|fault| sources.undecided(table).unwrap_or(fault))?;
         let sources = sources.settled(table, &mut samples, options, &mut notes)?;
-        sources.refuse_lesser(table, &samples)?;
+        let sources = sources.swinging(table, &mut samples, &mut notes)?;
         let mut times_s = sources.time.times_s(&samples, sources.told(), &mut notes)?;
         if !is_ours {
             grid::make_even(&mut times_s, &mut notes);

@@ -9,7 +9,7 @@ use super::header;
 use super::heading;
 use super::monitor::Dress;
 use super::preamble::{self, Preamble};
-use super::row::{Separator, Typical, find_separator, is_comment, split};
+use super::row::{Separator, Typical, find_separator, is_comment, looks_like_number, split};
 use super::source::Lines;
 use super::words::is_gyroscope;
 use std::collections::VecDeque;
@@ -214,6 +214,12 @@ impl<'a> Table<'a> {
         let cells = || self.first_cells(idx).skip_while(|cell| is_missing(cell));
         let n_numbers = cells().filter(|cell| matches!(numerals.read(cell), Cell::Number(_))).count();
         n_numbers > 0 && 2 * n_numbers >= cells().count()
+    }
+
+    /// Stands a word in each of its cells in the first rows?
+    pub(super) fn is_of_words(&self, idx: usize) -> bool {
+        let is_word = |cell: &str| cell.contains(char::is_alphabetic) && !looks_like_number(cell, self.separator);
+        self.first_cells(idx).all(|cell| is_word(cell) && !is_missing(cell))
     }
 
     /// Is a cell among the first rows nothing but the unit of a voltage?

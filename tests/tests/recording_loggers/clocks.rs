@@ -120,8 +120,9 @@ fn whole_seconds_and_the_rest_of_them_are_one_time() {
     let text = table("Time,header.stamp.secs,header.stamp.nsecs,position\n", late);
     check_found(&text, 1e-5, "1 (header.stamp.secs) taken as the time, when it was measured, and not 0 (Time)");
     let bare = table("", |(t, a, _)| format!("{},{},,arm,pole,0.25,{a:.5}", parts(t, 1e9).0, parts(t, 1e9).1));
-    let refused = open(bare.as_bytes(), &ReadOptions::default()).unwrap_err();
-    assert!(refused.contains("column 5 does not move") && refused.contains("e.g. t=0,theta=6"), "{refused}");
+    let refused = open(bare.as_bytes(), &told("theta=9")).unwrap_err();
+    assert!(refused.contains("no column 9;") && refused.contains("e.g. t=0,theta=6"), "{refused}");
+    check_found(&bare, 1e-5, "column 6 read as the angle, the only one that swings");
     check(&bare, &told("t=0,theta=6"), 1e-5, "the rest of them: added");
 }
 

@@ -63,6 +63,25 @@ fn without_names_what_swings_much_farther_is_a_rival_unless_it_follows_from_the_
     check_found(&table("", beside), 1e-5, "column 0 read as time");
 }
 
+/// As the example of an MPU6050 prints yaw, pitch and roll, in a monitor and without one.
+#[test]
+fn a_word_before_each_row_is_no_column_and_of_columns_without_names_the_one_that_swings_is_taken() {
+    let row = |(t, a, _): Row| format!("ypr\t{:.2}\t{:.4}\t-0.09", -0.14 - 0.002 * t, a.to_degrees());
+    let stamped = |row_of: Row| format!("12:34:{:06.3} -> {}", 5.0 + row_of.0, row(row_of));
+    check_found(&table("", stamped), 1e-5, "column 2 read as the angle, the only one that swings");
+    check(&table("", stamped), &told("t=0,theta=2:deg"), 1e-5, "");
+    let rate = ReadOptions { rate_hz: Some(RATE_HZ as f64), ..ReadOptions::default() };
+    check(&table("", row), &rate, 1e-5, "column 2 read as the angle, the only one that swings");
+    let refused = open(table("", row).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("no time column among 4 columns without names"), "{refused}");
+    // Another one that swings by itself, and a time behind the word.
+    let other = |t: f64| 20.0 * (4.9 * t).sin() * (-0.2 * t).exp();
+    let both = table("", |(t, a, w)| format!("{}\t{:.3}", stamped((t, a, w)), other(t)));
+    let refused = open(both.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("could be the angle: 2, 4;") && refused.contains("t=0,theta=2"), "{refused}");
+    check_found(&table("", |(t, a, _)| format!("imu,{t:.2},0.0,{a:.5}")), 1e-5, "column 1 read as time");
+}
+
 #[test]
 fn an_angle_in_two_units_is_one_angle() {
     let both = table("t,theta(deg),theta(rad)\n", |(t, a, _)| format!("{t:.2},{:.3},{a:.5}", a.to_degrees()));

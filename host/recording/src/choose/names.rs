@@ -205,10 +205,15 @@ pub(super) fn note_rivals<U: Copy>(
 /// Says which of several columns of numbers without names is read as the angle.
 pub(super) fn note_unnamed(table: &Table, taken: usize, time: Option<usize>, notes: &mut Vec<String>) {
     let is_other = |idx: usize| idx != taken && time != Some(idx) && table.is_of_numbers(idx);
-    if table.names.is_none() && (0..table.n_columns).any(is_other) {
-        let n_columns = table.n_columns;
-        notes.push(format!("column {taken} of {n_columns} read as the angle; --columns theta=... takes another one"));
+    if (0..table.n_columns).any(is_other) {
+        notes.extend(unnamed(table, taken));
     }
+}
+
+/// That note; none where the columns have names.
+pub(super) fn unnamed(table: &Table, taken: usize) -> Option<String> {
+    let n_columns = table.names.is_none().then_some(table.n_columns)?;
+    Some(format!("column {taken} of {n_columns} read as the angle; --columns theta=... takes another one"))
 }
 
 pub(super) fn listed(table: &Table, columns: &[usize]) -> String {

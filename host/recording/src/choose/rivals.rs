@@ -12,7 +12,7 @@ use super::super::told::Told;
 use super::super::units::AngleUnit;
 use super::super::words::is_turn_of_body;
 use super::angle_unit_of;
-use super::names::{SHOWN, listed};
+use super::names::{SHOWN, listed, unnamed};
 
 /// A step of more than this share of all that a column covers is an angle that wraps around: by a whole turn, and it
 /// covers no more than that. A pendulum moves so far in half a period, which has more samples than two.
@@ -83,21 +83,35 @@ impl Sources {
     }
 
     /// Without names the first column that may be the angle is taken; but not where another one swings that goes much farther
-    /// and does not follow from it: of an arm and its pendulum, say.
-    pub(crate) fn refuse_lesser(&self, table: &Table, samples: &Samples) -> Result<(), Fault> {
-        let (ReadingSource::Angle { idx, .. }, None) = (&self.reading, &table.names) else { return Ok(()) };
-        // Of one that never moves it is said so.
-        let Some(taken) = samples.readings.first().filter(|taken| range(taken) > 0.0) else { return Ok(()) };
-        // In the same unit, which nothing tells.
+    /// and does not follow from it: of an arm and its pendulum, say. Where only the other one swings it is the angle.
+    pub(crate) fn swinging(self, table: &Table, samples: &mut Samples, notes: &mut Vec<String>) -> Result<Self, Fault> {
+        let (ReadingSource::Angle { idx, .. }, None) = (&self.reading, &table.names) else { return Ok(self) };
+        let (idx, taken) = (*idx, samples.readings.first().map_or(&[][..], Vec::as_slice));
+        let swings = Swinging::of(taken).is_some();
         let is_turns = |values: &[f64]| values.iter().any(|value| value.abs() > LARGEST_UNSTATED_RAD);
+        // In the same unit, which nothing tells, where both swing.
         let is_rival = |values: &[f64]| {
-            is_turns(values) == is_turns(taken) && Swinging::of(values).is_some_and(|swinging| swinging.is_own(taken))
+            (!swings || is_turns(values) == is_turns(taken))
+                && Swinging::of(values).is_some_and(|swinging| range(taken) == 0.0 || swinging.is_own(taken))
         };
-        let rivals: Vec<_> = self.others.iter().zip(&samples.others).filter(|(_, values)| is_rival(values)).collect();
-        if !rivals.iter().any(|(_, values)| range(values) > FARTHER * range(taken)) {
-            return Ok(());
+        let mut places: Vec<usize> = (0..self.others.len()).filter(|place| is_rival(&samples.others[*place])).collect();
+        if let (Some(first), false) = (places.first().copied(), swings) {
+            let is_own = |values: &[f64]| Swinging::of(values).is_some_and(|own| own.is_own(&samples.others[first]));
+            places.retain(|place| *place == first || is_own(&samples.others[*place]));
         }
-        let columns: Vec<usize> = std::iter::once(*idx).chain(rivals.iter().map(|(rival, _)| **rival)).collect();
+        if !places.iter().any(|place| range(&samples.others[*place]) > FARTHER * range(taken)) {
+            return Ok(self);
+        }
+        if let ([place], false) = (&places[..], swings) {
+            let reading = self.others[*place];
+            notes.retain(|note| Some(note) != unnamed(table, idx).as_ref());
+            notes.push(format!("column {reading} read as the angle, the only one that swings"));
+            samples.readings = vec![samples.others[*place].clone()];
+            let reading = ReadingSource::Angle { idx: reading, unit: angle_unit_of(table, reading) };
+            return Ok(Self { reading, ..self });
+        }
+        let rivals = places.iter().map(|place| self.others[*place]);
+        let columns: Vec<usize> = swings.then_some(idx).into_iter().chain(rivals).collect();
         let told = columns.iter().map(|reading| Told { reading: *reading, ..self.told() }.angle("", ""));
         Err(undecided(table, &columns, &told.take(SHOWN).collect::<Vec<_>>().join(" or ")))
     }

@@ -5,12 +5,25 @@ use super::super::median;
 use super::super::order;
 use super::super::table::Table;
 
-/// The column of time where none has a name: the first one, unless another one is more of a clock.
+/// The column of time where none has a name: the first one, unless another one is more of a clock. Words with which the rows
+/// begin are none.
 pub(super) fn unnamed_time(table: &Table) -> usize {
     let standing = |idx: usize| Standing::of(&table.first_numbers(idx));
-    let best = standing(0);
+    let first = first_of_numbers(table);
+    let best = standing(first);
     // Of equals the first.
-    (1..table.n_columns).map(|idx| (idx, standing(idx))).fold((0, best), |a, b| if b.1 > a.1 { b } else { a }).0
+    let others = (first + 1..table.n_columns).map(|idx| (idx, standing(idx)));
+    others.fold((first, best), |a, b| if b.1 > a.1 { b } else { a }).0
+}
+
+/// Do the rows begin with words, and is none of their numbers a time?
+pub(super) fn has_words_and_no_time(table: &Table) -> bool {
+    first_of_numbers(table) > 0 && Standing::of(&table.first_numbers(unnamed_time(table))) == Standing::No
+}
+
+/// The first column, unless words stand in it.
+fn first_of_numbers(table: &Table) -> usize {
+    (0..table.n_columns).find(|idx| !table.is_of_words(*idx)).unwrap_or(0)
 }
 
 /// How much a column looks like a clock in the first rows.

@@ -18,7 +18,7 @@ use super::super::units::TimeUnit;
 use super::super::words::{self, Meaning, meaning};
 use super::names::{all_best, ambiguous, find, named_times, the_one};
 use super::parted::parted;
-use super::standing::{rises_evenly, unnamed_time};
+use super::standing::{has_words_and_no_time, rises_evenly, unnamed_time};
 
 /// Times of unstated unit beyond this many seconds count from 1970, in the unit that puts them within a century of it.
 const EPOCH_BEGINS_S: f64 = 1e8;
@@ -173,7 +173,10 @@ pub(super) fn choose_time(
             })
         }
         (None, None, None)
-            if table.names.is_none() && table.n_columns >= 2 && reading_idx != Some(unnamed_time(table)) =>
+            if table.names.is_none()
+                && table.n_columns >= 2
+                && reading_idx != Some(unnamed_time(table))
+                && !has_words_and_no_time(table) =>
         {
             let idx = unnamed_time(table);
             notes.push(format!("no column names: column {idx} read as time"));
