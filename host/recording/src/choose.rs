@@ -1,5 +1,6 @@
 //! Which column is what: by what the user said, the header, the names, and at last the place.
 
+mod boxes;
 mod names;
 mod parted;
 mod rivals;
@@ -26,6 +27,7 @@ use super::table::Table;
 use super::told::Told;
 use super::units::{AngleUnit, RateUnit, TimeUnit};
 use super::words::{self, Meaning, is_of_carrier, is_of_sine, is_size, meaning};
+use boxes::Boxes;
 use names::{
     all_best, ambiguous, bare_axes, example, find, is_of_periods, no_angle, note_rivals, note_unnamed, the_one,
 };
@@ -94,6 +96,9 @@ impl Sources {
             && let Some((idx, _)) = all_best(table, as_angle).first()
         {
             notes.push(format!("{} does not move: x and y of the point are read instead", table.column_name(*idx)));
+        }
+        if let (ReadingSource::Point { is_guess: false, .. }, None) = (&reading, &asked.x) {
+            notes.extend(Boxes::of(table).map(|boxes| boxes.note(table)));
         }
         let (time, parted) = in_two_columns(table, time, notes);
         let is_named = asked.time.is_none() && parted.is_none() && all_best(table, as_time).len() == 1;
@@ -421,7 +426,11 @@ fn choose_angle(
     let (unnamed, next) = (unnamed.next(), unnamed.next());
     let moves = |idx: usize| table.first_numbers(idx).windows(2).any(|pair| pair[0] != pair[1]);
     let stands = |idx: usize| table.first_numbers(idx).len() >= MIN_SAMPLES && !moves(idx);
-    match (named.first(), the_one(table, Meaning::X), the_one(table, Meaning::Y), unnamed) {
+    let (x, y) = match Boxes::of(table) {
+        Some(boxes) => (Some(boxes.x), Some(boxes.y)),
+        None => (the_one(table, Meaning::X), the_one(table, Meaning::Y)),
+    };
+    match (named.first(), x, y, unnamed) {
         // A program that was to work it out from the point, and did not.
         (Some(&(idx, _)), Some(x), Some(y), _) if stands(idx) && moves(x) && moves(y) => {
             Ok(ReadingSource::Point { x, y, is_guess: false })

@@ -123,6 +123,30 @@ fn x_and_y_are_read_where_the_angle_was_never_worked_out() {
 }
 
 #[test]
+fn of_the_boxes_of_a_detector_the_middle_is_the_point_where_the_numbers_say_so() {
+    let middle = |a: f64| (640.0 + 300.0 * a.sin(), 100.0 + 300.0 * a.cos());
+    let row = |(t, a, off): Row| {
+        let ((x, y), wide) = (middle(a), 40.0 + 8.0 * a);
+        let corners = format!("{:.3},{:.3},{:.3},{:.3}", x - wide, y - 20.0, x + wide, y + 20.0);
+        if t < 0.05 { format!("{t:.2},,,,,,") } else { format!("{t:.2},{corners},{:.3},{y:.3}", x + off) }
+    };
+    let of = |head: &str, off: f64| table(head, |(t, a, _)| row((t, a, off)));
+    let head = "t,x1,y1,x2,y2,cx,cy\n";
+    let recording = open(of(head, 0.0).as_bytes(), &ReadOptions::default()).unwrap();
+    let notes = recording.notes().join("; ");
+    assert!(
+        notes.contains("5 (cx), 6 (cy) taken as the point") && notes.contains("the box of 1 (x1), 3 (x2)"),
+        "{notes}"
+    );
+    let truth = swing(RATE_HZ, 20);
+    let off_rad = |(found, row): (&f64, &Row)| (found - row.1).abs();
+    assert!(recording.angles_rad().iter().zip(&truth[5..]).map(off_rad).fold(0.0, f64::max) < 1e-4);
+    // Another point of that name.
+    let refused = open(of(head, 15.0).as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("could be the x and y of the pendulum: 1 (x1), 2 (y1), 3 (x2)"), "{refused}");
+}
+
+#[test]
 fn settings_beside_the_columns_are_no_angle() {
     let settings = ["Record Length,2000,,", "Sample Interval,0.01,,", "Source,CH1,,"];
     let beside = |settings: &[&str]| -> String {
