@@ -249,6 +249,14 @@ fn a_picture_that_was_turned_is_turned_back() {
 fn what_is_no_angle_is_called_what_it_is() {
     let x = table("t,x\n", |(time, angle, _)| format!("{time:.2},{:.4}", 0.3 * angle.sin()));
     check_refused(&x, &ReadOptions::default(), "1 (x) is one coordinate of a point and no angle; export x and y of it");
+    let distance = |row: fn(Row) -> String| table("Time (s),Distance (cm),Dist Error (cm),Velocity (cm/s)\n", row);
+    let ranged = distance(|(t, a, w)| format!("{t:.2},{:.3},0.2,{:.2}", 60.0 + 20.0 * a, 20.0 * w));
+    let advice = "1 (Distance (cm)) is one coordinate of a point and no angle";
+    check_refused(&ranged, &ReadOptions::default(), advice);
+    check_refused(&ranged, &ReadOptions::default(), "--columns t=0,theta=1:0.19deg");
+    let beside = table("t,position (m),omega (rad/s)\n", |(t, a, w)| format!("{t:.2},{:.4},{w:.5}", 0.2 * a));
+    let rates = open(beside.as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!(rates.measured(), Measured::Rate);
     let row = |(time, angle, _): Row| format!("{:.0},{:.0},12,0,{time:.2}", 1e3 * angle.sin(), 1e3 * angle.cos());
     let accelerations = table("xAccl,yAccl,zAccl,motor_steps,time\n", row);
     check_refused(&accelerations, &ReadOptions::default(), "among them are accelerations");

@@ -115,7 +115,10 @@ fn read_rightly() -> Vec<Read> {
 const REFUSED: [(&str, &[&str]); 12] = [
     ("bare_gyroscope.csv", &["angular", "--columns t=0,rate=1:rad/s", "--radians"]),
     ("phi_punkt.csv", &["no angle column", "--columns theta="]),
-    ("position_in_metres.csv", &["no angle column", "Position (m)"]),
+    (
+        "position_in_metres.csv",
+        &["1 (Position (m)) is one coordinate of a point and no angle", "--columns t=0,theta=1:"],
+    ),
     ("small_degrees.csv", &["--degrees", "period"]),
     ("radians_named_degrees.csv", &["--radians", "times as large"]),
     ("bare_commas.csv", &["twice as many fields", "semicolons"]),

@@ -323,6 +323,7 @@ fn choose_reading(
                 | Fault::OnlyAccelerations { .. }
                 | Fault::OnlyDurations { .. }
                 | Fault::OnlyRaw { .. }
+                | Fault::OnlyX { .. }
                 | Fault::OnlyQuaternions { .. }),
             ),
         ) => match rate_columns(table) {

@@ -6,8 +6,8 @@ use super::super::plausible::SHORTEST_PERIOD_S;
 use super::super::runs::is_one_of_several;
 use super::super::table::Table;
 use super::super::words::{
-    Meaning, is_acceleration, is_duration, is_length, is_of_carrier, is_of_pendulum, is_quaternion, is_raw, meaning,
-    says_nothing_else,
+    Meaning, is_acceleration, is_distance, is_duration, is_length, is_of_carrier, is_of_pendulum, is_quaternion,
+    is_raw, meaning, says_nothing_else,
 };
 use super::parted::parted;
 use super::standing::{rises_evenly, unnamed_time};
@@ -50,7 +50,10 @@ pub(super) fn no_angle(table: &Table) -> Fault {
         (_, Some(_), ..) => Fault::OnlyDurations { available },
         (.., Some(idx), _) => Fault::OnlyRaw { available, example: example(table, "angle", &[idx], None) },
         (.., Some(_)) => Fault::OnlyQuaternions { available },
-        _ => several_points(table).or(x_alone(table)).unwrap_or(Fault::NoAngleColumn { available }),
+        _ => {
+            let one = || x_alone(table).or_else(|| distance_alone(table));
+            several_points(table).or_else(one).unwrap_or(Fault::NoAngleColumn { available })
+        }
     }
 }
 
@@ -120,8 +123,18 @@ const PERIODS_ALIKE: f64 = 3.0;
 fn x_alone(table: &Table) -> Option<Fault> {
     let x =
         the_one(table, Meaning::X).or_else(|| the_one(table, Meaning::Y)).filter(|idx| table.is_of_numbers(*idx))?;
-    let example = example(table, "angle", &[x], None);
-    Some(Fault::OnlyX { column: table.column_name(x), example })
+    Some(only_x(table, x))
+}
+
+/// So is how far away it is, as a ranger tells, or how far from its middle.
+fn distance_alone(table: &Table) -> Option<Fault> {
+    let names = table.names.as_deref()?;
+    let is_its = |idx: &usize| is_distance(&names[*idx]) && !is_of_carrier(&names[*idx]) && table.is_of_numbers(*idx);
+    (0..names.len()).find(is_its).map(|idx| only_x(table, idx))
+}
+
+fn only_x(table: &Table, idx: usize) -> Fault {
+    Fault::OnlyX { column: table.column_name(idx), example: example(table, "angle", &[idx], None) }
 }
 
 /// x and y of several points: each x goes with the y behind it.

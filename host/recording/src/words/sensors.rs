@@ -1,7 +1,8 @@
 //! What names say of a sensor: a gyroscope, the angles of an orientation, accelerations, a light gate.
 
 use super::split::words;
-use crate::units::angle_unit;
+use super::vocabulary::{DERIVED, DISPLACEMENT};
+use crate::units::{angle_unit, time_unit};
 
 /// The three angles of a body that an orientation sensor gives.
 pub(super) const TURNS_OF_BODY: &[&str] =
@@ -23,6 +24,35 @@ pub(crate) fn is_duration(name: &str) -> bool {
 pub(crate) fn is_length(name: &str) -> bool {
     words(name).iter().any(|word| LENGTH.contains(&word.as_str()))
 }
+
+/// Is it how far away something is, or how far from its middle, in a unit of length? `Distance (cm)`, `position (m)`,
+/// `Abstand [mm]`, and no error or speed of it.
+pub(crate) fn is_distance(name: &str) -> bool {
+    let words = words(name);
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let is_speed = name.contains('/') && words.iter().any(|word| time_unit(word).is_some());
+    has(METRES) && (has(DISTANCE) || has(DISPLACEMENT)) && !has(DERIVED) && !is_speed && !is_length(name)
+}
+
+/// Units of length.
+const METRES: &[&str] = &["m", "cm", "mm", "metre", "metres", "meter", "meters", "in", "inch"];
+
+/// Words of what a ranger gives.
+const DISTANCE: &[&str] = &[
+    "distance",
+    "dist",
+    "range",
+    "pos",
+    "abstand",
+    "entfernung",
+    "weg",
+    "auslenkung",
+    "distancia",
+    "distanza",
+    "distância",
+    "距离",
+    "位移",
+];
 
 /// Words of a length.
 const LENGTH: &[&str] = &[
@@ -166,6 +196,18 @@ const ANGULAR: &[&str] = &["angular", "angulaire", "angolare", "theta", "phi"];
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_distance_is_one_in_a_unit_of_length_and_neither_speed_nor_error() {
+        for name in ["Distance (cm)", "position (m)", "Abstand [mm]", "displacement_m", "Weg / m", "Dist. (in)"] {
+            assert!(is_distance(name), "{name}");
+        }
+        for name in
+            ["Distance", "position", "Velocity (m/s)", "Distance (m/s)", "Dist Error (cm)", "length (m)", "x (m)"]
+        {
+            assert!(!is_distance(name), "{name}");
+        }
+    }
 
     #[test]
     fn volts_and_counts_are_told_from_speeds() {
