@@ -44,6 +44,23 @@ fn an_arm_that_is_held_and_a_run_that_was_never_made_are_no_rivals() {
     check_found(&empty, 1e-5, "");
 }
 
+#[test]
+fn what_an_observer_tells_of_an_angle_is_no_rival() {
+    let both = |(t, a, w): Row| format!("{t:.2},{a:.5},{:.5}", a + 0.01 * w);
+    let note = "1 (pole_angle) taken as the angle, which was measured, and not 2 (pole_angle_hat)";
+    check_found(&table("t,pole_angle,pole_angle_hat\n", both), 1e-5, note);
+    check_found(
+        &table("t,shaft angle (deg),estimated shaft angle (deg)\n", |(t, a, w)| {
+            format!("{t:.2},{:.4},{:.4}", a.to_degrees(), (a + 0.01 * w).to_degrees())
+        }),
+        1e-5,
+        "which was measured",
+    );
+    // Alone it is all that there is.
+    check_found(&table("t,theta_hat\n", |(t, a, _)| format!("{t:.2},{a:.5}")), 1e-5, "");
+    check_found(&table("t,pole_angle,pole_angle_hat\n", |(t, a, _)| format!("{t:.2},0,{a:.5}")), 1e-5, "never moves");
+}
+
 /// As a board logs an arm and what hangs on it, in a matrix without names.
 #[test]
 fn without_names_what_swings_much_farther_is_a_rival_unless_it_follows_from_the_angle() {

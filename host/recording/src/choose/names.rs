@@ -6,8 +6,8 @@ use super::super::plausible::SHORTEST_PERIOD_S;
 use super::super::runs::is_one_of_several;
 use super::super::table::Table;
 use super::super::words::{
-    Meaning, is_acceleration, is_distance, is_duration, is_length, is_of_carrier, is_of_pendulum, is_quaternion,
-    is_raw, meaning, says_nothing_else,
+    Meaning, is_acceleration, is_distance, is_duration, is_estimate_of, is_length, is_of_carrier, is_of_pendulum,
+    is_quaternion, is_raw, meaning, says_nothing_else,
 };
 use super::parted::parted;
 use super::standing::{rises_evenly, unnamed_time};
@@ -165,7 +165,11 @@ pub(super) fn all_best<U: Copy>(
     fits: impl Fn(Meaning) -> Option<(Option<U>, u8)>,
 ) -> Vec<(usize, Option<U>)> {
     let names = table.names.as_deref().unwrap_or_default();
-    let all = || names.iter().enumerate().filter_map(|(idx, name)| fits(meaning(name)).map(|fit| (idx, fit)));
+    // A sensor that was never connected leaves the estimate alone.
+    let moves = |idx: usize| table.first_numbers(idx).windows(2).any(|pair| pair[0] != pair[1]);
+    let is_estimate = |name: &str| (0..names.len()).any(|idx| is_estimate_of(name, &names[idx]) && moves(idx));
+    let named = || names.iter().enumerate().filter(|(_, name)| !is_estimate(name));
+    let all = || named().filter_map(|(idx, name)| fits(meaning(name)).map(|fit| (idx, fit)));
     let is_pendulums = |idx: usize| is_of_pendulum(&names[idx]);
     let is_free = |idx: usize| !is_of_carrier(&names[idx]);
     let is_any = |is_it: &dyn Fn(usize) -> bool| all().any(|(idx, _)| is_it(idx));
@@ -205,9 +209,15 @@ pub(super) fn note_rivals<U: Copy>(
         let is_told_apart = if is_pendulums { !is_of_pendulum(name) } else { is_of_carrier(name) && !says_least };
         strength(name).is_some() && is_told_apart
     };
-    let is_longer = |name: &String| says_least && strength(name) == Some(own) && !is_others(name);
+    let is_estimate = |name: &String| strength(name).is_some() && is_estimate_of(name, &names[taken]);
+    let is_longer = |name: &String| says_least && strength(name) == Some(own) && !is_others(name) && !is_estimate(name);
     let others = if is_of_carrier(&names[taken]) { Vec::new() } else { all(&is_others) };
-    for (rivals, why) in [(others, "the pendulum's by its name"), (all(&is_longer), "whose name says nothing else")] {
+    let reasons = [
+        (others, "the pendulum's by its name"),
+        (all(&is_longer), "whose name says nothing else"),
+        (all(&is_estimate), "which was measured"),
+    ];
+    for (rivals, why) in reasons {
         if !rivals.is_empty() {
             let (taken, rivals) = (table.column_name(taken), listed(table, &rivals));
             notes.push(format!("{taken} taken as the {role}, {why}, and not {rivals}"));
@@ -312,6 +322,8 @@ mod tests {
     #[test]
     fn a_rival_is_told_where_a_name_decides_and_nowhere_else() {
         assert_eq!(notes_of("t,theta_noisy,theta_other", 1), [""; 0]);
+        let told = notes_of("t,theta,theta_hat", 1);
+        assert!(told.len() == 1 && told[0].contains("which was measured, and not 2 (theta_hat)"), "{told:?}");
         let told = notes_of("t,theta,theta_noisy", 1);
         assert!(
             told.len() == 1 && told[0].contains("whose name says nothing else, and not 2 (theta_noisy)"),

@@ -1,6 +1,6 @@
 //! What else a name tells: whose it is, whether it counts, is a size, or says nothing at all.
 
-use super::split::words;
+use super::split::{words, words_with_digits};
 use super::vocabulary::{COSINE, SINE};
 use crate::units::{angle_unit, time_unit};
 
@@ -13,6 +13,13 @@ pub(crate) fn is_size(name: &str) -> bool {
 pub(crate) fn says_nothing_else(name: &str) -> bool {
     let says = |word: &&String| time_unit(word).is_none() && angle_unit(word).is_none() && !word.starts_with("pend");
     words(name).iter().filter(says).count() <= 1
+}
+
+/// Is one what an observer makes of the other? `theta_hat` of `theta`, `pole_angle_est` of `pole_angle`.
+pub(crate) fn is_estimate_of(name: &str, measured: &str) -> bool {
+    let is_estimate = |word: &String| ESTIMATE.contains(&word.as_str());
+    let bare = words_with_digits(name).filter(|word| !is_estimate(word));
+    words_with_digits(name).any(|word| is_estimate(&word)) && bare.eq(words_with_digits(measured))
 }
 
 /// `data`, `value`, `simout`: no word says what was measured.
@@ -56,6 +63,9 @@ pub(crate) fn is_of_carrier(name: &str) -> bool {
     words(name).iter().any(|word| CARRIER.contains(&word.as_str()))
 }
 
+/// Words of what an observer tells.
+const ESTIMATE: &[&str] = &["hat", "est", "estimate", "estimated", "estimation"];
+
 /// Words that tell nothing of a quantity.
 const MUTE: &[&str] = &[
     "amplitude",
@@ -95,3 +105,20 @@ const CARRIER: &[&str] =
 /// Words of a size.
 const SIZE: &[&str] =
     &["absolute", "abs", "magnitude", "norm", "total", "absolut", "betrag", "absolue", "absoluto", "assoluto"];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_estimate_is_that_of_the_name_beside_it_alone() {
+        for (name, measured) in [("pole_angle_hat", "pole_angle"), ("thetaEst", "theta"), ("Estimated angle", "angle")]
+        {
+            assert!(is_estimate_of(name, measured), "{name}");
+            assert!(!is_estimate_of(measured, name), "{name}");
+        }
+        for (name, measured) in [("theta2_hat", "theta1"), ("theta_hat", "angle"), ("theta", "theta"), ("test", "t")] {
+            assert!(!is_estimate_of(name, measured), "{name}");
+        }
+    }
+}

@@ -14,11 +14,16 @@ pub(super) fn words(name: &str) -> Vec<String> {
 }
 
 fn all_words(name: &str) -> Vec<String> {
+    let bare = |word: String| word.trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned();
+    words_with_digits(name).map(bare).filter(|word| !word.is_empty()).collect()
+}
+
+/// Lower-case words with the digits at their ends.
+pub(super) fn words_with_digits(name: &str) -> impl Iterator<Item = String> {
     name.split(|letter: char| !letter.is_alphanumeric() && letter != '°')
         .flat_map(|part| if is_unit_with_prefix(part) { vec![part.to_owned()] } else { humps(part) })
-        .map(|word| word.to_lowercase().trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned())
+        .map(|word| word.to_lowercase())
         .filter(|word| !word.is_empty())
-        .collect()
 }
 
 /// `timeMs` in two, and `IMU1Angle`.
