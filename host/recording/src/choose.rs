@@ -29,11 +29,12 @@ use super::units::{AngleUnit, RateUnit, TimeUnit};
 use super::words::{self, Meaning, is_of_carrier, is_of_sine, is_size, meaning};
 use boxes::Boxes;
 use names::{
-    all_best, ambiguous, bare_axes, example, find, is_of_periods, no_angle, note_rivals, note_unnamed, the_one,
+    all_best, ambiguous, bare_axes, example, find, is_of_periods, named_times, no_angle, note_rivals, note_unnamed,
+    the_one,
 };
 use parted::{beside_clock, parted};
 use rivals::{movement, undecided};
-use standing::unnamed_time;
+use standing::{counts, unnamed_time};
 use std::f64::consts::{FRAC_PI_2, PI};
 use time::{as_time, choose_time, plotted_axes, unit_in_cell};
 
@@ -421,7 +422,8 @@ fn choose_angle(
     let first = (table.n_columns > 1 && !has_rate).then(|| unnamed_time(table));
     let time_idx = time_idx.or((0..table.n_columns).find(is_clock)).or(first);
     let rest_idx = first.and_then(|_| parted(table)).map(|parted| parted.rest);
-    let is_free = |idx: &usize| ![time_idx, code_idx, rest_idx].contains(&Some(*idx));
+    let is_free =
+        |idx: &usize| ![time_idx, code_idx, rest_idx].contains(&Some(*idx)) && !counts(&table.first_numbers(*idx));
     let is_number = |idx: &usize| fields.get(*idx).is_some_and(|field| Numerals::new().read(field) != Cell::Text);
     let mut unnamed = (0..table.n_columns).filter(|idx| is_free(idx) && is_number(idx) && table.is_of_numbers(*idx));
     let (unnamed, next) = (unnamed.next(), unnamed.next());
@@ -490,8 +492,9 @@ fn mute_column(table: &Table) -> Option<usize> {
     let is_mute = |(idx, name): &(usize, &String)| says_nothing(name) && table.is_of_numbers(*idx);
     let mut mute = names.iter().enumerate().filter(is_mute);
     let (idx, _) = mute.next().filter(|_| mute.next().is_none())?;
+    let times = named_times(table);
     let is_other = |other: usize| {
-        let is_time = matches!(meaning(&names[other]), Meaning::Time { .. });
+        let is_time = times.contains(&other) || matches!(meaning(&names[other]), Meaning::Time { .. });
         let moves = table.first_numbers(other).windows(2).any(|pair| pair[0] != pair[1]);
         other != idx && !is_time && moves && table.is_of_numbers(other) && !words::is_of_drive(&names[other])
     };

@@ -249,12 +249,18 @@ impl<'a> Table<'a> {
 
     /// What a message lists as the columns there are.
     pub(super) fn available(&self) -> String {
-        match &self.names {
-            Some(names) if names.len() > MOST_SHOWN => {
-                format!("the columns {} and {} more", names[..MOST_SHOWN].join(", "), names.len() - MOST_SHOWN)
-            }
-            Some(names) => format!("the columns {}", names.join(", ")),
-            None => format!("{} columns without names, counted from 0", self.n_columns),
+        let Some(names) = &self.names else {
+            return format!("{} columns without names, counted from 0", self.n_columns);
+        };
+        let is_there = |idx: &usize| !names[*idx].trim().is_empty() || self.is_filled(*idx);
+        let shown = (0..names.len()).filter(is_there).map(|idx| match names[idx].trim() {
+            "" => format!("{idx} without a name"),
+            name => name.to_owned(),
+        });
+        let shown: Vec<String> = shown.collect();
+        match shown.len().checked_sub(MOST_SHOWN).filter(|n_more| *n_more > 0) {
+            Some(n_more) => format!("the columns {} and {n_more} more", shown[..MOST_SHOWN].join(", ")),
+            None => format!("the columns {}", shown.join(", ")),
         }
     }
 }

@@ -61,6 +61,23 @@ fn what_an_observer_tells_of_an_angle_is_no_rival() {
     check_found(&table("t,pole_angle,pole_angle_hat\n", |(t, a, _)| format!("{t:.2},0,{a:.5}")), 1e-5, "never moves");
 }
 
+/// As LabVIEW exports a plot: a number of the row stands before what the names belong to.
+#[test]
+fn a_column_without_a_name_that_goes_on_evenly_is_a_better_time_than_a_count_of_rows() {
+    let row = |(t, a, _): Row| format!("{:.0};{a:.5};{:.3}", 14.0 + 100.0 * t, 0.35 + t);
+    let note = "column 2 without a name rises evenly and is the time: 0 (Time - Plot 0) counts rows";
+    let plot = table("Time - Plot 0;Amplitude - Plot 0;\n", row);
+    check_found(&plot, 1e-5, note);
+    check(&plot, &told("theta=1"), 1e-5, note);
+    check_found(&table("", row), 1e-5, "column 2 read as time");
+    // With a name that says something else it is that.
+    let named = open(table("t;b;c\n", row).as_bytes(), &told("theta=9")).unwrap_err();
+    assert!(named.contains("the columns t, b, c: choose with --columns, e.g. t=0,"), "{named}");
+    let unnamed = open(table("Time;Reading of it;;\n", |values| row(values) + ";").as_bytes(), &ReadOptions::default());
+    let unnamed = unnamed.unwrap_err();
+    assert!(unnamed.contains("among the columns Time, Reading of it, 2 without a name; name it"), "{unnamed}");
+}
+
 /// As a board logs an arm and what hangs on it, in a matrix without names.
 #[test]
 fn without_names_what_swings_much_farther_is_a_rival_unless_it_follows_from_the_angle() {

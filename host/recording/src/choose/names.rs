@@ -10,7 +10,7 @@ use super::super::words::{
     is_quaternion, is_raw, meaning, says_nothing_else,
 };
 use super::parted::parted;
-use super::standing::{rises_evenly, unnamed_time};
+use super::standing::{rises_evenly, time_without_name, unnamed_time};
 
 /// So many examples are shown of what could be told.
 pub(super) const SHOWN: usize = 3;
@@ -243,13 +243,15 @@ pub(super) fn listed(table: &Table, columns: &[usize]) -> String {
     columns.iter().map(|idx| table.column_name(*idx)).collect::<Vec<_>>().join(", ")
 }
 
-/// The columns that are named as times, without those that stand still or step once where another one goes on.
+/// The columns that are named as times, without those that stand still or step once where another one goes on; or the one
+/// without a name where they count rows.
 pub(super) fn named_times(table: &Table) -> Vec<usize> {
     let names = table.names.as_deref().unwrap_or_default();
     let named = || (0..names.len()).filter(|idx| matches!(meaning(&names[*idx]), Meaning::Time { .. }));
     let goes_on = |idx: &usize| table.first_numbers(*idx).windows(2).filter(|pair| pair[1] > pair[0]).count() > 1;
     let going: Vec<usize> = named().filter(goes_on).collect();
-    if going.is_empty() { named().collect() } else { going }
+    let times = if going.is_empty() { named().collect() } else { going };
+    time_without_name(table, &times).map_or(times, |time| vec![time])
 }
 
 /// What could be told of this very file: `t=0,theta=3`, for each of some candidates, and never a column that is wrong.

@@ -18,7 +18,7 @@ use super::super::units::TimeUnit;
 use super::super::words::{self, Meaning, meaning};
 use super::names::{all_best, ambiguous, find, named_times, the_one};
 use super::parted::parted;
-use super::standing::{has_words_and_no_time, rises_evenly, unnamed_time};
+use super::standing::{has_words_and_no_time, rises_evenly, time_without_name, unnamed_time};
 
 /// Times of unstated unit beyond this many seconds count from 1970, in the unit that puts them within a century of it.
 const EPOCH_BEGINS_S: f64 = 1e8;
@@ -237,6 +237,11 @@ fn named_time(table: &Table, angle_idx: Option<usize>, notes: &mut Vec<String>) 
         return Ok(Some((idx, unit_in_name(table, idx))));
     }
     let may_be = named_times(table);
+    if let Some(time) = time_without_name(table, &all.iter().map(|(idx, _)| *idx).collect::<Vec<usize>>()) {
+        let counts = all.iter().map(|(idx, _)| table.column_name(*idx)).collect::<Vec<_>>().join(", ");
+        notes.push(format!("column {time} without a name rises evenly and is the time: {counts} counts rows"));
+        return Ok(Some((time, None)));
+    }
     let all: Vec<_> = all.into_iter().filter(|(idx, _)| may_be.contains(idx)).collect();
     if all.len() < 2 {
         return Ok(all.first().copied());

@@ -77,6 +77,7 @@ const MUTE: &[&str] = &[
     "measurement",
     "messwert",
     "output",
+    "plot",
     "reading",
     "sensor",
     "signal",
