@@ -15,6 +15,7 @@ mod little;
 mod mat4;
 mod mat5;
 mod matlab;
+mod matlab_runs;
 mod numpy;
 mod sheets;
 mod workbook;

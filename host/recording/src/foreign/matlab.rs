@@ -3,11 +3,11 @@
 //! the variable is called after.
 //!
 //! Of structures the fields count, and of those that Simulink logs (`Structure With Time`) each signal's values, under
-//! its label, or else under the name of the variable.
+//! its label, or else under the name of the variable. Several structures that are recordings are runs (`matlab_runs.rs`).
 
 use super::as_text::{refused, text_of};
 use super::mat5::{Problem, Variable};
-use super::{mat4, mat5};
+use super::{mat4, mat5, matlab_runs};
 use crate::error::Fault;
 use crate::limits::MIN_SAMPLES;
 use crate::words::{Meaning, meaning};
@@ -36,6 +36,9 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
             "it holds no vectors, matrices of up to 64 columns or structures of numbers; tables and cells are not read: save \
              the vectors themselves, such as t = Time{1}; save('swing.mat', 't', 'theta', '-v7')",
         ));
+    }
+    if let Some(runs) = matlab_runs::table(&variables, columns.numbers.len()) {
+        return Ok(runs);
     }
     let Some((first, matrix)) = columns.lone_matrix() else { return Ok(text_of(&columns.names, &columns.numbers)) };
     let named = names_of(&variables, matrix.len());
