@@ -41,7 +41,7 @@ pub(super) fn check_step(place: impl Fn() -> String, unit: &'static str, before:
         return Err(Fault::TimeBackwards { place: place(), before, after, unit });
     }
     if after == before {
-        return Err(Fault::TimeRepeats { place: place(), time: after, unit, n_rows: 2 });
+        return Err(Fault::TimeRepeats { place: place(), time: after, unit, n_rows: 2, has_digits: false });
     }
     Ok(())
 }

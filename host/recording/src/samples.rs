@@ -25,6 +25,10 @@ pub(super) const MOST_COLUMNS: usize = 8;
 /// A summary below a table has no more lines.
 const MOST_BELOW: usize = 20;
 
+/// A time has digits enough where the last one is worth less than this share of a step: times that were rounded so finely
+/// would hardly be the same. With half of it, or twice, whole ms at 100 Hz are too few and µs enough.
+const FINE: f64 = 0.01;
+
 /// A clock that goes back by more than this passed midnight, s.
 const MIDNIGHT_S: f64 = 43_200.0;
 
@@ -303,13 +307,13 @@ impl Samples {
         Ok(is_coarse)
     }
 
-    /// Of a time that stands there again, how often it does in a row: a clock that stopped wants another cure than one of
-    /// too few digits.
+    /// Of a time that stands there again, how often it does in a row, and whether more digits would help: a clock that stopped
+    /// wants another cure than one of too few.
     fn with_its_rows(&self, fault: Fault) -> Fault {
         let Fault::TimeRepeats { place, time, unit, .. } = fault else { return fault };
         let first = self.times.windows(2).position(|pair| pair[0] == pair[1]).unwrap_or(0);
         let n_rows = self.times[first..].iter().take_while(|time| **time == self.times[first]).count();
-        Fault::TimeRepeats { place, time, unit, n_rows: n_rows.max(2) }
+        Fault::TimeRepeats { place, time, unit, n_rows: n_rows.max(2), has_digits: has_digits(&self.times) }
     }
 
     fn count_doubled(&mut self) {
@@ -438,6 +442,12 @@ impl Missing {
         let first = self.first?;
         Some(format!("{} {what}, the first at {first}", self.n_rows))
     }
+}
+
+/// Have the times finer digits than rows that share one would need?
+fn has_digits(times: &[f64]) -> bool {
+    let digit = 10f64.powf((FINE * median_step_s(times)).log10().ceil());
+    times.iter().map(|time| time / digit).any(|digits| (digits - digits.round()).abs() > 1e-3)
 }
 
 /// Words between the rows or behind them, such as a program's last message.

@@ -66,6 +66,21 @@ fn a_clock_coarser_than_the_samples_is_spread_and_a_stopped_one_refused() {
 }
 
 #[test]
+fn more_digits_are_asked_for_only_where_there_are_too_few() {
+    // In the second half a third of the rows has the time of the one before.
+    let read = |digits: usize| {
+        let row = |(t, a, _): Row| {
+            let late = t > 10.0 && (100.0 * t).round() as u32 % 3 == 1;
+            let t = if late { t - 0.01 } else { t };
+            format!("{:.digits$},{a:.5}", t + 3e-3 * (77.0 * t).sin())
+        };
+        open(table("t,theta\n", row).as_bytes(), &ReadOptions::default()).unwrap_err()
+    };
+    assert!(read(9).contains("leave out the second of two such rows"), "{}", read(9));
+    assert!(read(3).contains("export more digits of the time"), "{}", read(3));
+}
+
+#[test]
 fn a_clock_that_stops_for_good_ends_the_recording() {
     let stopped = table("t,theta\n", |(t, a, _)| format!("{:.2},{a:.5}", t.min(15.0)));
     let recording = open(stopped.as_bytes(), &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));

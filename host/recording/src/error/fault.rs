@@ -13,6 +13,14 @@ use thiserror::Error;
 /// More rows of one time are no clock of few digits, which has some dozens in a tick.
 const CLOCK_STOPS: usize = 50;
 
+fn cure_of_repeats(n_rows: usize, has_digits: bool) -> &'static str {
+    match has_digits {
+        _ if n_rows > CLOCK_STOPS => "its clock stopped: leave those rows out",
+        true => "it was read before it went on: leave out the second of two such rows",
+        false => "export more digits of the time",
+    }
+}
+
 /// What is wrong with the content of a recording.
 #[derive(Debug, Error)]
 pub enum Fault {
@@ -198,7 +206,7 @@ pub enum Fault {
         "{place}: time {time}{unit} stands there {}, expected it to increase; {}, or ignore the time column with \
          --rate",
         if *n_rows > CLOCK_STOPS { format!("{n_rows} times in a row") } else { "twice".to_owned() },
-        if *n_rows > CLOCK_STOPS { "its clock stopped: leave those rows out" } else { "export more digits of the time" }
+        cure_of_repeats(*n_rows, *has_digits)
     )]
     TimeRepeats {
         /// Line or sample.
@@ -209,6 +217,8 @@ pub enum Fault {
         unit: &'static str,
         /// Rows in a row that have it.
         n_rows: usize,
+        /// Would the digits that stand there tell the rows apart?
+        has_digits: bool,
     },
     /// Time runs backwards.
     #[error(
