@@ -5,6 +5,10 @@ use super::super::median;
 use super::super::order;
 use super::super::table::Table;
 
+/// A time is off its line by this share of all that it covers, at most: a loop whose steps differ ten times is by 0.03, half a
+/// swing from rest by 0.1.
+const OFF_LINE: f64 = 0.05;
+
 /// Steps of 0.033 and 0.034 s differ by this share of them, which 200 rows of a swing do where it is fast and has some 10,000
 /// a period. With half of it, or twice, the same files are told apart.
 const LAST_DIGIT: f64 = 0.04;
@@ -18,7 +22,22 @@ pub(super) fn unnamed_time(table: &Table) -> usize {
     // Of equals the first.
     let others = (first + 1..table.n_columns).map(|idx| (idx, standing(idx)));
     let time = others.fold((first, best), |a, b| if b.1 > a.1 { b } else { a }).0;
-    beside_count(table, &[time], |_| true).unwrap_or(time)
+    let better = || beside_count(table, &[time], |_| true).or_else(|| beside_step(table, time));
+    better().unwrap_or(time)
+}
+
+/// The first column that goes on from row to row as on a straight line, beside one that stands but for a step or until the
+/// last tenth, as what a controller is told does.
+fn beside_step(table: &Table, standing: usize) -> Option<usize> {
+    let numbers = table.first_numbers(standing);
+    let moves: Vec<usize> = (1..numbers.len()).filter(|row| numbers[*row] != numbers[row - 1]).collect();
+    let begins_late = moves.first().is_some_and(|row| 10 * row > 9 * numbers.len());
+    let stands = numbers.len() >= MIN_SAMPLES && (moves.len() == 1 || begins_late);
+    let goes_on = |idx: &usize| {
+        let numbers = table.first_numbers(*idx);
+        numbers.windows(2).all(|pair| pair[1] > pair[0]) && is_nearly_straight(&numbers)
+    };
+    (0..table.n_columns).filter(|_| stands && table.n_columns > 2).find(goes_on)
 }
 
 /// Do the rows begin with words, and is none of their numbers a time?
@@ -55,6 +74,14 @@ impl Standing {
             false => Self::No,
         }
     }
+}
+
+/// Rows of a loop that takes unequal times are so far off a straight line, and a swing at most while it is fast.
+fn is_nearly_straight(numbers: &[f64]) -> bool {
+    let (Some(first), Some(last)) = (numbers.first(), numbers.last()) else { return false };
+    let share = |row: usize| row as f64 / (numbers.len() - 1).max(1) as f64;
+    let off = |(row, number): (usize, &f64)| (number - first - share(row) * (last - first)).abs();
+    numbers.iter().enumerate().map(off).all(|off| off < OFF_LINE * (last - first))
 }
 
 /// The column without a name that is the time where those of that name count rows.
