@@ -281,16 +281,14 @@ fn found_roughly(
         let least = if model.effects.is_empty() { 0.0 } else { PROMISING };
         extensions(rough, &model.evaluated(rough), candidates, least, budget)
     };
-    // What swings beside the pendulum takes longest and imitates much, so that the others come first.
+    // What swings beside the pendulum takes longest and imitates much, so that the others come first, and are looked at again:
+    // most that explain the swings do so only then.
     let (swinging, others): (Vec<&Fitted>, Vec<&Fitted>) = beam.iter().partition(|model| swings(model));
-    let mut level: Vec<Fitted> = others.into_iter().flat_map(extended).collect();
-    if !level.iter().any(|model| is_explained(rough, model)) {
-        level.extend(swinging.into_iter().filter(|_| budget.allows_more()).flat_map(extended));
+    let level = looked_at_again(rough, others.into_iter().flat_map(extended).collect());
+    if swinging.is_empty() || !budget.allows_more() || level.iter().any(|model| is_explained(rough, model)) {
+        return level;
     }
-    level.retain(|model| is_sound(rough, model));
-    sort(&mut level);
-    drop_doubles(&mut level);
-    looked_at_again(rough, level)
+    looked_at_again(rough, level.into_iter().chain(swinging.into_iter().flat_map(extended)).collect())
 }
 
 /// Without a velocity band, is the stop level of the best model one that would stop the swings of another one elsewhere?
@@ -309,6 +307,9 @@ fn with_the_stiction_of(rough: &Problem, stiction: Stiction, model: &Fitted) -> 
 /// their curved valley for those that are not at its end by then. Not for wider forms, which bend to what is missing: one that
 /// led a real swing took the place of two laws that hold on every part of it.
 fn looked_at_again(problem: &Problem, mut level: Vec<Fitted>) -> Vec<Fitted> {
+    level.retain(|model| is_sound(problem, model));
+    sort(&mut level);
+    drop_doubles(&mut level);
     let lowest = level.first().map_or(0.0, |best| best.cost);
     let n_near = level.iter().take(MAX_LOOKED_AT).take_while(|model| model.cost < WORTH_A_LOOK * lowest).count();
     let looked_at = |model: &mut Fitted| {
