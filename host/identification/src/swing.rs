@@ -105,6 +105,8 @@ pub struct Swing {
     schedules: [Schedule; 2],
     /// Number of samples before the last swings, in which stiction decides.
     n_lively: usize,
+    /// Of one of which some samples are left: does it come to rest, as all of them say?
+    rests: Option<bool>,
 }
 
 /// How much of the swings a fit looks at.
@@ -180,6 +182,7 @@ impl Swing {
             is_driven: false,
             doubts: Vec::new(),
             longest_step_s,
+            rests: None,
         }
     }
 
@@ -284,6 +287,10 @@ impl Swing {
 
     /// Does it end at rest? Its last samples then scatter no more than the noise, about a line because a zero may drift.
     pub fn comes_to_rest(&self) -> bool {
+        self.rests.unwrap_or_else(|| self.ends_still())
+    }
+
+    fn ends_still(&self) -> bool {
         let last = self.last_readings();
         let is_still = || rms_about_line(last) < REST_NOISES * self.noise_rad;
         last.len() >= MIN_START_SAMPLES && (is_still() || self.are_neighbours(last))
@@ -317,7 +324,7 @@ impl Swing {
     pub fn thinned(&self, rate_hz: f64) -> Self {
         let every = ((self.len() as f64 / self.duration_s() / rate_hz) as usize).max(1);
         let pick = |values: &[f64]| values.iter().step_by(every).copied().collect::<Vec<f64>>();
-        self.like(&pick(&self.times_s), &pick(&self.angles_rad))
+        Self { rests: Some(self.comes_to_rest()), ..self.like(&pick(&self.times_s), &pick(&self.angles_rad)) }
     }
 
     /// Enough of it to find the way to the best values: few samples, and steps that are too long for the last digit.
@@ -448,6 +455,18 @@ mod tests {
         let steps = (0..400).map(|i| if i < 200 { swinging(i) } else { last_steps(i) });
         let angles_rad: Vec<f64> = steps.map(|steps| 1e-3 * steps).collect();
         Swing::new("in steps", &times_s, &angles_rad, 1e-3 * noise_steps)
+    }
+
+    /// Of the few that are left, all may be far off by chance.
+    #[test]
+    fn a_decimated_swing_rests_as_all_samples_say() {
+        let off = |i: usize| if i.is_multiple_of(4) { [2.5, -2.5][i / 4 % 2] } else { 0.0 };
+        for (last, rests) in
+            [(ending_with(off, 1.0), true), (ending_with(|i| 20.0 * (0.1 * i as f64).cos(), 1.0), false)]
+        {
+            assert_eq!((last.comes_to_rest(), last.decimated().comes_to_rest()), (rests, rests));
+            assert!(last.decimated().len() < last.len() / 3);
+        }
     }
 
     #[test]

@@ -81,7 +81,7 @@ fn a_column_without_a_name_that_goes_on_evenly_is_a_better_time_than_a_count_of_
 #[test]
 fn without_names_what_is_told_to_a_controller_is_no_time_beside_one_that_goes_on() {
     // A loop that takes 2 ms and 18 ms in turn.
-    let uneven = |t: f64| t + if (100.0 * t).round() as u32 % 2 == 0 { 0.0 } else { -8e-3 };
+    let uneven = |t: f64| t + if ((100.0 * t).round() as u32).is_multiple_of(2) { 0.0 } else { -8e-3 };
     for told_to in [|t: f64| if t < 0.6 { 0.0 } else { 45.22 }, |t: f64| (t - 1.97).clamp(0.0, 5.0)] {
         let text = table("", |(t, a, _)| format!("{a:.5},{:.2},{:.5}", told_to(t), uneven(t)));
         let recording = open(text.as_bytes(), &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
