@@ -48,6 +48,17 @@ const HARDLY_FOLLOWED: f64 = 0.25;
 /// What to look at before anybody asks which physics is missing, where a model hardly follows.
 pub const LOOK_FIRST: &str = "see that the column is the angle of one pendulum, in that unit, let go and left alone";
 
+/// No model is that much better than the noise.
+const BELOW_NOISE: f64 = 0.7;
+
+/// What to look at where an error is far below the noise.
+pub const NOISE_TOO_LARGE: &str = "estimated too large: look for jumps, gaps or wraps of the angle";
+
+/// Is an error (rms), as a share of the noise, one that no model has?
+pub fn is_far_below_noise(share: f64) -> bool {
+    share < BELOW_NOISE
+}
+
 /// Does a model that leaves this share of the motion, beyond the noise, lack more than an effect adds?
 pub fn hardly_follows(left_of_motion: f64) -> bool {
     left_of_motion >= HARDLY_FOLLOWED

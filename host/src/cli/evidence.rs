@@ -14,7 +14,7 @@ use crate::formula::effect_of;
 use crate::geometry::{PER_GRAVITY, is_unknown};
 use crate::number::{angle, noises, with_spread};
 use crate::plot::staircase::Tread;
-use crate::verdict::Left;
+use crate::verdict::{Left, NOISE_TOO_LARGE, is_far_below_noise};
 use shared::effect::Effect;
 
 /// For what no effect explains.
@@ -135,6 +135,12 @@ fn verdict(diagnosis: &Diagnosis) -> String {
             let words = format!(
                 "No effect is missing: with a friction level for each release the base model leaves {after}; with one \
                  for all it leaves {before}."
+            );
+            wrapped(&words, 0)
+        }
+        ([], false) if is_far_below_noise(diagnosis.rmse_after / diagnosis.noise) => {
+            let words = format!(
+                "What is missing can't be told: the base model leaves {after}, which was therefore {NOISE_TOO_LARGE}."
             );
             wrapped(&words, 0)
         }
@@ -323,6 +329,8 @@ mod tests {
             nothing,
             "Nothing is missing at this noise level: the base model leaves 1.50 mrad, 1.50 times the noise."
         );
+        let doubtful = verdict(&Diagnosis { noise: 3e-3, ..told(diagnosis()) });
+        assert!(doubtful.starts_with("What is missing can't be told") && doubtful.contains("0.5"), "{doubtful}");
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::operations::watch::is_simulated;
 use crate::recording::Measured;
 use crate::rigfile::USUAL_NAME;
 use crate::swing::Swing;
-use crate::verdict::Left;
+use crate::verdict::{Left, NOISE_TOO_LARGE, is_far_below_noise};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
@@ -25,9 +25,6 @@ const MOST_CORRELATIONS: usize = 3;
 
 /// An error on held-out swings up to so many times that on the fitted ones is as good.
 const AS_GOOD: f64 = 1.1;
-
-/// No model is that much better than the noise.
-const BELOW_NOISE: f64 = 0.7;
 
 /// Everything there is to tell.
 pub(super) struct Shown<'a> {
@@ -147,10 +144,7 @@ fn sentences(shown: &Shown) -> Vec<String> {
 fn error_against_noise(fit: &Fit, unit: &str) -> String {
     let ratio = fit.rmse_rad / fit.noise_rad;
     let meaning = match fit.left {
-        _ if ratio < BELOW_NOISE => {
-            "far below the noise, which was therefore estimated too large: look for jumps, gaps or wraps of the angle"
-                .to_owned()
-        }
+        _ if is_far_below_noise(ratio) => format!("far below the noise, which was therefore {NOISE_TOO_LARGE}"),
         Left::Noise => "the model explains all but the noise".to_owned(),
         Left::Nearly => "the model explains nearly all but the noise".to_owned(),
         Left::Missing => format!("that is {} times the noise, so the model does not explain everything", noises(ratio)),
