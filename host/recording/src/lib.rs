@@ -43,6 +43,7 @@ mod pairs;
 mod places;
 pub mod plausible;
 mod preamble;
+mod rails;
 pub mod random;
 mod rate;
 mod read;

@@ -11,6 +11,7 @@ use super::grid;
 use super::labels::Labels;
 use super::limits::{LONGEST_STEP_S, MOST_SAMPLES};
 use super::median_step_s;
+use super::rails;
 use super::spikes;
 use super::straight;
 use super::stuck::{self, What};
@@ -356,6 +357,11 @@ impl Samples {
         if let Some(note) = straight::note(&is_drawn, times_s) {
             notes.push(note);
             self.leave_out(times_s, &is_drawn);
+        }
+        let is_rail = rails::rails(times_s, &self.first());
+        if let Some(note) = rails::note(&is_rail, &self.first(), times_s) {
+            notes.push(note);
+            self.leave_out(times_s, &is_rail);
         }
         if let Some(found) = stuck::standstill(times_s, &self.first()) {
             notes.push(stuck::note(&found, times_s));
