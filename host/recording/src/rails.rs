@@ -18,6 +18,10 @@ const STEPS: f64 = 4.0;
 /// A slope is that over so many readings. Half and twice tell the same of nine simulated potentiometers.
 const BESIDE: usize = 4;
 
+/// It leaves as fast as it entered, to this share: one swing loses less. Half of it loses places where noise bends so few readings,
+/// with twice of it a hand that lifts it fast and lets go is an end of the sensor.
+const ALIKE: f64 = 0.5;
+
 /// It stays there for so many readings, at least.
 const FEWEST: usize = 3;
 
@@ -67,7 +71,9 @@ fn beyond(times: &[f64], readings: &[f64], run: &Range<usize>) -> Option<f64> {
     let took = times[run.end] - times[run.start - 1];
     let outward = if readings[before.end - 1] < readings[run.start] { 1.0 } else { -1.0 };
     let (enters, leaves) = (outward * slope(&before), -outward * slope(&behind));
-    (enters > 0.0 && leaves > 0.0).then(|| (enters + leaves) * took / 8.0)
+    // What is let go from there leaves slowly.
+    let is_alike = enters > 0.0 && leaves > 0.0 && (enters - leaves).abs() < ALIKE * enters.max(leaves);
+    is_alike.then(|| (enters + leaves) * took / 8.0)
 }
 
 fn has_gap(times: &[f64], part: &Range<usize>) -> bool {

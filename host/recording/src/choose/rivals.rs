@@ -89,9 +89,9 @@ impl Sources {
         let (idx, taken) = (*idx, samples.readings.first().map_or(&[][..], Vec::as_slice));
         let swings = Swinging::of(taken).is_some();
         let is_turns = |values: &[f64]| values.iter().any(|value| value.abs() > LARGEST_UNSTATED_RAD);
-        // In the same unit, which nothing tells, where both swing.
+        // In the same unit, which nothing tells, where both move.
         let is_rival = |values: &[f64]| {
-            (!swings || is_turns(values) == is_turns(taken))
+            (range(taken) == 0.0 || is_turns(values) == is_turns(taken))
                 && Swinging::of(values).is_some_and(|swinging| range(taken) == 0.0 || swinging.is_own(taken))
         };
         let mut places: Vec<usize> = (0..self.others.len()).filter(|place| is_rival(&samples.others[*place])).collect();
