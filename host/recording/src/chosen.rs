@@ -106,6 +106,11 @@ impl Sources {
         matches!(self.time, TimeSource::Rate(_))
     }
 
+    /// Are times counts at a rate, which nothing rounded?
+    pub(super) fn counts(&self) -> bool {
+        matches!(self.time, TimeSource::Rate(_) | TimeSource::Counter { .. })
+    }
+
     /// What is known of the unit of a column of angles. Of large numbers the growth of the period has told it.
     pub(super) fn unit(&self, angles: &[f64]) -> Option<Unit> {
         let ReadingSource::Angle { unit, .. } = self.reading else { return None };

@@ -220,7 +220,9 @@ impl Opened<'_> {
         let sources = sources.swinging(table, &mut samples, &mut notes)?;
         let mut times_s = sources.time.times_s(&samples, sources.told(), &mut notes)?;
         if !is_ours {
-            grid::make_even(&mut times_s, &mut notes);
+            if !sources.counts() {
+                grid::make_even(&mut times_s, &mut notes);
+            }
             samples.leave_out_losses(&mut times_s, &mut notes);
         }
         let mut readings = sources.readings(table, &samples, &times_s, header, options, &mut notes)?;

@@ -586,6 +586,18 @@ fn in_place_of_a_single_law_that_is_vague_stands_the_best_sure_one_that_is_worth
     assert_eq!([1.5, 9.0, 300.0].map(named), ["quadratic-drag", "quadratic-drag", "none"]);
 }
 
+/// How many notches there are is known where nobody knows whether there are any.
+#[test]
+fn an_effect_is_vague_whose_strengths_are_whatever_else_is_known_of_it() {
+    let swings = [simulated("plain", &rig(), 14.0, 1)];
+    let levels = |on: &Problem| {
+        let with_detent = fitted(on, &rig_with("detent", &[1e-9, 1e-9, 7.0, 0.0]));
+        (with_excess(on, &rig(), 400.0), vec![vec![with_detent]])
+    };
+    let named = judged(&swings, levels, |judge| judge.beyond_their_errors(judge.found.levels[0][0].clone()).name());
+    assert_eq!(named, "none");
+}
+
 /// A spring that hardens so much that the usual one is as stiff as it can be, beside another inertia.
 #[test]
 fn a_wider_law_is_begun_anew_where_its_usual_form_is_as_strong_as_it_can_be() {

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 /// Still samples tell of colour from so many on.
-const MIN_STILL: usize = 200;
+const MIN_STILL: usize = 100;
 
 /// Scatter beyond this many times that of neighbours is colour …
 const COLOURED_RATIO: f64 = 1.1;
