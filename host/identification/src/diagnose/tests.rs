@@ -591,7 +591,7 @@ fn in_place_of_a_single_law_that_is_vague_stands_the_best_sure_one_that_is_worth
 fn an_effect_is_vague_whose_strengths_are_whatever_else_is_known_of_it() {
     let swings = [simulated("plain", &rig(), 14.0, 1)];
     let levels = |on: &Problem| {
-        let with_detent = fitted(on, &rig_with("detent", &[1e-9, 1e-9, 7.0, 0.0]));
+        let with_detent = fitted(on, &rig_with("detent", &[1e-5, 0.0, 7.0, 0.0]));
         (with_excess(on, &rig(), 400.0), vec![vec![with_detent]])
     };
     let named = judged(&swings, levels, |judge| judge.beyond_their_errors(judge.found.levels[0][0].clone()).name());
