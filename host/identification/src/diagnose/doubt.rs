@@ -16,6 +16,16 @@ use shared::effect::Effect;
 /// An exponent is known well enough to say which law it is, up to this standard deviation.
 const EXPONENT_KNOWN: f64 = 0.05;
 
+/// Which numbers of an effect say where on the way it acts: angles to either side that are no strength.
+fn places(effect: &Effect<f64>) -> Vec<usize> {
+    let strong = strengths(effect);
+    let is_place = |index: &usize| {
+        let parameter = &effect.parameters[*index];
+        parameter.unit == "rad" && parameter.low < 0.0 && !strong.contains(index)
+    };
+    (0..effect.parameters.len()).filter(is_place).collect()
+}
+
 impl Judge<'_, '_> {
     /// Without effects whose strengths can't be told from zero, each of them: whatever they gain, nobody knows by what. Of a
     /// wider law that may be since its numbers make up for each other; its special case has fewer.
@@ -26,7 +36,9 @@ impl Judge<'_, '_> {
         self.beyond_their_errors(surer.unwrap_or_else(|| self.without_doubtful(&claimed, effect.name)))
     }
 
-    /// The first effect whose strengths are all within chance. A place or a number of notches that is known proves nothing.
+    /// The first effect that can't be told from none. A strength and an exponent make up for each other, so that either is enough
+    /// if it is beyond its own error, while a place that is known proves nothing. Of a sine and a cosine one has to be beyond
+    /// chance, however well their notches are known.
     fn vague(&self, model: &Fitted) -> Option<&'static Effect<f64>> {
         if model.effects.is_empty() {
             return None;
@@ -34,9 +46,13 @@ impl Judge<'_, '_> {
         let values = values(self.problem, model);
         let is_vague = |effect: &&'static Effect<f64>| {
             let own = values.iter().filter(|value| value.effect == effect.name);
-            let strong = strengths(effect);
-            let mut telling = own.enumerate().filter(|(index, _)| strong.contains(index));
-            telling.all(|(_, value)| value.is_within_chance())
+            let (strong, places) = (strengths(effect), places(effect));
+            let are_several = strong.len() > 1;
+            let mut telling = own.enumerate().filter(|(index, _)| match are_several {
+                true => strong.contains(index),
+                false => !places.contains(index),
+            });
+            telling.all(|(_, value)| value.is_within(if are_several { CHANCE_STDS } else { 1.0 }))
         };
         model.effects.iter().copied().find(is_vague)
     }
@@ -137,5 +153,24 @@ impl Judge<'_, '_> {
     fn smaller(&self, claimed: &Fitted, id: u16) -> Fitted {
         let rest = on_all(self.problem, &self.without(claimed, id));
         if rest.effects.is_empty() { self.found.base.clone() } else { rest }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_magnet_and_a_relaxed_spring_have_a_place_and_nothing_else_has() {
+        let of_effect = |effect: &Effect<f64>| {
+            let symbols = places(effect).into_iter().map(|index| effect.parameters[index].symbol);
+            symbols.collect::<Vec<_>>()
+        };
+        let found: Vec<&str> = Effect::<f64>::usual().flat_map(of_effect).collect();
+        assert_eq!(found, ["thb", "ths"]);
+        for effect in Effect::<f64>::usual() {
+            let wide = effect.wider_form().map_or(0, |wide| places(wide).len());
+            assert!(effect.wider_form().is_none() || wide == places(effect).len(), "{}", effect.name);
+        }
     }
 }

@@ -4,7 +4,6 @@ use crate::fit::fitted::Fitted;
 use crate::fit::levels::NAME;
 use crate::fit::problem::Problem;
 use crate::fit::uncertainty::{Number, Status, without_bounds};
-use crate::verdict::CHANCE_STDS;
 use serde::Serialize;
 
 /// A fitted number.
@@ -27,9 +26,9 @@ pub struct Value {
 }
 
 impl Value {
-    /// Is it smaller than chance makes it? One that has no standard deviation is not known to be.
-    pub fn is_within_chance(&self) -> bool {
-        self.std.is_some_and(|std| self.value.abs() < CHANCE_STDS * std)
+    /// Is it smaller than so many of its standard deviations? One that has none is not known to be.
+    pub fn is_within(&self, stds: f64) -> bool {
+        self.std.is_some_and(|std| self.value.abs() < stds * std)
     }
 
     /// Do the swings ask for more of it than there can be? Where the range begins with nothing, nothing is no end of it.
