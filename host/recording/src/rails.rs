@@ -29,15 +29,16 @@ const FEWEST: usize = 3;
 pub(super) fn rails(times: &[f64], readings: &[f64]) -> Vec<bool> {
     let mut is_rail = vec![false; readings.len()];
     let step = smallest_step(readings).unwrap_or(0.0);
+    let (longest_s, sure) = (GAP_STEPS * median_step_s(times), LEAST_SHARE * range(readings));
     let (low, high) = readings.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
     for end in [low, high] {
         let runs: Vec<(Range<usize>, f64)> = runs_at(readings, end)
             .into_iter()
-            .filter_map(|run| beyond(times, readings, &run).map(|beyond| (run, beyond)))
+            .filter_map(|run| beyond(times, readings, &run, longest_s).map(|beyond| (run, beyond)))
             .filter(|(_, beyond)| *beyond > STEPS * step)
             .collect();
         // One that is surely cut tells that this is an end.
-        if runs.iter().any(|(_, beyond)| *beyond > LEAST_SHARE * range(readings)) {
+        if runs.iter().any(|(_, beyond)| *beyond > sure) {
             runs.into_iter().for_each(|(run, _)| is_rail[run].fill(true));
         }
     }
@@ -57,11 +58,12 @@ fn runs_at(readings: &[f64], end: f64) -> Vec<Range<usize>> {
     runs
 }
 
-/// How far the swing goes beyond, as a parabola would; `None` where it is not seen on both sides.
-fn beyond(times: &[f64], readings: &[f64], run: &Range<usize>) -> Option<f64> {
+/// How far the swing goes beyond, as a parabola would; `None` where it is not seen on both sides, by steps of at most so long.
+fn beyond(times: &[f64], readings: &[f64], run: &Range<usize>, longest_s: f64) -> Option<f64> {
     let before = run.start.checked_sub(BESIDE)?..run.start;
     let behind = run.end..run.end + BESIDE;
-    if behind.end > readings.len() || has_gap(times, &(before.start..behind.end)) {
+    let is_whole = |times: &[f64]| times.windows(2).all(|pair| pair[1] - pair[0] <= longest_s);
+    if !times.get(before.start..behind.end).is_some_and(is_whole) {
         return None;
     }
     let slope = |part: &Range<usize>| {
@@ -74,11 +76,6 @@ fn beyond(times: &[f64], readings: &[f64], run: &Range<usize>) -> Option<f64> {
     // What is let go from there leaves slowly.
     let is_alike = enters > 0.0 && leaves > 0.0 && (enters - leaves).abs() < ALIKE * enters.max(leaves);
     is_alike.then(|| (enters + leaves) * took / 8.0)
-}
-
-fn has_gap(times: &[f64], part: &Range<usize>) -> bool {
-    let longest = GAP_STEPS * median_step_s(times);
-    times[part.clone()].windows(2).any(|pair| pair[1] - pair[0] > longest)
 }
 
 /// What is said of them.

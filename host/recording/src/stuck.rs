@@ -33,6 +33,9 @@ const SIMULATED: f64 = 1e-4;
 /// The speed is that at the end of so much of a half swing.
 const BEFORE: f64 = 0.25;
 
+/// Fewer readings are no standstill.
+const FEWEST: usize = 3;
+
 /// It stays the same for so much of one, or it would be a turning point.
 const LEAST: f64 = 0.5;
 
@@ -56,6 +59,9 @@ pub(super) enum What {
 pub(super) fn standstill(times: &[f64], readings: &[f64]) -> Option<Standstill> {
     let last = *readings.last()?;
     let first = readings.iter().rposition(|reading| *reading != last)? + 1;
+    if readings.len() - first < FEWEST {
+        return None;
+    }
     let (times_before, before) = (&times[..=first], &readings[..=first]);
     let noise = usual_noise(before);
     let half_swing = turning::half_swing_s(times_before, before, noise)?;

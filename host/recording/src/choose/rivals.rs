@@ -14,6 +14,9 @@ use super::super::words::is_turn_of_body;
 use super::angle_unit_of;
 use super::names::{SHOWN, listed, unnamed};
 
+/// No pendulum turns farther.
+const TURN_DEG: f64 = 360.0;
+
 /// A step of more than this share of all that a column covers is an angle that wraps around: by a whole turn, and it
 /// covers no more than that. A pendulum moves so far in half a period, which has more samples than two.
 const WRAP: f64 = 0.5;
@@ -89,9 +92,11 @@ impl Sources {
         let (idx, taken) = (*idx, samples.readings.first().map_or(&[][..], Vec::as_slice));
         let swings = Swinging::of(taken).is_some();
         let is_turns = |values: &[f64]| values.iter().any(|value| value.abs() > LARGEST_UNSTATED_RAD);
-        // In the same unit, which nothing tells, where both move.
+        let may_be_degrees = |values: &[f64]| values.iter().all(|value| value.abs() <= TURN_DEG);
+        // In the same unit, which nothing tells, where both swing; counts are no rival of what moves.
         let is_rival = |values: &[f64]| {
-            (range(taken) == 0.0 || is_turns(values) == is_turns(taken))
+            let is_alike = is_turns(values) == is_turns(taken) || !swings && may_be_degrees(values);
+            (range(taken) == 0.0 || is_alike)
                 && Swinging::of(values).is_some_and(|swinging| range(taken) == 0.0 || swinging.is_own(taken))
         };
         let mut places: Vec<usize> = (0..self.others.len()).filter(|place| is_rival(&samples.others[*place])).collect();
