@@ -28,6 +28,9 @@ const FEWEST: usize = 3;
 /// Which readings stand at an end of the sensor while the swing goes on beyond it.
 pub(super) fn rails(times: &[f64], readings: &[f64]) -> Vec<bool> {
     let mut is_rail = vec![false; readings.len()];
+    if readings.len() < 2 * BESIDE + FEWEST {
+        return is_rail;
+    }
     let step = smallest_step(readings).unwrap_or(0.0);
     let (longest_s, sure) = (GAP_STEPS * median_step_s(times), LEAST_SHARE * range(readings));
     let (low, high) = readings.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
