@@ -16,8 +16,8 @@ mod vocabulary;
 pub(super) use super::units::{angle_unit, rate_unit, time_unit};
 pub(super) use drive::{is_of_drive, is_of_volts};
 pub(super) use hints::{
-    is_counter, is_estimate_of, is_of_carrier, is_of_pendulum, is_of_sine, is_size, is_stamp, is_step, says_nothing,
-    says_nothing_else,
+    is_counter, is_estimate, is_estimate_of, is_of_carrier, is_of_pendulum, is_of_sine, is_size, is_stamp, is_step,
+    says_nothing, says_nothing_else,
 };
 pub(super) use meaning::{Meaning, is_named_angle, is_unit, meaning};
 pub(super) use rotary::{beside_alpha, beside_theta, is_rate_of_alpha, is_speed};

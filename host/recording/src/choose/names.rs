@@ -6,11 +6,14 @@ use super::super::plausible::SHORTEST_PERIOD_S;
 use super::super::runs::is_one_of_several;
 use super::super::table::Table;
 use super::super::words::{
-    Meaning, is_acceleration, is_distance, is_duration, is_estimate_of, is_length, is_of_carrier, is_of_pendulum,
-    is_quaternion, is_raw, meaning, says_nothing_else,
+    Meaning, is_acceleration, is_distance, is_duration, is_estimate, is_estimate_of, is_length, is_of_carrier,
+    is_of_pendulum, is_quaternion, is_raw, meaning, says_nothing_else,
 };
 use super::parted::parted;
 use super::standing::{rises_evenly, time_without_name, unnamed_time};
+
+/// Estimates that are looked at, at most: a state has some numbers.
+const MOST_ESTIMATES: usize = 32;
 
 /// So many examples are shown of what could be told.
 pub(super) const SHOWN: usize = 3;
@@ -167,8 +170,11 @@ pub(super) fn all_best<U: Copy>(
     let names = table.names.as_deref().unwrap_or_default();
     // A sensor that was never connected leaves the estimate alone.
     let moves = |idx: usize| table.first_numbers(idx).windows(2).any(|pair| pair[0] != pair[1]);
-    let is_estimate = |name: &str| (0..names.len()).any(|idx| is_estimate_of(name, &names[idx]) && moves(idx));
-    let named = || names.iter().enumerate().filter(|(_, name)| !is_estimate(name));
+    let is_of_any = |name: &str| (0..names.len()).any(|idx| is_estimate_of(name, &names[idx]) && moves(idx));
+    // Of thousands of columns few are.
+    let estimates: Vec<usize> = (0..names.len()).filter(|idx| is_estimate(&names[*idx])).take(MOST_ESTIMATES).collect();
+    let estimates: Vec<usize> = estimates.into_iter().filter(|idx| is_of_any(&names[*idx])).collect();
+    let named = || names.iter().enumerate().filter(|(idx, _)| !estimates.contains(idx));
     let all = || named().filter_map(|(idx, name)| fits(meaning(name)).map(|fit| (idx, fit)));
     let is_pendulums = |idx: usize| is_of_pendulum(&names[idx]);
     let is_free = |idx: usize| !is_of_carrier(&names[idx]);

@@ -17,9 +17,15 @@ pub(crate) fn says_nothing_else(name: &str) -> bool {
 
 /// Is one what an observer makes of the other? `theta_hat` of `theta`, `pole_angle_est` of `pole_angle`.
 pub(crate) fn is_estimate_of(name: &str, measured: &str) -> bool {
-    let is_estimate = |word: &String| ESTIMATE.contains(&word.as_str());
-    let bare = words_with_digits(name).filter(|word| !is_estimate(word));
-    words_with_digits(name).any(|word| is_estimate(&word)) && bare.eq(words_with_digits(measured))
+    is_estimate(name) && {
+        let bare = words_with_digits(name).filter(|word| !ESTIMATE.contains(&word.as_str()));
+        bare.eq(words_with_digits(measured))
+    }
+}
+
+/// Does it say that an observer made it?
+pub(crate) fn is_estimate(name: &str) -> bool {
+    words_with_digits(name).any(|word| ESTIMATE.contains(&word.as_str()))
 }
 
 /// `data`, `value`, `simout`: no word says what was measured.
