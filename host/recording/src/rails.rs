@@ -11,15 +11,14 @@ use super::places::Places;
 use super::spikes::{LEAST_SHARE, range};
 use std::ops::Range;
 
-/// It would go beyond by so many steps of the sensor: with half of it the top of a small swing would do, twice of it leaves the
-/// smallest of those that were cut.
+/// It would go beyond by so many steps of the sensor, where a top that is rounded goes by one. Half and twice were not tried.
 const STEPS: f64 = 4.0;
 
-/// A slope is that over so many readings. Half and twice tell the same of nine simulated potentiometers.
+/// A slope is that over so many readings. Half and twice were not tried.
 const BESIDE: usize = 4;
 
-/// It leaves as fast as it entered, to this share: one swing loses less. Half of it loses places where noise bends so few readings,
-/// with twice of it a hand that lifts it fast and lets go is an end of the sensor.
+/// It leaves as fast as it entered, to this share: one swing loses less. Without it a hand that lifted fast, held and let go at ten
+/// readings a second was an end of the sensor. Half and twice were not tried.
 const ALIKE: f64 = 0.5;
 
 /// It stays there for so many readings, at least.

@@ -9,7 +9,7 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// Still samples tell of colour from so many on.
+/// Still samples tell of colour from so many on. With twice of it the hum of a rest of a second at 200 Hz is missed.
 const MIN_STILL: usize = 100;
 
 /// Scatter beyond this many times that of neighbours is colour …
