@@ -11,9 +11,8 @@ use std::ops::Range;
 /// The free range begins this long after the fitted release, s: the release is known to a few ms.
 const GUARD_S: f64 = 0.010;
 
-/// A hand that trembles by so many noises may open slowly: then it begins where the accelerations are free of it. Of 414 simulated
-/// swings six began 0.02 to 0.08 s before such a hand was off without this, none more than 0.03 s with it. Half and twice were not
-/// tried.
+/// A hand that trembles by so many noises may open slowly: then it begins where the accelerations are free of it. Of 416 simulated
+/// swings six began 0.02 to 0.08 s before such a hand was off without this, one 0.05 s with it. Half and twice were not tried.
 const TREMBLES: f64 = 2.0;
 
 /// A free pendulum is seen to fall after some noise rms; still for the time of a fall of this many, it is held.
@@ -28,7 +27,7 @@ const STOPS_FALL_NOISE: f64 = 40.0;
 /// a half still passed for a release. With twice as many it falls still.
 const FALLS_ON_FOR: usize = 3;
 
-/// … and by this share of what gravity alone would make of it: without it three of 414 simulated holds ended at a tremble, 0.8 s
+/// … and by this share of what gravity alone would make of it: without it three of 416 simulated holds ended at a tremble, 0.8 s
 /// early. Half and twice were not tried; with all of it a pendulum in thick grease would be held for good.
 const FALLS_LEAST: f64 = 0.25;
 
@@ -61,7 +60,7 @@ const BALANCED_RAD: f64 = 0.2;
 const ROLLS_HALF_SWINGS: f64 = 2.0;
 
 /// What is called still ends up to so many half swings after a hand began to lift it: 0.04 to 0.11 s of 1.2 s made 1.3 to 1.9 noises
-/// in nine of 414 simulated swings. Half and twice were not tried.
+/// in nine of 416 simulated swings. Half and twice were not tried.
 const BEGINS_TO_MOVE: f64 = 0.25;
 
 /// How the free swing begins.
