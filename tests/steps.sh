@@ -6,7 +6,7 @@ TARGET=thumbv7em-none-eabihf
 BUILT=${CARGO_TARGET_DIR:-$PWD/target}
 # All that is for the PC. The same everywhere: with other members, dependencies have other features and everything is
 # compiled again.
-MEMBERS=(-p host -p identification -p recording -p shared -p tests -p pendulum-rig-python)
+MEMBERS=(-p host -p identification -p recording -p simulation -p shared -p tests -p pendulum-rig-python)
 # Whole builds are quicker without increments, without lines for a debugger, and with each crate in one piece: fits then
 # take 7 % less, too.
 export CARGO_INCREMENTAL=${CARGO_INCREMENTAL:-0} CARGO_PROFILE_DEV_CODEGEN_UNITS=1 CARGO_PROFILE_TEST_CODEGEN_UNITS=1

@@ -33,7 +33,7 @@ fn one_step_f64(bencher: Bencher) {
 /// The same swing with slightly different parameters in each lane; an item is a step of one lane.
 #[divan::bench(consts = [2, 4, 8])]
 fn one_step_in_lanes<const N: usize>(bencher: Bencher) {
-    let model = Model::new(&pack(&neighbours::<N>()).expect("the same effects in each lane"));
+    let model = Model::new(&pack(&neighbours::<N>().each_ref()).expect("the same effects in each lane"));
     bencher.counter(ItemsCount::new(N * N_STEPS)).bench_local(|| {
         let mut state = model.release(black_box(Lanes::of(1.509)), Lanes::of(0.0));
         for _ in 0..N_STEPS {
@@ -63,7 +63,7 @@ fn one_step_with(bencher: Bencher, name: &str) {
 #[divan::bench(args = EFFECTS)]
 fn one_step_in_lanes_with(bencher: Bencher, name: &str) {
     let sets: [_; 4] = std::array::from_fn(|lane| with_effect(name, lane));
-    let model = Model::new(&pack(&sets).expect("the same effects in each lane"));
+    let model = Model::new(&pack(&sets.each_ref()).expect("the same effects in each lane"));
     bencher.counter(ItemsCount::new(4 * N_STEPS)).bench_local(|| swing(&model));
 }
 
@@ -99,7 +99,7 @@ fn a_design_of_27_runs(bencher: Bencher) {
 fn a_design_of_27_runs_in_lanes(bencher: Bencher) {
     let four_runs = |group: i32| {
         let sets: [_; 4] = std::array::from_fn(|lane| design_run((4 * group + lane as i32).min(26)));
-        one_run(&pack(&sets).expect("the same effects in each lane")).0[0]
+        one_run(&pack(&sets.each_ref()).expect("the same effects in each lane")).0[0]
     };
     bencher.bench_local(|| (0..7).into_par_iter().map(four_runs).sum::<f64>());
 }

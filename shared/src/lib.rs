@@ -20,6 +20,7 @@ pub mod filter;
 pub mod formula;
 pub mod karnopp;
 mod limits;
+pub mod measured;
 pub mod model;
 pub mod motion;
 pub mod observer;

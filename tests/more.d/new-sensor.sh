@@ -14,5 +14,5 @@ git diff --no-index --stat "$OLDPWD/shared/src" shared/src || true
 
 rustfmt --edition 2024 --check shared/src/sensor/magnetic.rs
 cargo test -p shared --lib
-cargo clippy -p shared -p recording -p identification -p host --all-targets -- -D warnings
+cargo clippy -p shared -p recording -p simulation -p identification -p host --all-targets -- -D warnings
 cargo build --profile firmware --target "$TARGET" -p firmware --no-default-features --features board-nucleo-f446

@@ -11,7 +11,6 @@ pub mod fit;
 pub mod formula;
 pub mod geometry;
 pub mod improve;
-pub mod lanes;
 pub mod look;
 pub mod pace;
 pub mod paper;
@@ -21,9 +20,9 @@ pub mod responses;
 pub mod rsm;
 pub mod shorten;
 pub mod swing;
-pub mod trajectory;
 pub mod verdict;
 pub mod zero_phase;
 
 pub use recording;
 pub use recording::{files, noise, number, random};
+pub use simulation::{self, lanes, trajectory};

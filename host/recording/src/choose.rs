@@ -18,7 +18,6 @@ use super::drive::Drive;
 use super::error::Fault;
 use super::header::Header;
 use super::limits::MIN_SAMPLES;
-use super::measured::Measured;
 use super::options::ReadOptions;
 use super::rate::Rates;
 use super::runs;
@@ -34,6 +33,7 @@ use names::{
 };
 use parted::{beside_clock, parted};
 use rivals::{movement, undecided};
+use shared::measured::Measured;
 use standing::{counts, unnamed_time};
 use std::f64::consts::{FRAC_PI_2, PI};
 use time::{as_time, choose_time, plotted_axes, unit_in_cell};

@@ -2,11 +2,11 @@
 
 use super::cell::{Cell, Numerals};
 use super::limits::LARGEST_UNSTATED_RAD;
-use super::measured::Measured;
 use super::table::Table;
 use super::told::Told;
 use super::unit::Unit;
 use super::units::{AngleUnit, RateUnit, TimeUnit};
+use shared::measured::Measured;
 
 /// Where each quantity comes from.
 #[derive(Clone)]

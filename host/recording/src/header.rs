@@ -22,8 +22,8 @@ use std::fmt;
 use super::cell::number_and_unit;
 use super::error::Fault;
 use super::limits::{FORMAT_NAME, FORMAT_VERSION, LONGEST_STEP_S};
-use super::measured::Measured;
 use super::units::time_unit;
+use shared::measured::Measured;
 use shared::sensor::Sensor;
 
 /// Facts about how a recording was taken; what is not known is `None`.

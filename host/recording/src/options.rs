@@ -1,8 +1,8 @@
 //! What is said of a file beside the file.
 
 use super::columns::Columns;
-use super::measured::Measured;
 use super::units::AngleUnit;
+use shared::measured::Measured;
 
 /// What the user says about the file; what is left out is found.
 #[derive(Debug, Clone, Default)]

@@ -15,7 +15,6 @@ use super::grid;
 use super::header::{Header, HeaderReader};
 use super::limits::LARGEST_UNSTATED_RAD;
 use super::lost;
-use super::measured::Measured;
 use super::on_change;
 use super::options::ReadOptions;
 use super::runs::{self, Runs};
@@ -23,6 +22,7 @@ use super::samples::{Samples, keep};
 use super::source::Lines;
 use super::table::Table;
 use super::words;
+use shared::measured::Measured;
 
 /// Degrees are 57 to the radian: numbers that become so many times smaller were some.
 const HALF_OF_DEGREES: f64 = 28.0;

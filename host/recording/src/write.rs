@@ -10,8 +10,8 @@ use super::Recording;
 use super::error::WriteError;
 use super::header::Header;
 use super::limits::FORMAT_VERSION;
-use super::measured::Measured;
 use crate::files::{Existing, NewFile};
+use shared::measured::Measured;
 
 /// Recorded time after which samples are handed to the system, s.
 const FLUSH_EVERY_S: f64 = 1.0;

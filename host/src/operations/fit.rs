@@ -14,12 +14,11 @@ use crate::fit::tolerance::KnownRig;
 use crate::fit::touch::Touch;
 use crate::improve::{Change, change};
 use crate::recording::Measured;
+use crate::simulation::readings;
 use crate::swing::{Swing, kind};
-use crate::trajectory::simulate;
 use crate::verdict::Left;
 use serde::Serialize;
 use shared::effect::Effect;
-use shared::model::Model;
 use shared::parameters::Parameters;
 
 /// What is asked for.
@@ -190,13 +189,8 @@ impl Outcome {
 
 /// The model's readings at a swing's times, from a start: rad, or rad/s where rates were measured.
 pub fn modelled(swing: &Swing, start: &Start, parameters: &Parameters<f64>) -> Vec<f64> {
-    let model = Model::new(parameters);
-    let mut state = model.release(start.angle_rad, start.velocity_rad_s);
-    state.time_s = swing.begins_s;
-    let mut readings = Vec::with_capacity(swing.len());
-    let schedule = swing.schedule(parameters);
-    simulate(&model, state, schedule, swing.len(), |_, reading: f64| readings.push(reading + start.offset_rad));
-    readings
+    let of_model = readings(parameters, start.release(swing), swing.schedule(parameters), swing.len());
+    of_model.into_iter().map(|reading| reading + start.offset_rad).collect()
 }
 
 /// The same of a fitted swing, where the model begins anew behind whatever touched the pendulum.

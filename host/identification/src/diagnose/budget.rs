@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn what_is_used_up_is_said_once_something_is_left_out() {
         let (tally, model) = (Tally::default(), Parameters::paper());
-        let simulate = |million_steps: usize| tally.add(&model, 1, 4, million_steps * 250_000);
+        let simulate = |million_steps: usize| tally.add(&model, 1, million_steps * 250_000);
         simulate(7);
         let several = Budget::new(&tally);
         several.keep_for_pairs(true);
@@ -134,7 +134,7 @@ mod tests {
     fn many_steps_are_enough_however_little_they_take() {
         let (tally, model) = (Tally::default(), Parameters::paper());
         let budget = Budget::new(&tally);
-        let simulate = |million_steps: u64| tally.add(&model, 4, 4, million_steps as usize * 250_000);
+        let simulate = |million_steps: u64| tally.add(&model, 4, million_steps as usize * 250_000);
         simulate(MOST_TAKEN - 1);
         assert!(budget.allows_more());
         simulate(1);

@@ -5,10 +5,11 @@
 
 use super::bend::bent;
 use super::linear::{Linear, Steps, linearise};
-use super::problem::{LANES, Point, Problem};
+use super::problem::{Point, Problem};
 use super::step::{Step, bounded_step, stepped};
 use crate::swing::Window;
 use nalgebra::DVector;
+use simulation::LANES;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]

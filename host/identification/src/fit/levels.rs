@@ -12,7 +12,6 @@ use crate::formula::effect_of;
 use shared::curve::Curve;
 use shared::effect::{Action, Effect};
 use shared::parameters::Parameters;
-use shared::real::Real;
 
 /// What levels are called among the unknowns.
 pub const NAME: &str = "level";
@@ -79,21 +78,14 @@ impl Problem<'_> {
     }
 
     /// Puts the level of a swing into parameters that are common to all.
-    pub(super) fn put_level<R: Real>(
-        &self,
-        parameters: &mut Parameters<R>,
-        swing_idx: usize,
-        value: impl Fn(usize) -> R,
-    ) {
+    pub(super) fn put_level(&self, parameters: &mut Parameters<f64>, swing_idx: usize, values: &[f64]) {
         if !self.has_levels() {
             return;
         }
         let factor = |wanted: Part| {
-            let all = self.unknowns.iter().enumerate();
-            all.fold(R::of(1.0), |sum, (j, unknown)| match unknown.quantity {
-                Quantity::Level { part, contrast } if part == wanted => {
-                    sum + R::of(share(contrast, swing_idx)) * value(j)
-                }
+            let all = self.unknowns.iter().zip(values);
+            all.fold(1.0, |sum, (unknown, value)| match unknown.quantity {
+                Quantity::Level { part, contrast } if part == wanted => sum + share(contrast, swing_idx) * value,
                 _ => sum,
             })
         };
@@ -102,24 +94,24 @@ impl Problem<'_> {
 }
 
 /// Multiplies the two parts of the friction.
-fn scale<R: Real>(parameters: &mut Parameters<R>, dry: R, speed: R) {
+fn scale(parameters: &mut Parameters<f64>, dry: f64, speed: f64) {
     let parts: Vec<Vec<Option<Part>>> =
         parameters.effects.iter().map(|present| parts(parameters, present.id)).collect();
     for (present, parts) in parameters.effects.iter_mut().zip(parts) {
         for (value, part) in present.values.iter_mut().zip(parts) {
             match part {
-                Some(Part::Dry) => *value = *value * dry,
-                Some(Part::Speed) => *value = *value * speed,
+                Some(Part::Dry) => *value *= dry,
+                Some(Part::Speed) => *value *= speed,
                 None => {}
             }
         }
     }
     let Some([lowest, others @ ..]) = parameters.curve.as_mut().map(Curve::torques_nm_mut) else { return };
     others.iter_mut().for_each(|torque| *torque = *lowest * dry + (*torque - *lowest) * speed);
-    *lowest = *lowest * dry;
+    *lowest *= dry;
 }
 
-fn parts<R>(parameters: &Parameters<R>, id: u16) -> Vec<Option<Part>> {
+fn parts(parameters: &Parameters<f64>, id: u16) -> Vec<Option<Part>> {
     effect_of(parameters, id)
         .map_or(Vec::new(), |effect| effect.parameters.iter().map(|parameter| part(effect, parameter.unit)).collect())
 }

@@ -4,22 +4,17 @@ use super::ridge::Ridge;
 use super::tolerance::{Known, Prior, Tolerances};
 use crate::cores::on_all_cores;
 use crate::fit::tally::Tally;
-use crate::lanes::Lanes;
 use crate::pace;
 use crate::recording::Measured;
 use crate::swing::{Swing, Window, pace};
-use crate::trajectory::{Schedule, simulate};
 use crate::verdict::{ChiSquare, Colour};
 use serde::Serialize;
 use shared::curve::Curve;
 use shared::effect::{Effect, Parameter};
-use shared::model::Model;
 use shared::parameters::{Parameters, base};
+use simulation::{AT_ONCE, Release, Schedule, readings_of_each};
 use std::f64::consts::FRAC_2_PI;
 use std::ops::Range;
-
-/// Simulations run this many at a time on one core.
-pub const LANES: usize = 4;
 
 /// Where in the parameters an unknown sits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -173,7 +168,7 @@ impl Unknown {
     }
 
     /// Sets it; the effect must be present. A level is no number of the parameters.
-    pub fn set<R: Copy>(&self, parameters: &mut Parameters<R>, value: R) {
+    pub fn set(&self, parameters: &mut Parameters<f64>, value: f64) {
         match self.quantity {
             Quantity::Mass => parameters.pendulum.mass_kg = value,
             Quantity::Length => parameters.pendulum.length_m = value,
@@ -239,6 +234,13 @@ pub struct Start {
     pub velocity_rad_s: f64,
     /// Added to the model's reading, rad.
     pub offset_rad: f64,
+}
+
+impl Start {
+    /// How a simulation of this swing begins.
+    pub fn release(&self, swing: &Swing) -> Release {
+        Release { angle_rad: self.angle_rad, velocity_rad_s: self.velocity_rad_s, begins_s: swing.begins_s }
+    }
 }
 
 /// Numbers per swing that are fitted beside the unknowns.
@@ -320,48 +322,19 @@ impl<'a> Problem<'a> {
     /// Readings without offset of one swing for several guesses, one column a guess, over its first samples.
     pub fn predict(&self, swing_idx: usize, n_samples: usize, guesses: &[(&[f64], Start)]) -> Vec<Vec<f64>> {
         let batch = |batch| self.predict_batch(swing_idx, n_samples, batch);
-        on_all_cores(guesses.chunks(LANES), batch).into_iter().flatten().collect()
+        on_all_cores(guesses.chunks(AT_ONCE), batch).into_iter().flatten().collect()
     }
 
     fn predict_batch(&self, swing_idx: usize, n_samples: usize, batch: &[(&[f64], Start)]) -> Vec<Vec<f64>> {
-        self.tally.add(&self.template, batch.len(), LANES, self.schedule(swing_idx).n_steps_to(n_samples));
-        match batch {
-            [(values, start)] => {
-                let mut parameters = self.parameters(values);
-                self.put_level(&mut parameters, swing_idx, |j| values[j]);
-                let model = Model::new(&parameters);
-                let mut state = model.release(start.angle_rad, start.velocity_rad_s);
-                state.time_s = self.swings[swing_idx].begins_s;
-                let mut column = Vec::with_capacity(n_samples);
-                simulate(&model, state, self.schedule(swing_idx), n_samples, |_, reading| column.push(reading));
-                vec![column]
-            }
-            _ => self.predict_lanes(swing_idx, n_samples, batch),
-        }
-    }
-
-    fn predict_lanes(&self, swing_idx: usize, n_samples: usize, batch: &[(&[f64], Start)]) -> Vec<Vec<f64>> {
-        // Spare lanes repeat the last guess.
-        let guess = |lane: usize| batch[lane.min(batch.len() - 1)];
-        let mut parameters = self.template.map(|value| Lanes::<LANES>([value; LANES]));
-        for (unknown_idx, unknown) in self.unknowns.iter().enumerate() {
-            let lanes = std::array::from_fn(|lane| guess(lane).0[unknown_idx]);
-            unknown.set(&mut parameters, Lanes::<LANES>(lanes));
-        }
-        let lanes = |j: usize| Lanes::<LANES>(std::array::from_fn(|lane| guess(lane).0[j]));
-        self.put_level(&mut parameters, swing_idx, lanes);
-        let model = Model::new(&parameters);
-        let angle = Lanes(std::array::from_fn(|lane| guess(lane).1.angle_rad));
-        let velocity = Lanes(std::array::from_fn(|lane| guess(lane).1.velocity_rad_s));
-        let mut columns: Vec<Vec<f64>> = batch.iter().map(|_| Vec::with_capacity(n_samples)).collect();
-        let mut state = model.release(angle, velocity);
-        state.time_s = Lanes([self.swings[swing_idx].begins_s; LANES]);
-        simulate(&model, state, self.schedule(swing_idx), n_samples, |_, reading: Lanes<LANES>| {
-            for (column, value) in columns.iter_mut().zip(reading.0) {
-                column.push(value);
-            }
-        });
-        columns
+        let (swing, schedule) = (&self.swings[swing_idx], self.schedule(swing_idx));
+        let run = |(values, start): &(&[f64], Start)| {
+            let mut parameters = self.parameters(values);
+            self.put_level(&mut parameters, swing_idx, values);
+            (parameters, start.release(swing))
+        };
+        let runs: Vec<(Parameters<f64>, Release)> = batch.iter().map(run).collect();
+        self.tally.add(&self.template, batch.len(), schedule.n_steps_to(n_samples));
+        readings_of_each(&runs, schedule, n_samples)
     }
 
     fn schedule(&self, swing_idx: usize) -> &Schedule {

@@ -4,12 +4,12 @@
 //! experiment minus simulation. Velocities of both pass through the same zero-phase filter. Crossings within the noise
 //! are not counted.
 
-use super::problem::LANES;
-use crate::lanes::Lanes;
 use crate::swing::{Swing, Window};
 use crate::zero_phase;
 use serde::Serialize;
 use shared::real::Real;
+use simulation::LANES;
+use simulation::lanes::Lanes;
 
 /// Cut-off for the velocities: far above the swing, far below the noise.
 pub const VELOCITY_CUTOFF_HZ: f64 = 10.0;

@@ -1,25 +1,17 @@
 //! How readings answer small torques along a swing: the variational equations, integrated beside the model.
 //!
-//! δ = (δθ, δω) obeys δ′ = A(t)·δ + (0, τ/J). The transition of each short step comes from the model itself, run with
-//! numbers that carry their derivatives ([`shared::dual`]), jumps at events included, and begins anew with every step,
-//! so that a long swing loses no digits; torques act by the trapezoidal rule. What remembers, as a bristle does, follows
-//! as it would after another start. A sensor is taken to be even: its readings answer as the angle does.
+//! δ = (δθ, δω) obeys δ′ = A(t)·δ + (0, τ/J). The transition of each short step comes from the model itself
+//! ([`simulation::Follower`]); torques act by the trapezoidal rule. What remembers, as a bristle does, follows as it would
+//! after another start. A sensor is taken to be even: its readings answer as the angle does.
 
 use super::problem::Start;
 use crate::recording::Measured;
 use crate::swing::Swing;
-use shared::dual::Dual;
-use shared::model::{Model, State};
 use shared::parameters::Parameters;
+use simulation::{Follower, Transition};
 
 /// No step is longer, at the usual pace, s: about as the fit's own.
 const STEP_S: f64 = 6e-3;
-
-/// A pendulum that rests has forgotten how it was moved: its transition has no inverse.
-const FORGOTTEN: f64 = 1e-9;
-
-/// From δ at one instant to δ at another.
-pub type Transition = [[f64; 2]; 2];
 
 /// One short step of a model along a swing.
 struct Step {
@@ -42,7 +34,7 @@ pub struct Path {
 impl Path {
     /// Of a model that starts somewhere, at the times of a swing.
     pub fn of(parameters: &Parameters<f64>, start: Start, swing: &Swing) -> Self {
-        let mut follower = Follower::new(parameters, start);
+        let mut follower = Follower::new(parameters, start.angle_rad, start.velocity_rad_s);
         let from = follower.motion();
         let mut steps = Vec::new();
         for pair in swing.times_s.windows(2) {
@@ -108,54 +100,15 @@ pub fn moved(by: &Transition, delta: [f64; 2]) -> [f64; 2] {
     by.map(|row| row[0] * delta[0] + row[1] * delta[1])
 }
 
-/// The model on its way, with the derivatives by its angle and velocity of a step before.
-struct Follower {
-    model: Model<Dual<f64, 2>>,
-    state: State<Dual<f64, 2>>,
-}
-
-impl Follower {
-    fn new(parameters: &Parameters<f64>, start: Start) -> Self {
-        let model = Model::new(&parameters.map(Dual::constant));
-        let state = model.release(Dual::variable(start.angle_rad, 0), Dual::variable(start.velocity_rad_s, 1));
-        Self { model, state }
-    }
-
-    fn motion(&self) -> [f64; 2] {
-        [self.state.angle_rad.value, self.state.velocity_rad_s.value]
-    }
-
-    fn step(&mut self, seconds: f64) -> Transition {
-        self.model.step(&mut self.state, Dual::constant(seconds));
-        let transition = [self.state.angle_rad.slopes, self.state.velocity_rad_s.slopes];
-        let back = inverse(&transition).unwrap_or([[0.0; 2]; 2]);
-        let anew = |number: Dual<f64, 2>| {
-            let [by_angle, by_velocity] = number.slopes;
-            let slopes = std::array::from_fn(|i| by_angle * back[0][i] + by_velocity * back[1][i]);
-            Dual { value: number.value, slopes }
-        };
-        self.state = State::from_numbers(&self.state.numbers().map(anew));
-        self.state.angle_rad.slopes = [1.0, 0.0];
-        self.state.velocity_rad_s.slopes = [0.0, 1.0];
-        transition
-    }
-}
-
 fn product(second: &Transition, first: &Transition) -> Transition {
     second.map(|row| [0, 1].map(|j| row[0] * first[0][j] + row[1] * first[1][j]))
-}
-
-/// The way back; `None` where it is forgotten.
-pub fn inverse([[a, b], [c, d]]: &Transition) -> Option<Transition> {
-    let determinant = a * d - b * c;
-    let is_known = determinant.abs() > FORGOTTEN && determinant.is_finite();
-    is_known.then(|| [[d / determinant, -b / determinant], [-c / determinant, a / determinant]])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use shared::effect::Effect;
+    use shared::model::Model;
     use shared::parameters::base;
 
     fn readings(parameters: &Parameters<f64>, times_s: &[f64]) -> Vec<f64> {

@@ -3,12 +3,13 @@
 //! Start angle, velocity and offset of each swing are solved for in every run, to first order.
 
 use super::linear::dot;
-use super::problem::{LANES, PER_SWING, Point, Problem, Start};
+use super::problem::{PER_SWING, Point, Problem, Start};
 use super::quality::{Measured, Responses, Simulated};
 use super::solve::solve_damped;
 use crate::cores::on_all_cores;
 use crate::swing::{Swing, Window};
 use nalgebra::{DMatrix, DVector};
+use simulation::LANES;
 
 /// Derivative step for start angle (rad) and velocity (rad/s).
 const START_STEP: f64 = 1e-5;

@@ -7,6 +7,7 @@ use shared::effect::{Action, Effect};
 use shared::model::Model;
 use shared::parameters::{Parameters, base};
 use shared::real::Real;
+use simulation::LANES;
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -25,8 +26,10 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Takes in swings that were simulated side by side, each in so many steps; idle lanes take the time of busy ones.
-    pub(crate) fn add(&self, parameters: &Parameters<f64>, n_swings: usize, n_lanes: usize, n_steps: usize) {
+    /// Takes in swings that were simulated side by side, each in so many steps; idle lanes take the time of busy ones. Wider
+    /// registers are quicker, but must not change what is found.
+    pub(crate) fn add(&self, parameters: &Parameters<f64>, n_swings: usize, n_steps: usize) {
+        let n_lanes = n_swings.next_multiple_of(LANES);
         self.simulations.fetch_add(n_swings, Ordering::Relaxed);
         self.steps_taken.fetch_add((n_swings * n_steps) as u64, Ordering::Relaxed);
         let operations = self.operations_of_step(parameters) * (n_steps * n_lanes) as u64;
@@ -192,7 +195,7 @@ mod tests {
         let (tally, model) = (Tally::default(), bare());
         for n_swings in [1, 4] {
             let before = tally.steps();
-            tally.add(&model, n_swings, 4, 1000);
+            tally.add(&model, n_swings, 1000);
             assert_eq!(tally.steps() - before, 4000);
         }
         assert_eq!(tally.simulations(), 5);

@@ -11,12 +11,11 @@ use crate::cores::on_all_cores;
 use crate::fit::clusters::{beyond, orthonormal};
 use crate::fit::linear::dot;
 use crate::fit::problem::Start;
-use crate::fit::response::{Path, Transition, inverse, moved};
+use crate::fit::response::{Path, moved};
 use crate::recording::turning::half_swing_s;
 use crate::swing::{Swing, Window};
-use crate::trajectory::simulate;
-use shared::model::Model;
 use shared::parameters::Parameters;
+use simulation::{Transition, inverse, readings};
 use std::ops::Range;
 
 /// Half swings of a window on either side of its middle. With two, jumps and what a window may do by itself are hardly told
@@ -139,14 +138,9 @@ impl Seen {
 
 /// Measured minus modelled at the first samples.
 fn residuals(swing: &Swing, parameters: &Parameters<f64>, start: Start, n_samples: usize) -> Vec<f64> {
-    let model = Model::new(parameters);
-    let mut state = model.release(start.angle_rad, start.velocity_rad_s);
-    state.time_s = swing.begins_s;
-    let mut residuals = Vec::with_capacity(n_samples);
-    simulate(&model, state, swing.schedule(parameters), n_samples, |i, reading: f64| {
-        residuals.push(swing.angles_rad[i] - reading - start.offset_rad);
-    });
-    residuals
+    let modelled = readings(parameters, start.release(swing), swing.schedule(parameters), n_samples);
+    let left = |(measured, modelled): (&f64, &f64)| measured - modelled - start.offset_rad;
+    swing.angles_rad.iter().zip(&modelled).map(left).collect()
 }
 
 /// Means of so many values about every so many-th.

@@ -1,10 +1,10 @@
 //! What a sensor measures of the pendulum: its angle, or how fast that changes.
 //!
 //! A recording holds readings of one kind throughout. What follows asks here for the unit; the model gives the reading
-//! of either kind (`Model::read`, `Model::read_rate`).
+//! of either kind ([`crate::model::Model::read`], [`crate::model::Model::read_rate`]).
 
+use core::str::FromStr;
 use serde::Serialize;
-use std::str::FromStr;
 
 /// What the readings of a recording are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -47,10 +47,7 @@ impl FromStr for Measured {
     type Err = ();
 
     fn from_str(text: &str) -> Result<Self, ()> {
-        match text.trim().trim_matches(['"', '\'']).to_lowercase().as_str() {
-            "angle" => Ok(Self::Angle),
-            "rate" => Ok(Self::Rate),
-            _ => Err(()),
-        }
+        let name = text.trim().trim_matches(['"', '\'']);
+        [Self::Angle, Self::Rate].into_iter().find(|it| name.eq_ignore_ascii_case(it.name())).ok_or(())
     }
 }

@@ -22,7 +22,7 @@ pub struct Lanes<const N: usize>(pub [f64; N]);
 pub struct LaneMask<const N: usize>(pub [bool; N]);
 
 /// One set of parameters a lane; `None` unless all list the same effects in the same order.
-pub fn pack<const N: usize>(sets: &[Parameters<f64>; N]) -> Option<Parameters<Lanes<N>>> {
+pub fn pack<const N: usize>(sets: &[&Parameters<f64>; N]) -> Option<Parameters<Lanes<N>>> {
     let of_pendulum = |pick: fn(&Pendulum<f64>) -> f64| Lanes(array::from_fn(|lane| pick(&sets[lane].pendulum)));
     let pendulum = Pendulum {
         mass_kg: of_pendulum(|p| p.mass_kg),
@@ -31,7 +31,7 @@ pub fn pack<const N: usize>(sets: &[Parameters<f64>; N]) -> Option<Parameters<La
         gravity_m_s2: of_pendulum(|p| p.gravity_m_s2),
     };
     let first = sets.first()?;
-    let same = |set: &Parameters<f64>| {
+    let same = |set: &&Parameters<f64>| {
         let kinds = |set: &Parameters<f64>| -> Vec<(u16, usize), MAX_EFFECTS> {
             set.effects.iter().map(|effect| (effect.id, effect.values.len())).collect()
         };
@@ -54,7 +54,7 @@ pub fn pack<const N: usize>(sets: &[Parameters<f64>; N]) -> Option<Parameters<La
 }
 
 /// The curves of all lanes; `None` unless they have the same knots.
-fn packed_curve<const N: usize>(sets: &[Parameters<f64>; N], speeds_rad_s: &[f32]) -> Option<Curve<Lanes<N>>> {
+fn packed_curve<const N: usize>(sets: &[&Parameters<f64>; N], speeds_rad_s: &[f32]) -> Option<Curve<Lanes<N>>> {
     let curves: [Option<&Curve<f64>>; N] = array::from_fn(|lane| sets[lane].curve.as_ref());
     if curves.iter().any(|curve| curve.is_none_or(|curve| curve.speeds_rad_s() != speeds_rad_s)) {
         return None;
@@ -222,7 +222,7 @@ mod tests {
 
     fn sets_equal_single_runs(sets: &[Parameters<f64>; 4], name: &str) {
         let starts = [1.5, -1.2, 0.4, 2.9];
-        let together = Model::new(&pack(sets).unwrap());
+        let together = Model::new(&pack(&sets.each_ref()).unwrap());
         let mut lanes = together.release(Lanes(starts), Lanes([0.0; 4]));
         let alone = sets.each_ref().map(Model::new);
         let mut states: [_; 4] = array::from_fn(|lane| alone[lane].release(starts[lane], 0.0));
@@ -264,14 +264,14 @@ mod tests {
         }
         sets_equal_single_runs(&sets, "curve");
         sets[3].set_curve(&Curve::new(&[0.0, 6.0], &[1e-3; 2]).unwrap()).unwrap();
-        assert!(pack(&sets).is_none(), "other knots");
+        assert!(pack(&sets.each_ref()).is_none(), "other knots");
     }
 
     #[test]
     fn unlike_lists_of_effects_are_not_packed() {
         let mut other = Parameters::paper();
         other.remove(1);
-        assert!(pack(&[Parameters::paper(), other]).is_none());
+        assert!(pack(&[&Parameters::paper(), &other]).is_none());
         assert!(pack::<0>(&[]).is_none());
     }
 }
