@@ -1,6 +1,7 @@
 //! A real browser, headless, driven through chromedriver.
 
 use crate::HANG;
+use fantoccini::error::CmdError;
 use fantoccini::{Client, ClientBuilder, Locator};
 use hyper_util::client::legacy::connect::HttpConnector;
 use serde_json::{Value, json};
@@ -98,14 +99,14 @@ impl Browser {
 
     /// Keeps a picture of the page for people to look at.
     pub async fn keep_picture(&self, name: &str) {
-        let png = self.client.screenshot().await.expect("a picture");
+        let png = patiently(async || self.client.screenshot().await).await;
         std::fs::write(pictures().join(format!("{name}.png")), png).expect("written");
     }
 
     /// A picture of an element.
     pub async fn picture_of(&self, selector: &str) -> Vec<u8> {
         let element = self.client.find(Locator::Css(selector)).await.expect(selector);
-        element.screenshot().await.expect("a picture")
+        patiently(async || element.screenshot().await).await
     }
 
     /// Sets the window's size, pixels.
@@ -116,6 +117,17 @@ impl Browser {
     /// Closes the browser.
     pub async fn close(self) {
         let _ = self.client.clone().close().await;
+    }
+}
+
+/// The driver gives a picture up after ten seconds, which a busy machine may take.
+async fn patiently(picture: impl AsyncFn() -> Result<Vec<u8>, CmdError>) -> Vec<u8> {
+    let began = Instant::now();
+    loop {
+        match picture().await {
+            Err(error) if error.to_string().contains("timeout") && began.elapsed() < HANG => {}
+            taken => return taken.expect("a picture"),
+        }
     }
 }
 
