@@ -26,6 +26,7 @@ use crate::number::significant;
 use law::{Law, State, states};
 pub use several::{FreeSwing, free_swings};
 use start::Start;
+use std::cmp::Reverse;
 use std::ops::Range;
 use thiserror::Error;
 
@@ -185,10 +186,12 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
 }
 
 fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usize>) -> Result<Segments, SegmentError> {
-    let cut = Cut::new(recording, asked.clone())?;
-    let stretch = cut.undisturbed()?;
+    let whole = Cut::new(recording, asked.clone())?;
+    let found = whole.undisturbed()?;
+    let alone = whole.alone(&found);
+    let (cut, stretch) = alone.as_ref().map_or((&whole, found), |(cut, stretch)| (cut, stretch.clone()));
     let rest = if options.to_s.is_some() { None } else { cut.rest(&stretch) };
-    let mut start = if options.from_s.is_some() { Start::at(&cut, asked.start) } else { cut.start(&stretch) };
+    let mut start = if options.from_s.is_some() { Start::at(cut, asked.start) } else { cut.start(&stretch) };
     let end = match &rest {
         Some(rest) => rest.start,
         None if options.to_s.is_some() => asked.end,
@@ -213,7 +216,7 @@ fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usiz
     }
     let (held, hanging) = cut.held_or_hanging(&start);
     let noise = cut.noise(&free).beside_still(recording, [hanging, rest.clone()], held);
-    let mut notes = notes(&cut, options, &start, &(fallen.max(start.free_idx)..free.end), rest.as_ref());
+    let mut notes = notes([&whole, cut], options, &start, &(fallen.max(start.free_idx)..free.end), rest.as_ref());
     let touches = |lost: &&Range<usize>| lost.start < free.end && free.start < lost.end;
     let interrupted: Vec<Range<usize>> = cut.interrupted.iter().filter(touches).cloned().collect();
     notes.extend(interrupted_in_words(recording, &interrupted));
@@ -231,7 +234,7 @@ fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usiz
         noise.method
     );
     let fades = cut.fades(&free);
-    let others = if *options == SegmentOptions::default() { cut.other_swings(&free) } else { Vec::new() };
+    let others = if *options == SegmentOptions::default() { whole.other_swings(&free) } else { Vec::new() };
     let (lead_in, release_s, half_swing_s) = (start.lead_in, start.release_s, cut.half_swing_s);
     Ok(Segments {
         lead_in,
@@ -312,6 +315,24 @@ impl<'a> Cut<'a> {
         Ok(cut)
     }
 
+    /// The same without what lies behind a stretch, or before it as well, and the stretch anew, if it is not shorter by that: what
+    /// a hand does, and other swings, tell of no law that this one follows.
+    fn alone(&self, stretch: &Range<usize>) -> Option<(Self, Range<usize>)> {
+        let is_before = |part: &Range<usize>| part.end <= stretch.start && self.count_turns(part) >= MIN_TURNING_POINTS;
+        let before = self.parts_left_alone().filter(is_before).map(|part| part.end).max();
+        let before = before.filter(|end| self.is_disturbed_within(&(*end..stretch.start)));
+        let parts = [Some(self.asked.start), before].into_iter().flatten().map(|start| start..stretch.end);
+        let again = |part: Range<usize>| {
+            let alone = Self::new(self.recording, part).ok()?;
+            let again = alone.undisturbed().ok()?;
+            again.contains(&usize::midpoint(stretch.start, stretch.end)).then_some((alone, again))
+        };
+        let n_swings = |(alone, again): &(Self, Range<usize>)| alone.count_swings(again);
+        let found =
+            parts.filter(|part| *part != self.asked).filter_map(again).min_by_key(|it| Reverse(n_swings(it)))?;
+        (n_swings(&found) >= self.count_swings(stretch)).then_some(found)
+    }
+
     /// Of the whole recording, which tells it best, unless that is larger than chance makes it beside the free swing:
     /// where a pendulum is put down or let go, the angle may jump.
     fn noise(&self, free: &Range<usize>) -> Noise {
@@ -372,12 +393,19 @@ fn interrupted_in_words(recording: &Recording, interrupted: &[Range<usize>]) -> 
     ))
 }
 
+fn moved_after(time_s: f64) -> String {
+    format!(
+        "everything after {time_s:.2} s: something other than gravity and friction moved it there (a hand, a stop, or a tracker \
+         that lost it); --to ends later"
+    )
+}
+
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
 fn notes(
-    cut: &Cut,
+    [cut, alone]: [&Cut; 2],
     options: &SegmentOptions,
     start: &Start,
     free: &Range<usize>,
@@ -396,7 +424,8 @@ fn notes(
     match (&start.lead_in, options.from_s) {
         (_, Some(from_s)) => notes.push(format!("free swing taken from {from_s} s on, as told")),
         (_, None) if start.was_held => {
-            notes.push(format!("cut {before_s:.2} s held still before the release at {:.3} s", start.release_s));
+            let other = if alone.asked.start > cut.asked.start { ": another motion, then" } else { "" };
+            notes.push(format!("cut {before_s:.2} s{other} held still before the release at {:.3} s", start.release_s));
         }
         (Some(still), None) if start.free_idx > cut.asked.start => {
             notes.push(format!("cut {before_s:.2} s{up_to}: still for {:.2} s, then in a hand", cut.duration_s(still)));
@@ -417,12 +446,15 @@ fn notes(
     }
     match (rest, options.to_s) {
         (_, Some(to_s)) => notes.push(format!("free swing taken up to {to_s} s, as told")),
+        (Some(rest), _) if rest.end < cut.asked.end => {
+            let hung_s = cut.duration_s(rest);
+            notes.push(format!(
+                "cut {hung_s:.2} s hanging still at the end, and {}",
+                moved_after(cut.times_s()[rest.end])
+            ));
+        }
         (Some(rest), _) => notes.push(format!("cut {:.2} s hanging still at the end", cut.duration_s(rest))),
-        _ if free.end < cut.asked.end => notes.push(format!(
-            "cut everything after {:.2} s: something other than gravity and friction moved it there (a hand, a stop, or a \
-             tracker that lost it); --to ends later",
-            cut.times_s()[free.end]
-        )),
+        _ if free.end < cut.asked.end => notes.push(format!("cut {}", moved_after(cut.times_s()[free.end]))),
         _ => {}
     }
     if let Some(other) = cut.longest_of(cut.other_swings(free)) {

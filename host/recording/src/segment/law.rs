@@ -6,6 +6,7 @@ use super::super::{Measured, median, median_step_s};
 use super::{Cut, MIN_TURNING_POINTS};
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::Range;
 
 /// Local polynomials per half width.
 const STATES_PER_WIDTH: f64 = 4.0;
@@ -117,6 +118,12 @@ impl Cut<'_> {
         self.law = law;
         self.disturbed = sustained(&raw);
         Some(())
+    }
+
+    /// Does something break the law there?
+    pub(super) fn is_disturbed_within(&self, range: &Range<usize>) -> bool {
+        let broken = self.states.iter().zip(&self.disturbed).filter(|(_, disturbed)| **disturbed);
+        broken.into_iter().any(|(state, _)| range.contains(&self.recording.index_at(state.time_s)))
     }
 
     /// The law from states over as much of a half swing as a quartic can follow, where it hardly follows the usual ones of rates

@@ -61,7 +61,7 @@ const ROLLS_HALF_SWINGS: f64 = 2.0;
 
 /// What is called still ends up to so many half swings after a hand began to lift it: 0.04 to 0.11 s of 1.2 s made 1.3 to 1.9 noises
 /// in nine of 416 simulated swings. Half and twice were not tried.
-const BEGINS_TO_MOVE: f64 = 0.25;
+pub(super) const BEGINS_TO_MOVE: f64 = 0.25;
 
 /// How the free swing begins.
 pub(super) struct Start {
@@ -206,7 +206,7 @@ impl Cut<'_> {
     }
 
     /// A window of three samples is then most of a half swing.
-    fn n_still_window(&self) -> usize {
+    pub(super) fn n_still_window(&self) -> usize {
         if self.has_few_samples() { 1 } else { self.n_in(self.width_s / 4.0) }
     }
 
@@ -217,7 +217,7 @@ impl Cut<'_> {
 
     /// How long it is still from the first sample of a range on, at least a window. It ends where a window is off, if how far
     /// this is and how far some windows later says so.
-    fn still_from(&self, range: Range<usize>, ends: impl Fn(f64, Option<f64>) -> bool) -> Range<usize> {
+    pub(super) fn still_from(&self, range: Range<usize>, ends: impl Fn(f64, Option<f64>) -> bool) -> Range<usize> {
         let angles_rad = &self.angles_rad()[range.clone()];
         let n_window = self.n_still_window().min(angles_rad.len());
         let limit = |n: usize| STILL_SPREADS * self.noise_rms_rad * (1.0 / n_window as f64 + 1.0 / n as f64).sqrt();

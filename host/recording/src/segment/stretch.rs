@@ -5,6 +5,7 @@ use super::super::chance;
 use super::super::drive::{self, Drive};
 use super::super::median;
 use super::super::turning::{ROUGH_FALL_SHARE, TurningPoint};
+use super::start::BEGINS_TO_MOVE;
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
 use crate::noise::{GAP_STEPS, rms_about_line};
 use crate::number::significant;
@@ -42,6 +43,10 @@ const STEADY_SWINGS: usize = 8;
 
 /// A swing that goes on turns again within one half swing; with twice of it the rest after a swing would often be lost.
 const HUNG_HALF_SWINGS: f64 = 2.0;
+
+/// A hand that takes it from rest is seen by its acceleration within so many half swings of where it begins: with half and with
+/// twice of it the same are cut of 264 simulated recordings, in 53 of which a hand takes it again.
+const TAKEN_HALF_SWINGS: f64 = 2.0;
 
 /// And scatters by less than so many times the noise; with half of it chance would deny it, with twice of it a slow hand
 /// would pass for it.
@@ -83,14 +88,14 @@ impl Cut<'_> {
     }
 
     /// Between disturbances, between growths, and behind a motor.
-    fn parts_left_alone(&self) -> impl Iterator<Item = Range<usize>> {
+    pub(super) fn parts_left_alone(&self) -> impl Iterator<Item = Range<usize>> {
         self.parts_of(self.undriven_stretches())
     }
 
     /// Of these stretches what lies between growths and behind a motor.
     fn parts_of(&self, stretches: Vec<Range<usize>>) -> impl Iterator<Item = Range<usize>> {
         let parts = stretches.into_iter().flat_map(|range| self.fading_parts(range));
-        parts.map(|part| self.left_alone(&part))
+        parts.map(|part| self.left_alone(&part)).map(|part| part.start..self.taken_from_rest(&part).unwrap_or(part.end))
     }
 
     /// Between the disturbances, and where no motor is on as far as the file tells.
@@ -294,7 +299,7 @@ impl Cut<'_> {
     }
 
     /// Swings from one turning point to the next; a tremble is none, however often it turns.
-    fn count_swings(&self, range: &Range<usize>) -> usize {
+    pub(super) fn count_swings(&self, range: &Range<usize>) -> usize {
         let largest_rad = sizes_rad(&self.turns.iter().collect::<Vec<_>>()).into_iter().fold(0.0, f64::max);
         sizes_rad(&self.turns_in(range)).iter().filter(|size| **size > ROUGH_FALL_SHARE * largest_rad).count()
     }
@@ -344,13 +349,7 @@ impl Cut<'_> {
     /// Hanging still at the end: from some half swings after the last motion that can be seen, because the very last
     /// ones may be smaller than the noise, or hidden in the play of the sensor.
     pub(super) fn rest(&self, stretch: &Range<usize>) -> Option<Range<usize>> {
-        let last_turn_s = self
-            .turns
-            .iter()
-            .rev()
-            .map(|turn| turn.time_s)
-            .find(|time_s| stretch.contains(&self.recording.index_at(*time_s)))?;
-        let after = self.recording.index_at(last_turn_s)..stretch.end;
+        let after = self.last_turn(stretch)?..stretch.end;
         let angles_rad = &self.angles_rad()[after.clone()];
         let n_window = self.n_in(self.half_swing_s / 4.0);
         let n_final = (4 * n_window).max(angles_rad.len() / 4).min(angles_rad.len());
@@ -363,6 +362,34 @@ impl Cut<'_> {
         let start_s = self.times_s()[(after.start + last_motion).min(stretch.end - 1)] + N_UNSEEN * self.half_swing_s;
         let rest = self.recording.index_at(start_s)..stretch.end;
         (rest.start < rest.end && rest.len() >= n_window).then_some(rest)
+    }
+
+    /// The sample at the last turning point of a stretch.
+    fn last_turn(&self, stretch: &Range<usize>) -> Option<usize> {
+        let turned = self.turns.iter().rev().map(|turn| self.recording.index_at(turn.time_s));
+        turned.into_iter().find(|idx| stretch.contains(idx))
+    }
+
+    /// Where a hand takes it that hung still: behind a last turn it is still for longer than a swing turns, and leaves that
+    /// place just before something is seen to move it. A hand begins so gently that its acceleration shows late.
+    fn taken_from_rest(&self, stretch: &Range<usize>) -> Option<usize> {
+        if stretch.end == self.asked.end {
+            return None;
+        }
+        let is_further = |left_rad: f64, later_rad: Option<f64>| later_rad.is_none_or(|later| later / left_rad > 1.0);
+        let still_behind = |turn: &&TurningPoint| {
+            let hangs = self.recording.index_at(turn.time_s + N_UNSEEN * self.half_swing_s)..stretch.end;
+            (hangs.len() > self.n_still_window()).then(|| self.still_from(hangs, is_further))
+        };
+        let is_near = |still: &Range<usize>| {
+            let more_s = self.duration_s(&(still.end..stretch.end));
+            still.end < stretch.end && more_s < TAKEN_HALF_SWINGS * self.half_swing_s
+        };
+        let is_long = |still: &Range<usize>| self.duration_s(still) > HUNG_HALF_SWINGS * self.half_swing_s;
+        // Noise turns too: of what hangs still the last turn may be one of it.
+        let turned = self.turns_in(stretch).into_iter().rev();
+        let still = turned.filter_map(|turn| still_behind(&turn)).take_while(is_near).find(is_long)?;
+        Some(still.end - self.n_in(BEGINS_TO_MOVE * self.half_swing_s).min(still.len()))
     }
 }
 

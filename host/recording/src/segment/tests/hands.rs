@@ -14,3 +14,58 @@ fn a_hold_is_one_until_it_falls_however_the_hand_trembles() {
         assert!(segments.notes[0].contains("held still before the release at 1.50"), "{:?}", segments.notes);
     }
 }
+
+/// From where it hangs to another angle and held there: with the least jerk, as people move.
+fn taken(from_rad: f64, to_rad: f64, duration_s: f64) -> Vec<f64> {
+    let n = (duration_s / STEP_S) as usize;
+    let share = |s: f64| s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+    let way = (1..=n).map(|idx| from_rad + (to_rad - from_rad) * share(idx as f64 / n as f64));
+    way.chain(vec![to_rad; 200]).collect()
+}
+
+/// Held, let go and hung still for some seconds.
+fn swing_to_rest(angle_rad: f64) -> Vec<f64> {
+    [vec![angle_rad; 200], swing(angle_rad, 20.0)].concat()
+}
+
+#[test]
+fn what_hangs_still_ends_before_a_hand_takes_it_however_gently() {
+    for (to_rad, duration_s) in [(0.12, 0.8), (-0.4, 0.6), (0.8, 1.2), (1.5, 1.0)] {
+        let first = swing_to_rest(0.4);
+        let rest_rad = first[first.len() - 1];
+        let segments = find(&[first.clone(), taken(rest_rad, to_rad, duration_s), swing(to_rad, 1.0)].concat());
+        let rest = segments.rest.clone().unwrap();
+        let after_s = (rest.end as f64 - first.len() as f64) * STEP_S;
+        assert!((-0.3..0.03).contains(&after_s), "{to_rad} {duration_s}: {after_s} {segments:?}");
+        let is_told = |note: &String| note.contains("hanging still at the end, and everything after");
+        assert!(segments.notes.iter().any(is_told), "{:?}", segments.notes);
+    }
+}
+
+/// In air, of which the law knows nothing that the small swings of another release tell.
+fn in_air(angle_rad: f64, dry: f64, drag: f64) -> Vec<f64> {
+    let (mut angle, mut velocity, mut angles) = (angle_rad, 0.0_f64, Vec::new());
+    for step_idx in 0..90_000 {
+        if step_idx % 50 == 0 {
+            angles.push(angle);
+        }
+        let gravity = -70.0 * angle.sin();
+        let is_stuck = velocity.abs() < 1e-4 && gravity.abs() < dry;
+        let friction = dry * velocity.signum() + drag * velocity * velocity.abs();
+        velocity = if is_stuck { 0.0 } else { velocity + 1e-4 * (gravity - friction) };
+        angle += 1e-4 * velocity;
+    }
+    angles
+}
+
+#[test]
+fn a_release_is_found_though_a_hand_and_another_swing_follow() {
+    for (dry, drag, other_rad) in [(1.0, 0.15, -1.0), (1.0, 0.2, 1.3), (2.0, 0.1, -1.0), (2.0, 0.1, 1.3)] {
+        let first = [vec![1.8; 300], in_air(1.8, dry, drag)].concat();
+        let hand = taken(first[first.len() - 1], other_rad, 0.9);
+        let segments = find(&[first, hand, in_air(other_rad, dry, drag)].concat());
+        let late_s = segments.free.start as f64 * STEP_S - 1.5;
+        assert!((0.0..0.06).contains(&late_s), "{dry} {drag} {other_rad}: {late_s} {segments:?}");
+        assert!(segments.notes[0].contains("held still before the release"), "{:?}", segments.notes);
+    }
+}
