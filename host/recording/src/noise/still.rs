@@ -143,17 +143,19 @@ impl Still {
 /// have beside a small swing, because slow noise is alike in neighbouring means as well.
 pub(crate) fn noise_of_means(times_s: &[f64], readings: &[f64], rms: f64, half_swing_s: f64) -> f64 {
     let n_period = (2.0 * half_swing_s / median_step_s(times_s)) as usize;
-    if n_period < 2 * BLOCKS_A_PERIOD[0] {
+    // A block has two samples at least.
+    let blocks = BLOCKS_A_PERIOD.map(|n_blocks| (n_period >= 2 * n_blocks).then_some(n_period / n_blocks));
+    if blocks == [None; 2] {
         return rms;
     }
     let quiet = quiet_pieces(readings, n_period);
     let swing = SmallSwing::new(n_period);
-    let of_quiet = BLOCKS_A_PERIOD.map(|n_blocks| {
-        let block = n_period / n_blocks;
+    let of_quiet = blocks.map(|block| {
+        let Some(block) = block else { return rms };
         let excess = swing.excess(&quiet, rms, block);
         if excess.is_significant() { rms * (1.0 + block as f64 * excess.share).sqrt() } else { rms }
     });
-    let of_neighbours = of_neighbouring_means(times_s, readings, rms, n_period / BLOCKS_A_PERIOD[0]);
+    let of_neighbours = blocks[0].map_or(rms, |block| of_neighbouring_means(times_s, readings, rms, block));
     log::debug!("noise {rms:.3e}, as means scatter {of_neighbours:.3e}, where it is quiet {of_quiet:?}");
     of_quiet.into_iter().fold(of_neighbours, f64::max)
 }
@@ -275,6 +277,24 @@ mod tests {
             let found = noise_of_means(&times_s, &readings, RMS, 0.5);
             assert!((found / expected - 1.0).abs() < 0.15, "{rho}: {found} {expected}");
         }
+    }
+
+    #[test]
+    fn with_forty_samples_a_period_means_tell_where_it_is_quiet() {
+        let found = |noise: &[f64]| {
+            let times_s: Vec<f64> = (0..noise.len()).map(|idx| 0.025 * idx as f64).collect();
+            let angle = |t: f64| (1.0 - 0.1 * t).max(0.0) * (TAU * t).cos();
+            let readings: Vec<f64> = times_s.iter().zip(noise).map(|(t, noise)| angle(*t) + noise).collect();
+            let of_neighbours = crate::noise::robust_of_samples(&times_s, &readings);
+            noise_of_means(&times_s, &readings, of_neighbours, 0.5) / of_neighbours
+        };
+        for seed in 1..20 {
+            assert_eq!(found(&white(2000, seed)), 1.0, "{seed}");
+        }
+        // Neighbours tell half of it, and means over four samples scatter 1.8 times as far as so many independent ones; what is
+        // as slow as the swing does not show.
+        let found = found(&first_order(2000, 0.8, 3));
+        assert!((1.5..3.6).contains(&found), "{found}");
     }
 
     #[test]
