@@ -3,6 +3,7 @@
 The tick divides a cycle of every clock the boards use (8, 12, 16, 48, 168 and 180 MHz), so that none is rounded.
 """
 
+import ctypes
 import heapq
 import itertools
 
@@ -47,12 +48,12 @@ class Clock:
         self._settled = 0
         self._queue = []
         self._order = itertools.count()
-        # While the processor runs, its instruction counter is part of the time: see Core.
-        self.running = lambda: 0
+        # While the processor runs, the instructions it has done are part of the time: see Core.
+        self.instructions, self.ticks_per_instruction = ctypes.c_uint64(), 0
 
     def now(self):
         """Ticks since power came on for the first time."""
-        return self._settled + self.running()
+        return self._settled + self.instructions.value * self.ticks_per_instruction
 
     def move_to(self, time):
         """Lets the time pass, without what was to happen meanwhile."""

@@ -32,19 +32,24 @@ EXCEPTION_CYCLES = 12
 WFI = b"\x30\xbf"
 CPSIE_I = b"\x62\xb6"
 MSR_PRIMASK = b"\x10\x88"
-EXCEPTION_EXIT = 8
 
 THUMB = 1 << 24
 STACK_WAS_ALIGNED_DOWN = 1 << 9
 FP_IN_USE = 1 << 2
 
-# What a register's access calls: engine, offset, size (and value), what was handed over.
-ON_READ = ctypes.CFUNCTYPE(ctypes.c_uint64, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint, ctypes.c_void_p)
-ON_WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint, ctypes.c_uint64, ctypes.c_void_p)
+# What a register's access calls: engine, offset, size (and value). What was handed over comes last, and is left out here:
+# each argument takes time.
+ON_READ = ctypes.CFUNCTYPE(ctypes.c_uint64, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint)
+ON_WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint, ctypes.c_uint64)
+# What the beginning of a block calls; where it lies is known.
+ON_BLOCK = ctypes.CFUNCTYPE(None)
 
-_INTEGER = ["R0", "R1", "R2", "R3", "R12", "LR", "PC", "XPSR", "SP", "CONTROL"]
+_INTEGER = ["R0", "R1", "R2", "R3", "R12", "LR", "PC", "XPSR", "SP", "CONTROL", "PRIMASK"]
 _FLOAT = [f"D{i}" for i in range(8)] + ["FPSCR"]
-_REST = ["R4", "R5", "R6", "R7", "R8", "R9", "R10", "R11", "PRIMASK", "BASEPRI", "FAULTMASK"]
+_REST = ["R4", "R5", "R6", "R7", "R8", "R9", "R10", "R11", "BASEPRI", "FAULTMASK"]
+
+
+_read_registers, _write_registers = binding.uclib.uc_reg_read_batch, binding.uclib.uc_reg_write_batch
 
 
 class Registers:
@@ -59,12 +64,12 @@ class Registers:
 
     def read(self):
         """From the processor to `values`."""
-        binding.uclib.uc_reg_read_batch(self._handle, self._ids, self._places, self._n)
+        _read_registers(self._handle, self._ids, self._places, self._n)
         return self.values
 
     def write(self):
         """From `values` to the processor."""
-        binding.uclib.uc_reg_write_batch(self._handle, self._ids, self._places, self._n)
+        _write_registers(self._handle, self._ids, self._places, self._n)
 
 
 def counter_of(uc):
@@ -96,34 +101,37 @@ class Core:
             rights = constants.UC_PROT_ALL if region in chip.rams else read_only
             uc.mem_map_ptr(region.address, region.size, rights, region.pointer())
         self._at_zero = None
+        self._on_block = ON_BLOCK(self._on_unmasked)
         self._callbacks = []
         for base, size in PERIPHERALS:
             self._map_registers(base, size)
-        uc.hook_add(constants.UC_HOOK_INTR, self._on_exception)
+        uc.hook_add(constants.UC_HOOK_MEM_READ_PROT, self._on_guarded)
         uc.hook_add(constants.UC_HOOK_MEM_WRITE_PROT, self._on_protected_write)
         self._counter, self._most = counter_of(uc)
         self._counter.value = self._most.value = 0
-        self._integer, self._float = Registers(uc, _INTEGER), Registers(uc, _FLOAT)
-        self._rest, self._primask, self._pc = Registers(uc, _REST), Registers(uc, ["PRIMASK"]), Registers(uc, ["PC"])
+        # Between two runs the values of `_integer` are the processor's.
+        self._integer, self._float, self._rest = Registers(uc, _INTEGER), Registers(uc, _FLOAT), Registers(uc, _REST)
+        self._primask, self._pc = Registers(uc, ["PRIMASK"]), Registers(uc, ["PC"])
         self._hooked = set()
+        self._closed, self._guards_anew = [], False
         self.ram = chip.ram
         self.n_instructions = 0
         self.ticks_asleep = 0
         self.set_clock(TICKS_PER_S // HSI_HZ)
         self.take_clock()
-        self.clock.running = self._running
+        self.clock.instructions = self._counter
 
     def _map_registers(self, base, size):
         """Past Unicorn's own wrapper, which takes longer than most registers."""
         bus = self.chip.bus
 
-        def on_read(_, offset, n_bytes, __):
+        def on_read(_, offset, n_bytes):
             try:
                 return bus.read(base + offset, n_bytes)
             except Exception as failure:
                 return self._fails(failure)
 
-        def on_write(_, offset, n_bytes, value, __):
+        def on_write(_, offset, n_bytes, value):
             try:
                 bus.write(base + offset, n_bytes, value)
             except Exception as failure:
@@ -143,9 +151,6 @@ class Core:
         self.uc.emu_stop()
         return 0
 
-    def _running(self):
-        return self._counter.value * self.ticks_per_instruction
-
     # Clock, memory and start
 
     def set_clock(self, ticks_per_cycle):
@@ -156,7 +161,9 @@ class Core:
     def take_clock(self):
         """Uses the clock that was set; not while running."""
         self.ticks_per_cycle = self._next_cycle
-        self.ticks_per_instruction = round(self.cpi * self.ticks_per_cycle)
+        self.clock.ticks_per_instruction = round(self.cpi * self.ticks_per_cycle)
+        if self._guards_anew:
+            self._take_guards()
 
     def map_at_zero(self, region):
         """Which memory is seen at address 0 (SYSCFG_MEMRMP)."""
@@ -169,45 +176,56 @@ class Core:
         self._at_zero = region
 
     def watch(self, code, address):
-        """Notices sleep and unmasking in this code. Bytes that only look like them are never executed as such.
+        """Notices unmasking in this code. Bytes that only look like it are never executed as such.
 
         Unmasking ends a block of translated code, and a hook on where the next one begins costs nothing elsewhere; a hook
         on an instruction is looked for at all of them.
         """
         for at in range(0, len(code) - 3, 2):
             here = code[at : at + 2]
-            if here == WFI:
-                self._hook(constants.UC_HOOK_CODE, address + at, self._on_sleep)
-            elif here == CPSIE_I:
-                self._hook(constants.UC_HOOK_BLOCK, address + at + 2, self._on_unmasked)
-            elif here == MSR_PRIMASK and code[at - 2 : at - 1] < b"\x90" and code[at - 1 : at] == b"\xf3":
-                self._hook(constants.UC_HOOK_BLOCK, address + at + 2, self._on_unmasked)
+            is_msr = here == MSR_PRIMASK and code[at - 2 : at - 1] < b"\x90" and code[at - 1 : at] == b"\xf3"
+            if here == CPSIE_I or is_msr:
+                self._hook_block(address + at + 2)
 
-    def guard(self, first, last):
-        """A range that the MPU may close; reset opens it again."""
-        if (first, last) not in self._hooked:
-            self._hooked.add((first, last))
-            accesses = constants.UC_HOOK_MEM_READ | constants.UC_HOOK_MEM_WRITE
-            self.uc.hook_add(accesses, self._on_guarded, begin=first, end=last)
+    def guard(self):
+        """The MPU closes other ranges, from the next run on."""
+        self._guards_anew = True
+        self.stop()
 
-    def _on_guarded(self, uc, access, address, size, value, _):
-        if self._is_guarded(address, address):
-            self.chip.scb.on_forbidden(address)
-            self._trapped_at = self._pc.read()[0]
-            self.stop()
+    def _take_guards(self):
+        """Unicorn closes whole pages; hooks on these addresses would make every access a slow one. The handler of hard
+        faults may go everywhere (PM0214 4.2.6).
+        """
+        self._guards_anew = False
+        closing = [] if self._is_faulting() else self.chip.mpu.guarded
+        for rights, ranges in ((constants.UC_PROT_ALL, self._closed), (constants.UC_PROT_NONE, closing)):
+            for first, last in ranges:
+                self.uc.mem_protect(first, last + 1 - first, rights)
+        self._closed = closing
+
+    def _on_guarded(self, uc, access, address, *_):
+        self.chip.scb.on_forbidden(address)
+        self._trapped_at = self._pc.read()[0]
+        self.stop()
+        return True
 
     def _is_guarded(self, begin, end):
-        """Is any of these addresses forbidden now? The handler of hard faults may go everywhere (PM0214 4.2.6)."""
-        guarded = any(begin <= last and first <= end for first, last in self.chip.mpu.guarded)
-        return guarded and not self._is_faulting()
+        """Is any of these addresses forbidden now?"""
+        return any(begin <= last and first <= end for first, last in self._closed)
 
     def _is_faulting(self):
         return any(number == HARD_FAULT for number, _ in self.nvic.active)
 
-    def _hook(self, kind, address, action):
-        if (address, action) not in self._hooked:
-            self._hooked.add((address, action))
-            self.uc.hook_add(kind, action, begin=address, end=address)
+    def _hook_block(self, address):
+        """Notices where a block of translated code begins; past Unicorn's own wrapper, as for the registers."""
+        if address in self._hooked:
+            return
+        self._hooked.add(address)
+        handle, place = ctypes.byref(ctypes.c_size_t()), ctypes.c_uint64(address)
+        kind, action = constants.UC_HOOK_BLOCK, ctypes.cast(self._on_block, ctypes.c_void_p)
+        error = binding.uclib.uc_hook_add(self.uc._uch, handle, kind, action, None, place, place)
+        if error != constants.UC_ERR_OK:
+            raise UcError(error)
 
     def reset(self, stack, entry, masked=False):
         """Starts at `entry`, as after a reset or as a bootloader jumps, which may have masked all interrupts."""
@@ -216,7 +234,7 @@ class Core:
                 registers.values[i] = 0
         values = self._integer.values
         values[5], values[6], values[7], values[8] = 0xFFFF_FFFF, entry, THUMB, stack
-        self._rest.values[_REST.index("PRIMASK")] = int(masked)
+        values[10] = int(masked)
         for registers in (self._rest, self._float, self._integer):
             registers.write()
         self.pc = entry | 1
@@ -231,7 +249,7 @@ class Core:
 
     def move_stack_to(self, address):
         """As a program does that calls ever deeper."""
-        self._integer.read()[8] = address
+        self._integer.values[8] = address
         self._integer.write()
 
     def forget_code(self):
@@ -289,21 +307,23 @@ class Core:
         if self.asleep:
             # Even a masked one wakes.
             self.asleep = False
-            self.pc += 2
-        if not self._primask.read()[0]:
+        if not self._integer.values[10]:
             self._enter(number)
 
     def _execute(self, limit):
-        n = -(-(limit - self.clock.now()) // self.ticks_per_instruction)
+        n = -(-(limit - self.clock.now()) // self.clock.ticks_per_instruction)
         n = min(max(n, 2), MOST_AT_ONCE)
         error = binding.uclib.uc_emu_start(self.uc._uch, self.pc, NOWHERE, 0, n)
         # The instruction that found the end of the run was counted, not executed.
-        n_executed = min(self._counter.value, self._most.value)
+        # Sleep, a fault and an exception's return end it without one.
+        n_counted = self._counter.value
+        ended_early = n_counted <= self._most.value
+        n_executed = n_counted if ended_early else self._most.value
         self._counter.value = n_executed
         self.clock.move_to(self.clock.now())
         self.n_instructions += n_executed
         self._counter.value = 0
-        self.pc = self._pc.read()[0] | 1
+        self.pc = self._integer.read()[6] | 1
         self.take_clock()
         if self.uc._hook_exception is not None:
             failure, self.uc._hook_exception = self.uc._hook_exception, None
@@ -316,6 +336,8 @@ class Core:
         elif error != constants.UC_ERR_OK or self._trapped_at is not None:
             self.pc = (self.pc if self._trapped_at is None else self._trapped_at) | 1
             self._fault(error)
+        elif ended_early and bytes(self.uc.mem_read(self.pc - 3, 2)) == WFI:
+            self.asleep = True
         self._trapped_at = None
 
     # Where an instruction was stopped by a fault.
@@ -334,7 +356,7 @@ class Core:
     # Exceptions
 
     def _enter(self, number):
-        values = self._integer.read()
+        values = self._integer.values
         stack, control = values[8], values[9]
         extended = control & FP_IN_USE
         frame = stack - (0x68 if extended else 0x20) & ~7
@@ -362,10 +384,12 @@ class Core:
         values[6] = self.pc = self.chip.vector(number) | 1
         self._integer.write()
         self.nvic.enter(number)
+        if number == HARD_FAULT:
+            self._take_guards()
         self.clock.move_to(self.clock.now() + EXCEPTION_CYCLES * self.ticks_per_cycle)
 
     def _leave(self):
-        values = self._integer.read()
+        values = self._integer.values
         frame, how = values[8], self.pc
         stacked = struct.unpack("<8I", self.ram.take(frame, 0x20))
         values[0:6] = stacked[:6]
@@ -380,27 +404,19 @@ class Core:
         values[8] = frame + (0x68 if extended else 0x20) + (4 if xpsr & STACK_WAS_ALIGNED_DOWN else 0)
         values[9] = values[9] & ~(FP_IN_USE | 8) | (FP_IN_USE if extended else 0)
         self._integer.write()
-        self.nvic.leave()
+        if self.nvic.leave() == HARD_FAULT:
+            self._take_guards()
         self.clock.move_to(self.clock.now() + EXCEPTION_CYCLES * self.ticks_per_cycle)
 
     # What Unicorn calls
 
-    def _on_sleep(self, uc, address, size, _):
-        # Another image may have come here since.
-        if bytes(uc.mem_read(address, 2)) == WFI:
-            self.asleep = True
-            uc.emu_stop()
-
-    def _on_unmasked(self, uc, address, size, _):
+    def _on_unmasked(self):
         if self.nvic.candidates and self.must_take():
-            uc.emu_stop()
-
-    def _on_exception(self, uc, number, _):
-        if number != EXCEPTION_EXIT:
-            self._trapped_at = self._pc.read()[0]
-        uc.emu_stop()
+            self.stop()
 
     def _on_protected_write(self, uc, access, address, size, value, _):
+        if self._is_guarded(address, address):
+            return self._on_guarded(uc, access, address)
         if not self.chip.flash.takes(address, size, value):
             raise Unmodelled(f"the firmware wrote {value:#x} to the read-only memory at {address:#010x}")
         self.stop()

@@ -69,7 +69,8 @@ class Nvic(Peripheral):
 
     def next(self):
         """The exception that is to be taken now, if priorities allow one."""
-        current = min((priority for _, priority in self.active), default=LOWEST)
+        # The innermost has the highest priority of those under way.
+        current = self.active[-1][1] if self.active else LOWEST
         best, rest, number = None, self.candidates, 0
         while rest:
             number = (rest & -rest).bit_length() - 1
@@ -85,9 +86,8 @@ class Nvic(Peripheral):
         self._look()
 
     def leave(self):
-        """The innermost handler has ended."""
-        if self.active:
-            self.active.pop()
+        """The innermost handler has ended; gives its number."""
+        return self.active.pop()[0] if self.active else None
 
     def read(self, offset):
         name = self.REGISTERS.get(offset, "")

@@ -100,9 +100,10 @@ class Bus:
 
     def read(self, address, size):
         """What the processor reads."""
+        if size == 4 and address in self._readers:
+            return self._readers[address]() & 0xFFFF_FFFF
         reader = self._readers.get(address & ~3) or self._reader(address & ~3)
-        value = reader() & 0xFFFF_FFFF
-        return value if size == 4 else value >> 8 * (address & 3) & (1 << 8 * size) - 1
+        return (reader() & 0xFFFF_FFFF) >> 8 * (address & 3) & (1 << 8 * size) - 1
 
     def _reader(self, address):
         base, peripheral = self._find("read", address)

@@ -190,6 +190,7 @@ class Rcc(Peripheral):
         self.pclk1_hz, self.pclk2_hz = self.hclk_hz / first, self.hclk_hz / second
         self.timers1_hz = self.hclk_hz if first == 1 else 2 * self.pclk1_hz
         self.timers2_hz = self.hclk_hz if second == 1 else 2 * self.pclk2_hz
+        self.timers1_ticks = round(TICKS_PER_S / self.timers1_hz)
         cycle = TICKS_PER_S / self.hclk_hz
         if cycle != int(cycle):
             raise Unmodelled(f"a processor clock of {self.hclk_hz} Hz does not fit the emulator's tick")

@@ -9,6 +9,9 @@ from peripheral import Peripheral, Unmodelled
 
 RESET_KEY = 0x05FA
 
+# What memory protection can close here: Unicorn's pages.
+PAGE = 1024
+
 
 class SystemControlBlock(Peripheral):
     """At 0xE000ED00."""
@@ -184,6 +187,8 @@ class Protection(Peripheral):
         super().reset()
         self.regions = [(0, 0)] * 8
         self.guarded = []
+        if self.chip.core:
+            self.chip.core.guard()
 
     def read_RBAR(self):
         return self.regions[self.values["RNR"]][0]
@@ -217,9 +222,14 @@ class Protection(Peripheral):
             for base, attributes in self.regions:
                 size = 2 << (attributes >> 1 & 0x1F)
                 if attributes & 1 and attributes >> 24 & 7 == 0:
-                    self.guarded.append((base & ~(size - 1), (base & ~(size - 1)) + size - 1))
-        for first, last in self.guarded:
-            self.chip.core.guard(first, last)
+                    self._close(base & ~(size - 1), size)
+        self.chip.core.guard()
+
+    def _close(self, first, size):
+        ram = self.chip.ram
+        if size % PAGE or not ram.address <= first <= ram.address + ram.size - size:
+            raise Unmodelled(f"the MPU closes {size} bytes at {first:#010x}; here it closes whole KB of RAM only")
+        self.guarded.append((first, first + size - 1))
 
 
 class DebugControl(Peripheral):

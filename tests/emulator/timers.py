@@ -29,7 +29,7 @@ INPUTS, DIRECT = 0x0303, 0x0101
 # Updates of TIM3 ask stream 2 of DMA1, on its channel 5 (RM0090 table 42).
 ASKS_DMA = 1 << 8
 ASKED = {3: (1, 2, 5)}
-CHANNELS = range(1, 5)
+CHANNELS = ((1, "CCR1"), (2, "CCR2"), (3, "CCR3"), (4, "CCR4"))
 
 
 class Timer(Peripheral):
@@ -75,6 +75,8 @@ class Timer(Peripheral):
         self._let_go()
         # The counter had the value `_base` at `_since`; everything up to the count `_seen` has been noticed.
         self._base, self._since, self._seen = 0, self.clock.now(), 0
+        # Until this count there is nothing to notice.
+        self._next = 0
         self._event = cancel(self._event)
         self._prescaler = 0
         self._interrupt()
@@ -82,7 +84,7 @@ class Timer(Peripheral):
     # Counting
 
     def _tick(self):
-        return round(TICKS_PER_S / self.chip.rcc.timers1_hz) * (self._prescaler + 1)
+        return self.chip.rcc.timers1_ticks * (self._prescaler + 1)
 
     def _modulus(self):
         return self.values["ARR"] + 1
@@ -98,34 +100,37 @@ class Timer(Peripheral):
 
     def _count(self):
         """Without the wraps taken out."""
+        if self._is_clocked():
+            return self._base + (self.clock.now() - self._since) // self._tick()
         if self._encoder and self.values["CR1"] & RUNS:
             return self.count_at(self.clock.now())
-        if not self._is_clocked():
-            return self._base
-        return self._base + (self.clock.now() - self._since) // self._tick()
+        return self._base
 
     def _time_of(self, count):
         return self._since + (count - self._base) * self._tick()
 
     def notice(self):
-        """Flags and triggers of everything that happened since the last look."""
+        """Flags and triggers of everything that happened since the last look; gives the count."""
         if self._driver:
             self._driver.notice()
-        if self._encoder:
-            return
-        count, seen, modulus = self._count(), self._seen, self._modulus()
-        if count <= seen:
-            return
-        self._seen = count
+        count = self._count()
+        if count > self._seen and not self._encoder:
+            seen, self._seen = self._seen, count
+            if count >= self._next:
+                self._notice_between(seen, count)
+        return count
+
+    def _notice_between(self, seen, count):
+        modulus = self._modulus()
         n_updates = count // modulus - seen // modulus
         status = self.values["SR"]
         if n_updates:
             status |= 1
-        for channel in CHANNELS:
-            place = self.values[f"CCR{channel}"]
-            if place < modulus and (count - place) // modulus > (seen - place) // modulus:
+        for channel, place in self._unflagged(0x1E):
+            if (count - place) // modulus > (seen - place) // modulus:
                 status |= 1 << channel
         self.values["SR"] = status
+        self._next = self._next_of(count, 0x1F)
         if not n_updates or not self._is_clocked():
             return
         first = self._time_of((seen // modulus + 1) * modulus)
@@ -133,6 +138,19 @@ class Timer(Peripheral):
             self._trigger(first, n_updates)
         if self.values["DIER"] & ASKS_DMA:
             self._ask_dma(first, n_updates)
+
+    def _unflagged(self, wanted):
+        """Channels and places of the matches among these flags that are still to be flagged."""
+        wanted, modulus = wanted & ~self.values["SR"], self._modulus()
+        for channel, compare in CHANNELS:
+            if wanted >> channel & 1 and self.values[compare] < modulus:
+                yield channel, self.values[compare]
+
+    def _next_of(self, count, wanted):
+        """At which count one of these comes next: an update, and a match that is not flagged yet."""
+        modulus = self._modulus()
+        nexts = [((count - place) // modulus + 1) * modulus + place for _, place in self._unflagged(wanted)]
+        return min(nexts + [(count // modulus + 1) * modulus] if wanted & 1 else nexts, default=NEVER)
 
     def _ask_dma(self, first, n):
         """A count of the encoder's timer for each update."""
@@ -161,6 +179,7 @@ class Timer(Peripheral):
         count = self._count() if count is None else count
         self._since = self.clock.now()
         self._base = self._seen = count % self._modulus()
+        self._next = 0
         if self._encoder:
             self._turned = self._encoder.code(self._since)
 
@@ -182,19 +201,14 @@ class Timer(Peripheral):
         self.chip.nvic.set_line(INTERRUPTS[self.number], bool(self.values["SR"] & self.values["DIER"] & 0x1F))
 
     def _schedule(self):
-        self._event = cancel(self._event)
         wanted = self.values["DIER"] & 0x1F & ~self.values["SR"]
-        if not wanted or not self._is_clocked():
+        nearest = self._next_of(self._seen, wanted) if wanted and self._is_clocked() else NEVER
+        time = self._time_of(nearest) if nearest < NEVER else None
+        if self._event and self._event.time == time:
             return
-        count, modulus, nearest = self._seen, self._modulus(), NEVER
-        if wanted & 1:
-            nearest = (count // modulus + 1) * modulus
-        for channel in CHANNELS:
-            place = self.values[f"CCR{channel}"]
-            if wanted >> channel & 1 and place < modulus:
-                nearest = min(nearest, ((count - place) // modulus + 1) * modulus + place)
-        if nearest < NEVER:
-            self._event = self.clock.at(self._time_of(nearest), self._on_event)
+        self._event = cancel(self._event)
+        if time is not None:
+            self._event = self.clock.at(time, self._on_event)
 
     def _on_event(self):
         self._event = None
@@ -210,6 +224,7 @@ class Timer(Peripheral):
     def _set(self, name, value):
         self.notice()
         self.values[name] = value & self.mask
+        self._next = 0
         self._changed()
 
     def write_CR1(self, value):
@@ -273,6 +288,7 @@ class Timer(Peripheral):
     def write_SR(self, value):
         self.notice()
         self.values["SR"] &= value
+        self._next = 0
         self._changed()
 
     def write_EGR(self, value):
@@ -289,8 +305,7 @@ class Timer(Peripheral):
             self._changed()
 
     def read_CNT(self):
-        self.notice()
-        return self._count() % self._modulus()
+        return self.notice() % self._modulus()
 
     def write_CNT(self, value):
         self.notice()

@@ -83,7 +83,8 @@ class Wiper(Codes):
             end = (time // TICKS_PER_CODE + 1) * TICKS_PER_CODE
             n_same = min(n - at, -(-(end - time) // period))
             phase = self._phase
-            results += [whole + ((phase + i & 3) < rest) for i in range(n_same)]
+            four = [whole + ((phase + i & 3) < rest) for i in range(4)]
+            results += (four * (n_same // 4 + 1))[:n_same]
             self._phase = phase + n_same & 3
             at += n_same
         return results
