@@ -126,11 +126,13 @@ class Timer(Peripheral):
         status = self.values["SR"]
         if n_updates:
             status |= 1
-        for channel, place in self._unflagged(0x1E):
-            if (count - place) // modulus > (seen - place) // modulus:
+        for channel, compare in CHANNELS:
+            place = self.values[compare]
+            if not status >> channel & 1 and place < modulus and (count - place) // modulus > (seen - place) // modulus:
                 status |= 1 << channel
         self.values["SR"] = status
-        self._next = self._next_of(count, 0x1F)
+        # Every update counts, and each match until it is flagged.
+        self._next = min((count // modulus + 1) * modulus, self._next_of(count, 0x1E))
         if not n_updates or not self._is_clocked():
             return
         first = self._time_of((seen // modulus + 1) * modulus)
@@ -139,18 +141,16 @@ class Timer(Peripheral):
         if self.values["DIER"] & ASKS_DMA:
             self._ask_dma(first, n_updates)
 
-    def _unflagged(self, wanted):
-        """Channels and places of the matches among these flags that are still to be flagged."""
-        wanted, modulus = wanted & ~self.values["SR"], self._modulus()
-        for channel, compare in CHANNELS:
-            if wanted >> channel & 1 and self.values[compare] < modulus:
-                yield channel, self.values[compare]
-
     def _next_of(self, count, wanted):
-        """At which count one of these comes next: an update, and a match that is not flagged yet."""
-        modulus = self._modulus()
-        nexts = [((count - place) // modulus + 1) * modulus + place for _, place in self._unflagged(wanted)]
-        return min(nexts + [(count // modulus + 1) * modulus] if wanted & 1 else nexts, default=NEVER)
+        """At which count one of these flags comes next, if it is not set yet."""
+        wanted, modulus = wanted & ~self.values["SR"], self._modulus()
+        nearest = (count // modulus + 1) * modulus if wanted & 1 else NEVER
+        for channel, compare in CHANNELS:
+            if wanted >> channel & 1:
+                place = self.values[compare]
+                if place < modulus:
+                    nearest = min(nearest, ((count - place) // modulus + 1) * modulus + place)
+        return nearest
 
     def _ask_dma(self, first, n):
         """A count of the encoder's timer for each update."""
