@@ -59,6 +59,7 @@ mod stuck;
 mod table;
 mod ticks;
 mod told;
+mod trail;
 pub mod turning;
 mod unit;
 mod units;

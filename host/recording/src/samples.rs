@@ -17,6 +17,7 @@ use super::straight;
 use super::stuck::{self, What};
 use super::table::Table;
 use super::ticks;
+use super::trail;
 use super::words;
 use std::borrow::Cow;
 
@@ -351,6 +352,12 @@ impl Samples {
     pub(super) fn leave_out_losses(&mut self, times_s: &mut Vec<f64>, notes: &mut Vec<String>) {
         if self.readings.len() > 2 || times_s.len() != self.len() {
             return;
+        }
+        let lists: Vec<&[f64]> = self.readings.iter().map(Vec::as_slice).collect();
+        if let Some(first) = trail::trail(times_s, &lists) {
+            notes.push(trail::note(first, times_s));
+            let is_behind = (0..times_s.len()).map(|idx| idx >= first).collect::<Vec<bool>>();
+            self.leave_out(times_s, &is_behind);
         }
         let lists: Vec<&[f64]> = self.readings.iter().map(Vec::as_slice).collect();
         let is_drawn = straight::drawn(times_s, &lists);

@@ -88,7 +88,7 @@ fn share(marks: &[bool]) -> f64 {
 }
 
 /// The white noise of readings, by their fourth differences.
-fn white(readings: &[f64]) -> f64 {
+pub(super) fn white(readings: &[f64]) -> f64 {
     let difference = |w: &[f64]| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]) / 70_f64.sqrt();
     noise::robust_spread(&readings.windows(5).map(difference).collect::<Vec<f64>>())
 }
