@@ -232,6 +232,8 @@ fn a_name_that_says_nothing_is_the_angles_where_nothing_else_was_measured() {
     let head = ",result,table,_start,_stop,_time,_value,_field,_measurement\n";
     check_found(&table(head, database), 1e-5, "6 (_value) says nothing else");
     check_found(&table("tout,simout\n", |(t, a, _)| format!("{t:.2},{a:.5}")), 1e-5, "1 (simout) says nothing else");
+    let fitted = |(t, a, _): Row| format!("{t:.2}\t{a:.5}\t0.0008\t0.008");
+    check_found(&table("t\tfunc\t0.0008\t0.008\n", fitted), 1e-5, "1 (func) says nothing else");
     check_found(&table("time,val\n", |(t, a, _)| format!("{t:.2},{a:.5}")), 1e-5, "1 (val) says nothing else");
     // Input and output, as whoever identifies systems calls them.
     let identified = |(t, a, _): Row| format!("{t:.2},0,{a:.5}");

@@ -80,6 +80,8 @@ const MUTE: &[&str] = &[
     "auslenkung",
     "data",
     "field",
+    "func",
+    "function",
     "measurement",
     "messwert",
     "output",
