@@ -184,10 +184,21 @@ fn how_many_samples_a_second_is_said_in_a_line_above_a_lone_column() {
 fn numbers_that_may_be_frames_are_said_to_be() {
     let tens = table("x y\n", |(t, a, _)| format!("{:.0} {a:.5}", 1000.0 * t));
     check_found(&tens, 1e-5, "in milliseconds");
-    check_found(&tens, 1e-5, "if it counts frames or samples, --rate says how many a second");
+    check_found(&tens, 1e-5, "if it counts frames or samples, --rate says how many rows a second");
     let odd = table("x y\n", |(t, a, _)| format!("{:.0} {a:.5}", 1e6 * t + if t > 1.0 { 3.0 } else { 0.0 }));
     let recording = check_found(&odd, 1e-5, "in microseconds");
     assert!(!recording.notes().join("; ").contains("frames"), "{:?}", recording.notes());
+}
+
+#[test]
+fn frames_that_would_make_a_pendulum_of_a_hundred_metres_are_doubted() {
+    let frames: String = swing(25, 40).iter().enumerate().map(|(n, (_, a, _))| format!("{n} {a:.5}\n")).collect();
+    let recording = open(format!("x y\n{frames}").as_bytes(), &ReadOptions::default()).unwrap();
+    let notes = recording.notes().join("; ");
+    assert!(notes.contains("doubtful: nothing states the unit of the time") && notes.contains("say --rate"), "{notes}");
+    let at_25_hz = ReadOptions { rate_hz: Some(25.0), ..ReadOptions::default() };
+    let recording = open(format!("x y\n{frames}").as_bytes(), &at_25_hz).unwrap();
+    assert!((recording.step_s() - 0.04).abs() < 1e-9 && !recording.notes().join("; ").contains("doubtful"));
 }
 
 /// As a spreadsheet writes them, `1.87E+01`: a tenth of a second from 10 s on, and a second from 100 s on.

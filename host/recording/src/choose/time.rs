@@ -23,6 +23,9 @@ use super::standing::{has_words_and_no_time, rises_evenly, time_without_name, un
 /// Times of unstated unit beyond this many seconds count from 1970, in the unit that puts them within a century of it.
 const EPOCH_BEGINS_S: f64 = 1e8;
 
+/// A gate on slightly leaning hinges takes that long, and Foucault's pendulum under the dome of the Panthéon, 67 m long, 16.4 s.
+const LONGEST_SEEN_S: f64 = 17.0;
+
 impl TimeSource {
     /// Times in s from the numbers that were read.
     pub(crate) fn times_s(&self, samples: &Samples, told: Told, notes: &mut Vec<String>) -> Result<Vec<f64>, Fault> {
@@ -84,14 +87,18 @@ fn unit_by_period(samples: &Samples, notes: &mut Vec<String>) -> Option<TimeUnit
     let is_possible = |unit: TimeUnit| (SHORTEST_PERIOD_S..LONGEST_PERIOD_S).contains(&(period * unit.seconds()));
     let (unit, name) = units.into_iter().find(|(unit, _)| is_possible(*unit))?;
     let period_s = period * unit.seconds();
-    let or_frames = match are_counted(&samples.times) {
-        true => "; if it counts frames or samples, --rate says how many a second there are",
-        false => "",
-    };
-    notes.push(format!(
-        "the unit of the time is not stated: in {name} it swings there and back in {period_s:.3} s, as a pendulum does, in \
-         any other unit it would not{or_frames}"
-    ));
+    let is_counted = are_counted(&samples.times);
+    notes.push(match is_counted {
+        true if period_s > LONGEST_SEEN_S => format!(
+            "doubtful: nothing states the unit of the time, and in {name} it would swing there and back in {period_s:.1} s; \
+             it seems to count frames or samples: say --rate, how many rows a second there are"
+        ),
+        _ => format!(
+            "the unit of the time is not stated: in {name} it swings there and back in {period_s:.3} s, as a pendulum does, \
+             in any other unit it would not{}",
+            if is_counted { "; if it counts frames or samples, --rate says how many rows a second there are" } else { "" }
+        ),
+    });
     Some(unit)
 }
 
