@@ -157,6 +157,11 @@ fn parse(reader: impl BufRead, name: &str, options: &ReadOptions) -> Result<Vec<
         notes.push("it has a quantity a line: each is read as a column".to_owned());
     }
     table.is_of_gyroscope |= words::is_gyroscope(name);
+    if let Some(line) = table.glued_line {
+        notes.push(format!(
+            "line {line}: the first row stands behind the names of the columns without a line end between, and is left out"
+        ));
+    }
     let (mut header, said_rate_hz) = read_header(&table)?;
     let rate_hz = rate_of_settings(&table, &mut notes);
     header.rate_hz = header.rate_hz.or(rate_hz).or(said_rate_hz);

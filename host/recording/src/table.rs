@@ -55,6 +55,8 @@ pub(super) struct Table<'a> {
     pub(super) is_turned: bool,
     /// The file is called after a gyroscope, or was so in its archive.
     pub(super) is_of_gyroscope: bool,
+    /// The line of the names, where a row is stuck to them.
+    pub(super) glued_line: Option<usize>,
     /// Settings in numbers above the rows.
     pub(super) settings: Option<Preamble>,
 }
@@ -108,6 +110,8 @@ impl<'a> Table<'a> {
         if separator == Separator::Comma && names_fit_pairs(above.last(), n_columns) {
             return Err(Fault::BareCommas);
         }
+        let is_glued = |idx: &usize| has_glued_row(texts[*idx], separator, n_columns);
+        let glued_line = first_row_idx.checked_sub(1).filter(is_glued).map(|idx| held[idx].number);
         let numerals = learnt(&texts[first_row_idx..], separator);
         let is_remark = |(idx, line): &(usize, &Line)| {
             is_comment(&line.text) || (*idx < first_row_idx && header::says_rate(&line.text))
@@ -130,6 +134,7 @@ impl<'a> Table<'a> {
             n_lines,
             is_turned,
             is_of_gyroscope,
+            glued_line,
             settings,
         })
     }
@@ -321,6 +326,19 @@ fn learnt(texts: &[&str], separator: Separator) -> Numerals {
 fn ends_empty(row: &str, separator: Separator) -> bool {
     let fields = split(row, separator);
     fields.len() > 1 && fields.last().is_some_and(|last| last.is_empty())
+}
+
+/// Names, and behind the last of them the numbers of a row: `t theta0.0 0.12`.
+fn has_glued_row(line: &str, separator: Separator, n_columns: usize) -> bool {
+    let fields = split(line, separator);
+    let is_number = |field: &&str| looks_like_number(field, separator);
+    let ends_in_number =
+        |name: &str| name.contains(char::is_alphabetic) && name.ends_with(|end: char| end.is_ascii_digit());
+    n_columns > 1
+        && fields.len() + 1 == 2 * n_columns
+        && !fields[..n_columns].iter().any(is_number)
+        && fields[n_columns..].iter().all(is_number)
+        && ends_in_number(fields[n_columns - 1])
 }
 
 /// Half as many names as fields: commas that are decimal marks as well as separators.

@@ -159,3 +159,15 @@ fn a_point_in_one_cell_is_a_point() {
     let off_rad = recording.angles_rad().iter().zip(swing(RATE_HZ, 20)).map(|(found, row)| (found - row.1).abs());
     assert!(off_rad.fold(0.0, f64::max) < 1e-3, "{:?}", recording.notes());
 }
+
+#[test]
+fn a_row_that_is_stuck_to_the_names_is_left_out_and_said() {
+    let text = table("t theta\n", |(t, a, _)| format!("{t:.2} {a:.5}")).replace("theta\n0.00", "theta0.00");
+    let recording = open(text.as_bytes(), &ReadOptions::default()).unwrap();
+    let notes = recording.notes().join("; ");
+    assert!(notes.contains("line 1: the first row stands behind the names"), "{notes}");
+    assert!((recording.times_s()[0] - 0.01).abs() < 1e-9);
+    let whole = table("t theta1\n", |(t, a, _)| format!("{t:.2} {a:.5}"));
+    let recording = open(whole.as_bytes(), &ReadOptions::default()).unwrap();
+    assert!(!recording.notes().join("; ").contains("behind the names"), "{:?}", recording.notes());
+}
