@@ -32,6 +32,7 @@ mod labels;
 mod limits;
 mod look;
 mod lost;
+mod milli_g;
 mod monitor;
 pub mod noise;
 pub mod number;

@@ -15,6 +15,7 @@ use super::grid;
 use super::header::{Header, HeaderReader};
 use super::limits::LARGEST_UNSTATED_RAD;
 use super::lost;
+use super::milli_g;
 use super::on_change;
 use super::options::ReadOptions;
 use super::runs::{self, Runs};
@@ -157,6 +158,12 @@ fn parse(reader: impl BufRead, name: &str, options: &ReadOptions) -> Result<Vec<
         notes.push("it has a quantity a line: each is read as a column".to_owned());
     }
     table.is_of_gyroscope |= words::is_gyroscope(name);
+    let axis = milli_g::first_axis(&table).filter(|_| options.columns.is_none());
+    let runs = of_table(table, options, notes);
+    runs.map_err(|faulty| axis.map_or(faulty, |first| Faulty::from(Fault::MilliG { first })))
+}
+
+fn of_table(mut table: Table, options: &ReadOptions, mut notes: Vec<String>) -> Result<Vec<Run>, Faulty> {
     if let Some(line) = table.glued_line {
         notes.push(format!(
             "line {line}: the first row stands behind the names of the columns without a line end between, and is left out"

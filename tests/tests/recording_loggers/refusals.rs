@@ -31,6 +31,28 @@ fn volts_counts_and_quaternions_are_refused_with_what_to_tell() {
     assert!(refused.contains("quaternion") && refused.contains("roll, pitch, yaw"), "{refused}");
 }
 
+/// Of a board with an accelerometer on the pendulum, in steps of 4/1000 g.
+#[test]
+fn accelerations_without_names_are_refused_as_such() {
+    let steps = |g: f64| 4.0 * (250.0 * g).round();
+    let of_swing = |(_, a, w): Row| [steps(0.02 * w), steps(a.cos() + w * w / 40.0), steps(0.1)];
+    let time_first = table("", |row| {
+        let [x, y, z] = of_swing(row);
+        format!("{:.0},{x},{y},{z}", 1000.0 * row.0)
+    });
+    let time_last = table("", |row| {
+        let [x, y, z] = of_swing(row);
+        format!("{x},{y},{z},{:.0}", 1000.0 * row.0)
+    });
+    for (text, axes) in [(time_first, "columns 1, 2 and 3"), (time_last, "columns 0, 1 and 2")] {
+        let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains(axes) && refused.contains("accelerations in thousandths of g"), "{refused}");
+    }
+    let counts = table("", |(t, a, _)| format!("{:.0},{},{},4", 1000.0 * t, 402.0 + steps(a), 800.0));
+    let refused = open(counts.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(!refused.contains("accelerations"), "{refused}");
+}
+
 #[test]
 fn what_is_known_and_not_read_is_named_with_the_cure() {
     let cases: [(&[u8], &str, &str); 6] = [

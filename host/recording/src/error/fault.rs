@@ -141,6 +141,17 @@ pub enum Fault {
         /// Names or count of what there is.
         available: String,
     },
+    /// Nothing but accelerations, and no names.
+    #[error(
+        "columns {}, {} and {} are in steps of 4 and together about 1000 long, as accelerations in thousandths of g are (a \
+         micro:bit's): they can't be fitted, because they hold motion and gravity at once; record an angle or a gyroscope \
+         (angular velocity), or film it. If another column is the angle, name it with --columns theta=...",
+        first, first + 1, first + 2
+    )]
+    MilliG {
+        /// The first of them.
+        first: usize,
+    },
     /// Nothing but periods and the like.
     #[error(
         "{available}: among them are durations, periods or what a light gate gives, which can't be fitted, because they tell nothing \
