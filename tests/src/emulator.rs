@@ -15,9 +15,10 @@ use crate::python::python;
 use serde_json::{Value, json};
 use shared::wire::{Deframer, Frame};
 use std::io::{BufRead, BufReader, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Of the Nucleo's serial port.
 const BAUD: u32 = 921_600;
@@ -77,8 +78,27 @@ impl Chip {
 fn image(board: Board) -> Result<PathBuf, String> {
     match std::env::var_os("BOARD_IMAGES") {
         Some(folder) => Ok(PathBuf::from(folder).join(format!("{}.elf", name(board)))),
-        None => firmware(board),
+        None => built(board),
     }
+}
+
+/// Cargo is asked once for each board.
+fn built(board: Board) -> Result<PathBuf, String> {
+    static BUILT: Mutex<Vec<(Board, PathBuf)>> = Mutex::new(Vec::new());
+    let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, image)) = built.iter().find(|(known, _)| *known == board) {
+        return Ok(image.clone());
+    }
+    let image = firmware(board)?;
+    built.push((board, image.clone()));
+    Ok(image)
+}
+
+/// The Python that has what the emulator in this folder needs; looked for once.
+fn interpreter(folder: &Path) -> Result<&'static Path, String> {
+    static FOUND: OnceLock<PathBuf> = OnceLock::new();
+    let packages = std::fs::read_to_string(folder.join("requirements.txt")).map_err(|error| error.to_string())?;
+    Ok(FOUND.get_or_init(|| python(&packages.split_whitespace().collect::<Vec<&str>>())))
 }
 
 fn name(board: Board) -> &'static str {
@@ -95,8 +115,7 @@ struct Process {
 impl Process {
     fn start(chip: &Chip, more: &[&str]) -> Result<Self, String> {
         let folder = workspace().join("tests/emulator");
-        let packages = std::fs::read_to_string(folder.join("requirements.txt")).map_err(|error| error.to_string())?;
-        let mut command = Command::new(python(&packages.split_whitespace().collect::<Vec<&str>>()));
+        let mut command = Command::new(interpreter(&folder)?);
         command.arg("-B").arg(&folder).arg(name(chip.board)).arg(image(chip.board)?);
         command.args(["--cpi", &chip.cpi.to_string(), "--lsi-hz", &chip.lsi_hz.to_string()]);
         command.args(["--seed", &chip.seed.to_string()]).args(more);
