@@ -188,7 +188,8 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
 fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usize>) -> Result<Segments, SegmentError> {
     let whole = Cut::new(recording, asked.clone())?;
     let found = whole.undisturbed()?;
-    let alone = whole.alone(&found);
+    // What the user says stands, whatever lies in it.
+    let alone = if *options == SegmentOptions::default() { whole.alone(&found) } else { None };
     let (cut, stretch) = alone.as_ref().map_or((&whole, found), |(cut, stretch)| (cut, stretch.clone()));
     let rest = if options.to_s.is_some() { None } else { cut.rest(&stretch) };
     let mut start = if options.from_s.is_some() { Start::at(cut, asked.start) } else { cut.start(&stretch) };

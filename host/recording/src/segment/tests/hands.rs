@@ -59,6 +59,23 @@ fn in_air(angle_rad: f64, dry: f64, drag: f64) -> Vec<f64> {
 }
 
 #[test]
+fn limits_that_leave_a_hand_in_it_are_taken_as_told() {
+    let first = swing_to_rest(0.4);
+    let hand = taken(first[first.len() - 1], 0.8, 1.2);
+    let whole = noisy(&[first, hand, swing(0.8, 6.0)].concat());
+    let end_s = whole.times_s()[whole.len() - 1] - 1.0;
+    for from_s in [None, Some(0.5), Some(3.0)] {
+        let options = SegmentOptions { from_s, to_s: Some(end_s) };
+        let segments = segment(&whole, &options).unwrap();
+        assert_eq!(segments.free.end, whole.index_at(end_s) + 1, "{from_s:?}");
+        assert!(segments.notes.iter().any(|note| note.ends_with("s, as told")), "{:?}", segments.notes);
+        if let Some(from_s) = from_s {
+            assert_eq!(segments.free.start, whole.index_at(from_s));
+        }
+    }
+}
+
+#[test]
 fn a_release_is_found_though_a_hand_and_another_swing_follow() {
     for (dry, drag, other_rad) in [(1.0, 0.15, -1.0), (1.0, 0.2, 1.3), (2.0, 0.1, -1.0), (2.0, 0.1, 1.3)] {
         let first = [vec![1.8; 300], in_air(1.8, dry, drag)].concat();
@@ -67,5 +84,17 @@ fn a_release_is_found_though_a_hand_and_another_swing_follow() {
         let late_s = segments.free.start as f64 * STEP_S - 1.5;
         assert!((0.0..0.06).contains(&late_s), "{dry} {drag} {other_rad}: {late_s} {segments:?}");
         assert!(segments.notes[0].contains("held still before the release"), "{:?}", segments.notes);
+    }
+}
+
+#[test]
+fn a_second_release_is_found_though_another_swing_came_before() {
+    for (dry, drag, other_rad) in [(1.5, 0.15, -1.0), (1.5, 0.15, 1.3), (2.0, 0.2, 1.3)] {
+        let first = [vec![1.8; 300], in_air(1.8, dry, drag)].concat();
+        let hand = taken(first[first.len() - 1], other_rad, 0.9);
+        let release_s = (first.len() + hand.len()) as f64 * STEP_S;
+        let segments = find(&[first, hand, in_air(other_rad, dry, drag)].concat());
+        let late_s = segments.free.start as f64 * STEP_S - release_s;
+        assert!((0.0..0.08).contains(&late_s), "{dry} {drag} {other_rad}: {late_s} {segments:?}");
     }
 }
