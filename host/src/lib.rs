@@ -24,5 +24,5 @@ pub mod web;
 
 pub use identification::{
     compare, diagnose, files, fit, formula, geometry, improve, lanes, look, noise, number, pace, paper, plan, plot,
-    random, recording, responses, rsm, shorten, simulation, swing, trajectory, verdict, zero_phase,
+    random, recording, responses, rsm, shorten, simulation, swing, verdict, zero_phase,
 };

@@ -25,4 +25,4 @@ pub mod zero_phase;
 
 pub use recording;
 pub use recording::{files, noise, number, random};
-pub use simulation::{self, lanes, trajectory};
+pub use simulation::{self, lanes};

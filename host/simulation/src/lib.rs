@@ -7,7 +7,7 @@
 
 mod follower;
 pub mod lanes;
-pub mod trajectory;
+mod trajectory;
 
 pub use follower::{Follower, Transition, inverse};
 pub use trajectory::{AT_ONCE, LANES, Release, Schedule, readings, readings_of_each};

@@ -122,8 +122,8 @@ impl Cut<'_> {
 
     /// Does something break the law there?
     pub(super) fn is_disturbed_within(&self, range: &Range<usize>) -> bool {
-        let broken = self.states.iter().zip(&self.disturbed).filter(|(_, disturbed)| **disturbed);
-        broken.into_iter().any(|(state, _)| range.contains(&self.recording.index_at(state.time_s)))
+        let is_within = |state: &State| range.contains(&self.recording.index_at(state.time_s));
+        self.states.iter().zip(&self.disturbed).any(|(state, disturbed)| *disturbed && is_within(state))
     }
 
     /// The law from states over as much of a half swing as a quartic can follow, where it hardly follows the usual ones of rates

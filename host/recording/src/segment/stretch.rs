@@ -366,8 +366,7 @@ impl Cut<'_> {
 
     /// The sample at the last turning point of a stretch.
     fn last_turn(&self, stretch: &Range<usize>) -> Option<usize> {
-        let turned = self.turns.iter().rev().map(|turn| self.recording.index_at(turn.time_s));
-        turned.into_iter().find(|idx| stretch.contains(idx))
+        self.turns.iter().rev().map(|turn| self.recording.index_at(turn.time_s)).find(|idx| stretch.contains(idx))
     }
 
     /// Where a hand takes it that hung still: behind a last turn it is still for longer than a swing turns, and leaves that
