@@ -216,7 +216,8 @@ fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usiz
         return Err(SegmentError::TooFewSwings { n_turning_points, duration_s });
     }
     let (held, hanging) = cut.held_or_hanging(&start);
-    let noise = cut.noise(&free).beside_still(recording, [hanging, rest.clone()], held);
+    let quiet_end = if options.to_s.is_some() { None } else { cut.quiet_end(&stretch) };
+    let noise = cut.noise(&free).beside_still(recording, [hanging, quiet_end], held);
     let mut notes = notes([&whole, cut], options, &start, &(fallen.max(start.free_idx)..free.end), rest.as_ref());
     let touches = |lost: &&Range<usize>| lost.start < free.end && free.start < lost.end;
     let interrupted: Vec<Range<usize>> = cut.interrupted.iter().filter(touches).cloned().collect();

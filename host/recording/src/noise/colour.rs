@@ -24,6 +24,11 @@ impl Colour {
         Self { independent_share, n_independent: independent_share * noise.len() as f64 }
     }
 
+    /// Are neighbours alike beyond chance?
+    pub fn is_seen(&self) -> bool {
+        self.independent_share < 1.0
+    }
+
     /// Of several together: what is known of the worst.
     pub fn worst(self, other: Self) -> Self {
         Self {

@@ -349,6 +349,24 @@ impl Cut<'_> {
     /// Hanging still at the end: from some half swings after the last motion that can be seen, because the very last
     /// ones may be smaller than the noise, or hidden in the play of the sensor.
     pub(super) fn rest(&self, stretch: &Range<usize>) -> Option<Range<usize>> {
+        self.still_after(self.last_motion(stretch)?.idx, N_UNSEEN, stretch.end)
+    }
+
+    /// The part at the end that tells of the noise: fewer may be unseen where each swing is so much smaller than the one before.
+    pub(super) fn quiet_end(&self, stretch: &Range<usize>) -> Option<Range<usize>> {
+        let last = self.last_motion(stretch)?;
+        let n_unseen = self.lost_each_half_swing_rad(stretch).map_or(N_UNSEEN, |lost_rad| last.limit_rad / lost_rad);
+        self.still_after(last.idx, n_unseen.min(N_UNSEEN), stretch.end)
+    }
+
+    fn still_after(&self, last_motion: usize, n_unseen: f64, end: usize) -> Option<Range<usize>> {
+        let start_s = self.times_s()[last_motion] + n_unseen * self.half_swing_s;
+        let still = self.recording.index_at(start_s)..end;
+        (still.start < still.end && still.len() >= self.n_in(self.half_swing_s / 4.0)).then_some(still)
+    }
+
+    /// The last motion of a stretch that can be seen.
+    fn last_motion(&self, stretch: &Range<usize>) -> Option<LastMotion> {
         let after = self.last_turn(stretch)?..stretch.end;
         let angles_rad = &self.angles_rad()[after.clone()];
         let n_window = self.n_in(self.half_swing_s / 4.0);
@@ -359,9 +377,17 @@ impl Cut<'_> {
         let limit_rad = spreads * self.noise_rms_rad / (n_window as f64).sqrt();
         let moves = |window: &[f64]| (mean(window) - final_rad).abs() > limit_rad;
         let last_motion = angles_rad.windows(n_window).rposition(moves).map_or(0, |idx| idx + n_window);
-        let start_s = self.times_s()[(after.start + last_motion).min(stretch.end - 1)] + N_UNSEEN * self.half_swing_s;
-        let rest = self.recording.index_at(start_s)..stretch.end;
-        (rest.start < rest.end && rest.len() >= n_window).then_some(rest)
+        Some(LastMotion { idx: (after.start + last_motion).min(stretch.end - 1), limit_rad })
+    }
+
+    /// By how much the amplitude falls from one half swing to the next in the last ones of a stretch, if it does.
+    fn lost_each_half_swing_rad(&self, stretch: &Range<usize>) -> Option<f64> {
+        let turns = self.turns_in(stretch);
+        let [.., a, b, c] = turns[..] else { return None };
+        let ranges =
+            [a, b, c].windows(2).map(|pair| (pair[1].angle_rad - pair[0].angle_rad).abs()).collect::<Vec<f64>>();
+        // From one way to the next both ends come nearer.
+        Some((ranges[0] - ranges[1]) / 2.0).filter(|lost_rad| *lost_rad > 0.0)
     }
 
     /// The sample at the last turning point of a stretch.
@@ -390,6 +416,13 @@ impl Cut<'_> {
         let still = turned.filter_map(|turn| still_behind(&turn)).take_while(is_near).find(is_long)?;
         Some(still.end - self.n_in(BEGINS_TO_MOVE * self.half_swing_s).min(still.len()))
     }
+}
+
+/// Where motion is last seen.
+struct LastMotion {
+    idx: usize,
+    /// How far means over a quarter of a half swing may be off where it hangs still, rad.
+    limit_rad: f64,
 }
 
 /// How far the swings of the first and the last third go from turn to turn, as a rule.

@@ -1,4 +1,5 @@
 mod hands;
+mod noise;
 mod refusals;
 
 use super::*;
@@ -161,67 +162,6 @@ fn what_jumps_before_the_release_is_no_noise_of_the_swing() {
     let put_down = [vec![1.7; 60], vec![0.0; 60], vec![0.9; 100], swing(0.9, 20.0)].concat();
     let segments = find(&put_down);
     assert!((segments.noise.total_rms / 1e-3 - 1.0).abs() < 0.05, "{segments:?}");
-}
-
-/// A hold, a swing and a rest with noise of 1 mrad rms whose neighbours are alike, by a first-order filter of 50 ms, a
-/// mean over four samples or hum, or alternate, by hum of half the sampling rate.
-#[test]
-fn where_noise_is_not_white_hold_and_rest_are_found_and_its_whole_size_is_known() {
-    let whole = [vec![0.8; 100], swing(0.8, 60.0)].concat();
-    let unit: Vec<f64> = noisy(&vec![0.0; whole.len() + 3]).angles_rad().to_vec();
-    let filtered = |rho: f64| {
-        let scale = (1.0 - rho * rho).sqrt();
-        let walk = unit.iter().scan(0.0, |last, x| {
-            *last = rho * *last + scale * x;
-            Some(*last)
-        });
-        walk.collect::<Vec<f64>>()
-    };
-    let mean_of_four = unit.windows(4).map(|four| four.iter().sum::<f64>() / 2.0).collect();
-    let hum = unit.iter().enumerate().map(|(i, x)| 0.6 * x + 0.8e-3 * 2f64.sqrt() * (0.23 * i as f64).sin()).collect();
-    // Of half the sampling rate.
-    let alternating = unit.iter().enumerate().map(|(i, x)| 0.6 * x + 0.8e-3 * f64::from(1 - 2 * (i as i32 % 2)));
-    let of_kind: [(&str, Vec<f64>); 5] = [
-        ("filter", filtered(0.9)),
-        ("weaker", filtered(0.5)),
-        ("mean", mean_of_four),
-        ("hum", hum),
-        ("alternating", alternating.collect()),
-    ];
-    for (kind, noise) in of_kind {
-        let angles_rad = whole.iter().zip(&noise).map(|(angle, noise)| angle + noise).collect();
-        let recording = Recording::uniform(1.0 / STEP_S, angles_rad).unwrap();
-        let segments = segment(&recording, &SegmentOptions::default()).unwrap();
-        let late = segments.free.start as f64 * STEP_S - 0.5;
-        assert!((0.0..0.06).contains(&late), "{kind}: {late} {segments:?}");
-        let rest = segments.rest.clone().unwrap_or_else(|| panic!("{kind}: {segments:?}"));
-        assert!((600..5000).contains(&rest.start) && rest.end == whole.len(), "{kind}: {rest:?}");
-        let noise = &segments.noise;
-        assert!((noise.level_rad() / 1e-3 - 1.0).abs() < 0.1 && noise.colour.is_some(), "{kind}: {noise:?}");
-    }
-}
-
-/// White noise of a fifth of a step: at rest on the edge between two codes it scatters by half a step, at 1.2 times what it does
-/// across many.
-#[test]
-fn a_rest_between_two_codes_is_no_coloured_noise() {
-    let whole = swing(0.8, 60.0);
-    let (step_rad, rest_rad) = (5e-3, whole[whole.len() - 1]);
-    let code = |angle: &f64| ((angle - rest_rad) / step_rad).floor() + 0.5;
-    let angles_rad = noisy(&whole).angles_rad().iter().map(|angle| step_rad * code(angle)).collect();
-    let segments = segment(&Recording::uniform(1.0 / STEP_S, angles_rad).unwrap(), &SegmentOptions::default()).unwrap();
-    let noise = &segments.noise;
-    assert!(noise.still_rms.unwrap() > 1.3 * noise.total_rms && noise.colour.is_none(), "{noise:?}");
-}
-
-/// Only where it hangs by itself a wandering angle is the sensor's.
-#[test]
-fn a_hand_that_trembles_is_no_noise_of_the_sensor() {
-    let trembling = (0..400).map(|idx| 0.8 + 4e-3 * (0.11 * f64::from(idx)).sin()).collect();
-    let segments = find(&[trembling, swing(0.8, 12.0)].concat());
-    assert!(segments.rest.is_none() && segments.noise.colour.is_none(), "{segments:?}");
-    assert!(segments.notes.iter().any(|note| note.contains("a hand that trembles")), "{segments:?}");
-    assert!((segments.noise.level_rad() / 1e-3 - 1.0).abs() < 0.05, "{segments:?}");
 }
 
 #[test]
