@@ -64,7 +64,9 @@ impl Angles<'_> {
         if let Some(swings) = &swings {
             swings.judge_period(self.told, self.options)?;
             self.judge_unit(swings, unit)?;
-            self.set_zero(swings, "it is measured from the horizontal", &mut angles_rad);
+            // Where the counts or volts of a sensor are 0 is no direction.
+            let quarter = (!matches!(unit, Some(AngleUnit::Of(_)))).then_some("it is measured from the horizontal");
+            self.set_zero(swings, quarter, &mut angles_rad);
         }
         Ok(angles_rad)
     }
@@ -84,7 +86,7 @@ impl Angles<'_> {
         });
         if let Some(swings) = swings {
             swings.judge_period(self.told, self.options)?;
-            self.set_zero(&swings, "the picture is turned", &mut angles_rad);
+            self.set_zero(&swings, Some("the picture is turned"), &mut angles_rad);
         }
         Ok(angles_rad)
     }
@@ -202,9 +204,9 @@ impl Angles<'_> {
         Err(fault)
     }
 
-    /// Where it hangs is 0: angles from the horizontal or from upright are turned, whole turns taken off, and the middle of
-    /// the swings where it is nothing of that.
-    fn set_zero(&mut self, swings: &Swings, quarter: &str, angles_rad: &mut [f64]) {
+    /// Where it hangs is 0: angles from the horizontal (which is said in these words, if 0 is a direction) or from upright are
+    /// turned, whole turns taken off, and the middle of the swings where it is nothing of that.
+    fn set_zero(&mut self, swings: &Swings, quarter: Option<&str>, angles_rad: &mut [f64]) {
         let middle_rad = swings.middle_rad;
         // What swings about 0 passes it, however small.
         if middle_rad.abs() < FAR_OFF_RAD.min(swings.largest_rad) {
@@ -218,13 +220,14 @@ impl Angles<'_> {
             return;
         }
         let quarters = (middle_rad / FRAC_PI_2).round();
-        let is_quarter = quarters != 0.0 && (middle_rad - quarters * FRAC_PI_2).abs() < NEAR_QUARTER_RAD;
+        let is_quarter =
+            quarter.is_some() && quarters != 0.0 && (middle_rad - quarters * FRAC_PI_2).abs() < NEAR_QUARTER_RAD;
         let off_rad = if is_quarter { quarters * FRAC_PI_2 } else { middle_rad };
         angles_rad.iter_mut().for_each(|angle| *angle -= off_rad);
         let from = match quarters.rem_euclid(4.0) as u8 {
             0 => "whole turns",
             2 => "it is measured from upright",
-            _ => quarter,
+            _ => quarter.unwrap_or_default(),
         };
         self.notes.push(match is_quarter {
             true => format!("it swings about {middle_deg:.1}°: {from}, {:.0}° taken off", off_rad.to_degrees()),
@@ -262,6 +265,18 @@ mod tests {
         assert_eq!(angles.len(), truth.len());
         assert!(angles.iter().zip(&truth).all(|(found, angle)| (found - angle).abs() < 1e-6));
         assert!(notes[0].contains("pivot at (3.0000, 5.0000), radius 2.0000"), "{notes:?}");
+    }
+
+    #[test]
+    fn degrees_have_a_direction_and_counts_of_a_sensor_have_none() {
+        let about_175: Vec<f64> = (0..400).map(|idx| 175.0 + 40.0 * (0.06 * f64::from(idx)).cos()).collect();
+        for (unit, left_deg, said) in
+            [(AngleUnit::Degrees, -5.0, "upright"), (AngleUnit::Of(1_f64.to_radians()), 0.0, "--zero")]
+        {
+            let (angles, notes) = found(|angles| angles.of_column(None, &about_175, Some(unit)).unwrap());
+            let middle_deg = (angles.iter().fold(f64::MAX, |a, b| a.min(*b)) + 40_f64.to_radians()).to_degrees();
+            assert!((middle_deg - left_deg).abs() < 2.0 && notes[0].contains(said), "{middle_deg} {notes:?}");
+        }
     }
 
     #[test]
