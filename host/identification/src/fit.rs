@@ -29,6 +29,7 @@ pub mod levels;
 pub mod linear;
 mod memory;
 mod number;
+mod other_turn;
 mod phase;
 pub mod problem;
 mod progress;

@@ -2,6 +2,7 @@
 
 use super::descent::Tolerance;
 use super::fitted::{Fitted, Stiction};
+use super::other_turn::or_of_another_turn;
 use super::problem::{Point, Problem, Quantity, Unknown};
 use super::progress::Progress;
 use super::ranges::{self, largest_coulomb_nm};
@@ -26,7 +27,7 @@ pub(super) fn least_squares(problem: &Problem, first: &Point, progress: &(dyn Fn
     start_in_the_middle(problem, &mut begin);
     let grown = begin.regrown(problem);
     progress(Progress::Stiction);
-    grown.refined(problem, Band::Searched, Tolerance::JUDGE)
+    or_of_another_turn(problem, grown.refined(problem, Band::Searched, Tolerance::JUDGE))
 }
 
 /// Friction that is unknown starts at a usual value, because at zero its bound would hold it there; dry friction at no
