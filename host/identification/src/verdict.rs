@@ -8,8 +8,8 @@
 pub use crate::recording::noise::Colour;
 use serde::Serialize;
 
-/// What a model leaves of the swings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// What a model leaves of the swings, the least first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Left {
     /// Nothing but noise.
