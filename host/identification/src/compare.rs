@@ -28,6 +28,7 @@ pub mod weak;
 
 use crate::cores::on_all_cores;
 use crate::fit::identify::FitError;
+use crate::fit::problem::Start;
 use crate::fit::tolerance::KnownRig;
 use crate::fit::touch::{self, Touch};
 use crate::geometry::{self, GeometryError};
@@ -142,11 +143,17 @@ pub fn compare<'r>(
         on_all_cores(all, judge)
     };
     let as_fitted = judge_all(measurements, follow::follow);
-    let is_asked = options.question_numbers && !options.fit_first;
-    let refit = if is_asked { refit(&swings, &as_fitted, rig) } else { None };
+    let is_asked = options.question_numbers && !options.fit_first && has_more_than_noise(&as_fitted);
+    let fit = if is_asked { numbers::least_squares(&swings, rig).ok() } else { None };
+    let as_fitted = match &fit {
+        Some(fit) => begun_as_fitted(measurements, as_fitted, &parameters, &fit.starts),
+        None => as_fitted,
+    };
+    let noise_rad = Totals::of(&as_fitted).noise_rad;
+    let refit = fit.filter(|_| has_more_than_noise(&as_fitted)).map(|fit| Refit::of(&swings, &fit, noise_rad));
     // The numbers of another pendulum get no help from the start.
     let is_foreign = refit.is_some_and(|refit| refit.blames_the_numbers(Totals::of(&as_fitted).ratio));
-    let follow: Follow = if is_foreign { follow::follow_from_the_beginning } else { follow::follow };
+    let follow: Follow = if is_foreign { follow::follow_of_another_pendulum } else { follow::follow };
     let recordings = if is_foreign { judge_all(measurements, follow) } else { as_fitted };
     let held_out = judge_all(held_out, follow);
     let mismatches = mismatches(&swings, &recordings, &parameters);
@@ -203,10 +210,24 @@ pub fn compare<'r>(
 /// How a run of the model beside a swing is begun.
 type Follow = fn(&Swing, &Parameters<f64>) -> follow::Followed;
 
-/// Asked only where more than noise is left.
-fn refit(swings: &[Swing], recordings: &[Judged], rig: KnownRig) -> Option<Refit> {
-    let is_needed = recordings.iter().any(|recording| recording.verdict.more_than_noise);
-    if is_needed { Refit::of(swings, rig, Totals::of(recordings).noise_rad) } else { None }
+fn has_more_than_noise(recordings: &[Judged]) -> bool {
+    recordings.iter().any(|recording| recording.verdict.more_than_noise)
+}
+
+/// The same, each run begun where a fit to the recordings begins it if that leaves less: what it begins with beside its start, such
+/// as the play of a sensor, may hide a better one.
+fn begun_as_fitted(
+    measurements: &[Measurement],
+    as_fitted: Vec<Judged>,
+    parameters: &Parameters<f64>,
+    starts: &[Start],
+) -> Vec<Judged> {
+    let all: Vec<_> = measurements.iter().zip(as_fitted).zip(starts).collect();
+    on_all_cores(all, |((measurement, judged), start)| {
+        let begun = follow::follow_from(&measurement.swing, parameters, *start);
+        let again = recording::judge(measurement, parameters, begun);
+        if again.verdict.residual_rad < judged.verdict.residual_rad { again } else { judged }
+    })
 }
 
 fn mismatches(swings: &[Swing], recordings: &[Judged], parameters: &Parameters<f64>) -> Vec<Mismatch> {

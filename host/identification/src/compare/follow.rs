@@ -4,6 +4,7 @@
 //! with the numbers of another pendulum starts where its first samples say, or it would begin elsewhere because that
 //! lowers its error later.
 
+use super::rms;
 use crate::fit::descent::{Tolerance, descend};
 use crate::fit::linear::Steps;
 use crate::fit::problem::{Point, Problem, Start};
@@ -57,21 +58,45 @@ pub fn follow(swing: &Swing, parameters: &Parameters<f64>) -> Followed {
     run(&problem, descended(&problem, &point, Window::Whole).starts[0])
 }
 
+/// The same from a start that is known, without growing windows.
+pub fn follow_from(swing: &Swing, parameters: &Parameters<f64>, start: Start) -> Followed {
+    let count = Tally::default();
+    let problem = starts_only(std::slice::from_ref(swing), parameters, &count);
+    let known = Point { values: Vec::new(), starts: vec![start] };
+    run(&problem, descended(&problem, &known, Window::Whole).starts[0])
+}
+
+/// Where all samples let it begin, unless it would begin elsewhere than the recording does to lower its error later: then where the
+/// first ones say.
+pub fn follow_of_another_pendulum(swing: &Swing, parameters: &Parameters<f64>) -> Followed {
+    let followed = follow(swing, parameters);
+    let beginning = swing.samples_within(beginning_of(parameters)).max(1);
+    let size_rad = swing.sizes_rad().fold(0.0_f64, |largest, size| largest.max(size.abs()));
+    let is_elsewhere = rms(&followed.residuals_rad[..beginning]) > ELSEWHERE * size_rad;
+    if is_elsewhere { follow_from_the_beginning(swing, parameters, followed.start.offset_rad) } else { followed }
+}
+
+/// A run that is off by more than this share of the swing in the first samples begins elsewhere.
+const ELSEWHERE: f64 = 0.02;
+
 /// The first samples: so much of the period of small swings.
 const BEGINNING_PERIODS: f64 = 0.25;
 
-/// Takes angle and velocity of the start from the first samples alone, the sensor's zero from all.
-pub fn follow_from_the_beginning(swing: &Swing, parameters: &Parameters<f64>) -> Followed {
+fn beginning_of(parameters: &Parameters<f64>) -> Window {
+    let pendulum = &parameters.pendulum;
+    let frequency_rad_s = (pendulum.gravity_torque_nm() / pendulum.pivot_inertia_kg_m2()).sqrt();
+    Window::First(BEGINNING_PERIODS * TAU / frequency_rad_s)
+}
+
+/// Takes angle and velocity of the start from the first samples alone, about this zero of the sensor.
+fn follow_from_the_beginning(swing: &Swing, parameters: &Parameters<f64>, offset_rad: f64) -> Followed {
     let count = Tally::default();
     let swings = std::slice::from_ref(swing);
     let problem = Problem { offsets_are_free: false, ..starts_only(swings, parameters, &count) };
-    let offset_rad = follow(swing, parameters).start.offset_rad;
     let measured = start::starts(swings)[0];
     let first = Start { angle_rad: measured.angle_rad - offset_rad, offset_rad, ..measured };
-    let pendulum = &parameters.pendulum;
-    let frequency_rad_s = (pendulum.gravity_torque_nm() / pendulum.pivot_inertia_kg_m2()).sqrt();
-    let beginning = Window::First(BEGINNING_PERIODS * TAU / frequency_rad_s);
-    run(&problem, descended(&problem, &Point { values: Vec::new(), starts: vec![first] }, beginning).starts[0])
+    let first = Point { values: Vec::new(), starts: vec![first] };
+    run(&problem, descended(&problem, &first, beginning_of(parameters)).starts[0])
 }
 
 fn descended(problem: &Problem, from: &Point, window: Window) -> Point {
@@ -85,4 +110,27 @@ pub fn run(problem: &Problem, start: Start) -> Followed {
     angles_rad.iter_mut().for_each(|angle| *angle += start.offset_rad);
     let residuals_rad = swing.angles_rad.iter().zip(&angles_rad).map(|(m, p)| m - p).collect();
     Followed { start, angles_rad, residuals_rad }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{rig, simulated};
+
+    #[test]
+    fn numbers_that_are_off_begin_where_the_recording_does() {
+        let swing = simulated("plain", &rig(), 20.0, 1);
+        let begins_rad = |inertia_share: f64| {
+            let mut other = rig();
+            other.pendulum.inertia_kg_m2 *= inertia_share;
+            let first_rad = |followed: &Followed| (followed.angles_rad[0] - swing.angles_rad[0]).abs();
+            [follow(&swing, &other), follow_of_another_pendulum(&swing, &other)].map(|run| first_rad(&run))
+        };
+        // A little off, all samples and the first ones agree about the beginning, and all know it better …
+        let [of_all, taken] = begins_rad(1.0005);
+        assert!(of_all < 0.01 && taken == of_all, "{of_all} {taken}");
+        // … far off, all samples would rather have another swing.
+        let [of_all, taken] = begins_rad(1.3);
+        assert!(of_all > 0.1 && taken < 0.03, "{of_all} {taken}");
+    }
 }

@@ -24,19 +24,18 @@ pub struct Refit {
 
 impl Refit {
     /// Fits the model to the swings and looks at what is left beside this noise (rad); `None` if no fit succeeds.
-    pub fn of(swings: &[Swing], rig: KnownRig, noise_rad: f64) -> Option<Self> {
-        let fit = least_squares(swings, rig).ok()?;
+    pub fn of(swings: &[Swing], fit: &identify::Fit, noise_rad: f64) -> Self {
         let n_samples = swings.iter().map(Swing::len).sum::<usize>() as f64;
         let colours = swings.iter().filter_map(|swing| swing.colour);
         let chi_square = ChiSquare::of_rms(fit.rmse_rad, noise_rad, n_samples);
         let left = chi_square.beside(colours.reduce(Colour::worst)).left();
-        Some(Self { residual_rad: fit.rmse_rad, ratio: fit.rmse_rad / noise_rad.max(1e-300), left })
+        Self { residual_rad: fit.rmse_rad, ratio: fit.rmse_rad / noise_rad.max(1e-300), left }
     }
 
     /// Does the fit take away most of what a model with this ratio of residual to noise leaves beyond the noise?
     pub fn blames_the_numbers(&self, ratio: f64) -> bool {
         let excess = |ratio: f64| (ratio * ratio - 1.0).max(0.0);
-        excess(self.ratio) <= (1.0 - TO_BLAME) * excess(ratio)
+        excess(self.ratio) < (1.0 - TO_BLAME) * excess(ratio)
     }
 }
 
@@ -54,6 +53,8 @@ mod tests {
     fn numbers_are_to_blame_for_what_a_fit_takes_away() {
         let left = |ratio: f64| Refit { residual_rad: 0.0, ratio, left: Left::Nearly };
         assert!(left(1.0).blames_the_numbers(1.2) && left(5.0).blames_the_numbers(91.0));
+        // Where nothing is left there is nothing to blame.
+        assert!(!left(1.0).blames_the_numbers(1.0) && !left(0.99).blames_the_numbers(0.995));
         assert!(!left(3.9).blames_the_numbers(4.0) && !left(4.2).blames_the_numbers(4.0));
     }
 }

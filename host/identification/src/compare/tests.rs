@@ -1,10 +1,12 @@
 //! A whole comparison of swings whose law is known in closed form: small ones with viscous friction and white noise.
 
+use super::follow::Followed;
 use super::measurement::Measurement;
 use super::pictures::pictures;
 use super::recording::Judged;
 use super::verdict::Answer;
-use super::{Comparison, Options, compare};
+use super::{Comparison, Options, begun_as_fitted, compare, follow, recording};
+use crate::fit::problem::Start;
 use crate::plot::Content;
 use crate::random::Noise;
 use crate::swing::Swing;
@@ -116,4 +118,20 @@ fn every_recording_has_pictures_with_its_number_and_two_are_set_beside_each_othe
     assert_eq!(line.x, [0.5, 2.5]);
     found.recordings.truncate(1);
     assert!(!pictures(&found).iter().any(|picture| picture.key == "by-recording"));
+}
+
+#[test]
+fn a_run_begins_where_a_fit_begins_it_if_that_leaves_less() {
+    let (rig, [measurement]) = (rig(VISCOUS), [measurement("one.csv", 1)]);
+    let follow_from = |start: Start| follow::follow_from(&measurement.swing, &rig, start);
+    let good = follow_from(judged().start);
+    let bad = Followed { residuals_rad: vec![0.01; good.residuals_rad.len()], ..good.clone() };
+    let left_of = |begun: &Followed, start: Start| {
+        let begun = vec![recording::judge(&measurement, &rig, begun.clone())];
+        let again = begun_as_fitted(std::slice::from_ref(&measurement), begun, &rig, &[start]);
+        again[0].verdict.residual_rad / NOISE_RAD
+    };
+    assert!((left_of(&bad, good.start) - 1.0).abs() < 0.1);
+    let elsewhere = Start { velocity_rad_s: 50.0, ..good.start };
+    assert!((left_of(&good, elsewhere) - 1.0).abs() < 0.1);
 }
