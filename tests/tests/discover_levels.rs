@@ -56,6 +56,10 @@ fn friction_levels_that_differ_are_said_and_no_effect_is() {
         let rig = rig(&[1.2, -0.9, 1.0, -1.1][..factors.len()]);
         let found = diagnosed(&rig, factors);
         assert!(found.verdict.is_empty() && found.left == Left::Noise, "{:?} {:?}", found.verdict, found.left);
+        // What one friction for all leaves is no less for the levels that were found.
+        assert!(found.rmse_before > 1.5 * found.rmse_after, "{} {}", found.rmse_before, found.rmse_after);
+        let steps: Vec<&str> = found.staircase.iter().map(|step| step.added).collect();
+        assert_eq!(steps, ["base", "friction levels"]);
         assert_said(&found, factors);
         let words = &found.levels.unwrap().words;
         assert!(words.contains("friction level changed by 2"), "{words}");

@@ -130,6 +130,7 @@ pub fn diagnose_counted<'r>(
     let carries = judge.carries(&claimed, held_out, count);
     let parts = Summary {
         judge,
+        base: base.clone(),
         first_look,
         claimed,
         curve,

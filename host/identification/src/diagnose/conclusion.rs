@@ -155,21 +155,54 @@ impl<'a, 'b> Bench<'a, 'b> {
     }
 
     /// The same with friction levels that differ between the releases, where they explain most of what is left without
-    /// them. One effect that explains the swings comes first.
+    /// them. One effect that explains the swings comes first. The levels alone are one fit, whatever the search has taken.
     pub(super) fn with_levels(&self, base: &Fitted, alone: &Conclusion) -> Option<Conclusion> {
         let (problem, claimed) = (self.problem, &alone.claimed);
         let is_told = is_explained(problem, claimed) && claimed.effects.len() < 2;
-        if is_told || !levels::may_differ(problem) || !self.budget.allows_more() {
+        if is_told || !levels::may_differ(problem) {
             return None;
         }
         let levelled = levels::fitted(problem, base);
         let are_worth_it = |model: &Fitted| levels::are_worth_it(problem, claimed, model);
         // Levels may show only once the effect beside them is in the model, and the effect only once levels are.
         let beside = [claimed, alone.found.best(alone.found.levels.len().min(1))];
-        let beside = beside.into_iter().filter(|model| !model.effects.is_empty() && !is_explained(problem, claimed));
+        let may_be_tried = !is_explained(problem, claimed) && self.budget.allows_more();
+        let beside = beside.into_iter().filter(|model| !model.effects.is_empty() && may_be_tried);
         let mut beside = beside.map(|model| levels::fitted(problem, model));
         let promise = are_worth_it(&levelled) || beside.any(|model| are_worth_it(&model));
         let other = promise.then(|| self.concluded(&levelled))?;
         levels::are_worth_it(problem, claimed, &other.claimed).then_some(other)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{rig, simulated};
+    use crate::fit::by_least_squares::fitted_as_it_is;
+    use crate::fit::identify::problem_of;
+    use shared::parameters::base::COULOMB;
+
+    #[test]
+    fn friction_levels_are_asked_for_when_the_search_has_taken_all_it_may() {
+        let of_level = |(i, share): (u64, f64)| {
+            let mut other = rig();
+            let coulomb_nm = rig().values(COULOMB).unwrap()[0];
+            other.set(COULOMB, &[share * coulomb_nm]).unwrap();
+            simulated(&format!("{i}"), &other, 14.0, i)
+        };
+        let swings = [(1, 0.8), (2, 1.0), (3, 1.2)].map(of_level);
+        let count = Tally::default();
+        let problem = problem_of(&swings, &rig(), &count);
+        let (decimated, budget) = (problem.decimated(), Budget::new(&count));
+        let rough = problem.on(&decimated);
+        let bench =
+            Bench { problem: &problem, rough: &rough, candidates: &[], budget: &budget, held_out: &[], count: &count };
+        let base = fitted_as_it_is(&problem);
+        count.add(&rig(), 4, 1_000_000_000);
+        assert!(!budget.allows_more());
+        let alone = bench.concluded(&base);
+        let levelled = bench.with_levels(&base, &alone).expect("levels that differ").claimed;
+        assert!(is_explained(&problem, &levelled) && !is_explained(&problem, &alone.claimed));
     }
 }

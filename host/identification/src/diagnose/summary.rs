@@ -224,10 +224,13 @@ fn suspect(unproven: &[Holding], rmse_after: f64, noise: f64) -> Option<&'static
     (is_most && may_be).then_some(lowest.effect)
 }
 
+/// What the step of a staircase is called that gives each release its friction level.
+const LEVELS: &str = "friction levels";
+
 /// One step of the staircase of errors.
 #[derive(Clone, Debug, Serialize)]
 pub struct Step {
-    /// The effect that was added; `base` first.
+    /// The effect that was added; `base` first, `friction levels` where each release has its own.
     pub added: &'static str,
     /// Root mean square error on the fitted swings, rad.
     pub rmse: f64,
@@ -238,6 +241,8 @@ pub struct Step {
 /// Puts the result together.
 pub(super) struct Summary<'a, 'b, 'c> {
     pub(super) judge: Judge<'a, 'b>,
+    /// The model of the rig with one friction for all releases, whatever the search began with.
+    pub(super) base: Fitted,
     pub(super) first_look: Option<Look>,
     pub(super) claimed: Fitted,
     pub(super) curve: Option<FrictionCurve>,
@@ -260,7 +265,7 @@ impl Summary<'_, '_, '_> {
     pub(super) fn build(self, with_formulas: bool) -> Diagnosis {
         let problem = self.judge.problem;
         let n_samples = problem.n_samples(Window::Whole) as f64;
-        let base = &self.judge.found.base;
+        let base = &self.base;
         let rmse = |cost: f64| (cost / n_samples).sqrt();
         let noise = problem.noise_rad();
         let measured = problem.swings.first().map_or(Measured::Angle, |swing| swing.measured);
@@ -280,7 +285,9 @@ impl Summary<'_, '_, '_> {
         }
         let mut models: Vec<&Fitted> = vec![&self.claimed];
         let is_claimed = |model: &Fitted| model.names() == self.claimed.names();
-        models.extend(self.judge.found.levels.iter().flatten().chain([base]).filter(|model| !is_claimed(model)));
+        models.extend(
+            self.judge.found.levels.iter().flatten().chain([&self.judge.found.base]).filter(|model| !is_claimed(model)),
+        );
         models.sort_by(|a, b| self.judge.criterion(a).total_cmp(&self.judge.criterion(b)));
         let rivals = models.iter().copied().filter(|model| !is_claimed(model)).take(MAX_RIVALS);
         let leading = std::iter::once(&self.claimed).chain(rivals).cloned().collect();
@@ -376,13 +383,17 @@ impl Summary<'_, '_, '_> {
     fn staircase(&self, rmse_before: f64, held_out: &dyn Fn(&Parameters<f64>) -> Option<f64>) -> Vec<Step> {
         let found = self.judge.found;
         let n_samples = self.judge.problem.n_samples(Window::Whole) as f64;
-        let of_base = |added, rmse| Step { added, rmse, held_out: held_out(&found.base.parameters) };
+        let of_base = |added, rmse| Step { added, rmse, held_out: held_out(&self.base.parameters) };
         let mut steps = vec![of_base("base", rmse_before)];
         // What a fit of the base model leaves, which always takes the zero off.
-        let with_zero = (found.base.cost / n_samples).sqrt();
+        let with_zero = (self.base.cost / n_samples).sqrt();
         let zero =
             zero::offset().filter(|_| !self.claimed.effects.is_empty() && with_zero < VISIBLE_ZERO * rmse_before);
         steps.extend(zero.map(|zero| of_base(zero.name, with_zero)));
+        if found.base.problem(self.judge.problem).has_levels() {
+            let rmse = (found.base.cost / n_samples).sqrt();
+            steps.push(Step { added: LEVELS, rmse, held_out: held_out(&found.base.parameters) });
+        }
         for n_added in 1..=self.claimed.effects.len() {
             let part = &self.claimed.effects[..n_added];
             let is_part =

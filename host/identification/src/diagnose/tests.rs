@@ -225,6 +225,7 @@ fn told(judge: &Judge, claimed: &Fitted, offset_is_missing: bool, held_out: &[Sw
     let Judge { problem, rough, found, candidates, budget } = *judge;
     let summary = Summary {
         judge: Judge { problem, rough, found, candidates, budget },
+        base: found.base.clone(),
         first_look: None,
         claimed: claimed.clone(),
         curve: None,
