@@ -29,6 +29,7 @@ pub mod weak;
 use crate::cores::on_all_cores;
 use crate::fit::identify::FitError;
 use crate::fit::problem::Start;
+use crate::fit::short_memory::noises_left;
 use crate::fit::tolerance::KnownRig;
 use crate::fit::touch::{self, Touch};
 use crate::geometry::{self, GeometryError};
@@ -143,6 +144,11 @@ pub fn compare<'r>(
         on_all_cores(all, judge)
     };
     let as_fitted = judge_all(measurements, follow::follow);
+    let louder = in_what_is_left(measurements, &as_fitted, &parameters);
+    let (measurements, as_fitted) = match &louder {
+        Some(louder) => (louder.as_slice(), judge_all(louder, follow::follow)),
+        None => (measurements, as_fitted),
+    };
     let is_asked = options.question_numbers && !options.fit_first && has_more_than_noise(&as_fitted);
     let fit = if is_asked { numbers::least_squares(&swings, rig).ok() } else { None };
     let as_fitted = match &fit {
@@ -155,7 +161,9 @@ pub fn compare<'r>(
     let is_foreign = refit.is_some_and(|refit| refit.blames_the_numbers(Totals::of(&as_fitted).ratio));
     let follow: Follow = if is_foreign { follow::follow_of_another_pendulum } else { follow::follow };
     let recordings = if is_foreign { judge_all(measurements, follow) } else { as_fitted };
-    let held_out = judge_all(held_out, follow);
+    let as_held_out = judge_all(held_out, follow);
+    let louder_held_out = in_what_is_left(held_out, &as_held_out, &parameters);
+    let held_out = louder_held_out.map_or(as_held_out, |louder| judge_all(&louder, follow));
     let mismatches = mismatches(&swings, &recordings, &parameters);
     let starts: Vec<_> = recordings.iter().map(|recording| recording.start).collect();
     let touches = if mismatches.is_empty() { touch::touches(&swings, &parameters, &starts) } else { Vec::new() };
@@ -209,6 +217,21 @@ pub fn compare<'r>(
 
 /// How a run of the model beside a swing is begun.
 type Follow = fn(&Swing, &Parameters<f64>) -> follow::Followed;
+
+/// The measurements in the noise that the model leaves of them, where that is all it leaves.
+fn in_what_is_left(
+    measurements: &[Measurement],
+    judged: &[Judged],
+    parameters: &Parameters<f64>,
+) -> Option<Vec<Measurement>> {
+    if !has_more_than_noise(judged) {
+        return None;
+    }
+    let swings: Vec<Swing> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
+    let left: Vec<&[f64]> = judged.iter().map(|judged| judged.curves.residuals_rad.as_slice()).collect();
+    let noises = noises_left(&swings, &left, &parameters.pendulum)?;
+    Some(measurements.iter().zip(noises).map(|(measurement, noise)| measurement.in_noise(noise)).collect())
+}
 
 fn has_more_than_noise(recordings: &[Judged]) -> bool {
     recordings.iter().any(|recording| recording.verdict.more_than_noise)

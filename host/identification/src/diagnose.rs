@@ -61,6 +61,7 @@ use crate::geometry;
 use crate::look::Look;
 use crate::recording::Measured;
 use crate::swing::Swing;
+use crate::verdict::Left;
 use budget::Budget;
 use conclusion::{Bench, Conclusion};
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
@@ -122,6 +123,14 @@ pub fn diagnose_counted<'r>(
     let budget = Budget::new(count);
     let bench = Bench { problem: &problem, rough: &rough, candidates: &candidates, budget: &budget, held_out, count };
     let alone = bench.concluded(&base);
+    if let Some((swings, told)) = bench.swings_in_what_is_left(&alone) {
+        let wishes = Wishes { at_first_look: None, ..wishes };
+        let found = diagnose_counted(&swings, held_out, rig, wishes, count);
+        // What only many effects together make of it is no noise.
+        if found.left != Left::Missing {
+            return Diagnosis { seconds: began.elapsed().as_secs_f64(), short_memory: Some(told), ..found };
+        }
+    }
     let (concluded, curve) = bench.with_curve(bench.with_levels(&base, &alone).unwrap_or(alone));
     let Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others } =
         concluded;

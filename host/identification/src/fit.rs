@@ -46,6 +46,7 @@ mod rounding;
 pub mod runs;
 mod scouts;
 pub mod sequential;
+pub mod short_memory;
 pub mod solve;
 pub mod start;
 pub mod state_grid;

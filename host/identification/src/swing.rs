@@ -201,6 +201,11 @@ impl Swing {
         reading / self.reading_per_rad
     }
 
+    /// The same in another noise (rms, in the unit of the readings), which is coloured.
+    pub fn in_noise(&self, noise_rad: f64, colour: Colour) -> Self {
+        Self { noise_rad, colour: Some(colour), ..self.clone() }
+    }
+
     /// The same swing, of which the model's angles are asked, whatever was measured.
     pub fn asking_for_angles(&self) -> Self {
         let schedules = self.schedules.clone().map(|schedule| schedule.reading(Measured::Angle));

@@ -83,6 +83,7 @@ fn doubts(diagnosis: &Diagnosis) -> Vec<String> {
     }));
     let suspect = diagnosis.suspect().map(|claim| claim.effect);
     let unit = diagnosis.measured.milli_unit();
+    parts.extend(diagnosis.short_memory.map(|told| wrapped(&told.words(unit), 0)));
     let others = diagnosis.unproven.iter().filter(|claim| Some(claim.effect) != suspect);
     parts.extend(others.map(|claim| unproven(claim, unit)));
     parts.extend(held_out(diagnosis));

@@ -50,7 +50,11 @@ fn of_recording(measurement: &Measurement, judged: &Judged) -> Vec<String> {
             "{name}: only {n_swings} swings: how the loss depends on amplitude can't be judged; record longer."
         ));
     }
-    if !measurement.has_lead_in && !measurement.has_rest {
+    if measurement.is_told_by_model {
+        limits.push(format!(
+            "{name}: neighbouring readings are alike, and what the model leaves is forgotten within a tenth of a period, where a              missing law is remembered for many: it counts as noise; a rest at the end would tell it for sure."
+        ));
+    } else if !measurement.has_lead_in && !measurement.has_rest {
         limits.push(format!(
             "{name}: no still stretch that is long enough before or after the swing: whether the sensor's noise is white \
              can't be judged; hold it still for a second before the release."

@@ -1,6 +1,7 @@
 //! A swing to be judged, with what its recording tells beside it: noise of its still stretches, what was cut, and what
 //! is not there.
 
+use crate::fit::short_memory::NoiseLeft;
 use crate::recording::Recording;
 use crate::recording::noise::{self, Noise};
 use crate::recording::segment::{FreeSwing, SegmentOptions, Segments, free_swings, segment};
@@ -13,6 +14,8 @@ pub struct Measurement {
     pub swing: Swing,
     /// Noise of its recording.
     pub noise: Noise,
+    /// Was that told by what a model leaves?
+    pub is_told_by_model: bool,
     /// Time of the swing's first sample on the recording's clock, s.
     pub from_s: f64,
     /// Was it held still before the release?
@@ -57,7 +60,15 @@ impl Measurement {
         let from_s = recording.times_s()[segments.free.start];
         let notes = recording.notes().iter().chain(&segments.notes).cloned().collect();
         let (has_lead_in, has_rest) = (segments.lead_in.is_some(), segments.rest.is_some());
-        Ok(Self { swing, noise: segments.noise, from_s, has_lead_in, has_rest, notes })
+        Ok(Self { swing, noise: segments.noise, is_told_by_model: false, from_s, has_lead_in, has_rest, notes })
+    }
+
+    /// The same in the noise that a model leaves of it.
+    pub fn in_noise(&self, left: NoiseLeft) -> Self {
+        let NoiseLeft { noise_rad, colour } = left;
+        let mut louder = Self { swing: self.swing.in_noise(noise_rad, colour), is_told_by_model: true, ..self.clone() };
+        (louder.noise.still_rms, louder.noise.colour) = (Some(noise_rad), Some(colour));
+        louder
     }
 
     /// A bare swing, of whose recording nothing else is known; its own noise is taken as it stands.
@@ -77,6 +88,14 @@ impl Measurement {
             wanders_where_held: false,
             method,
         };
-        Self { swing, noise, from_s: 0.0, has_lead_in: false, has_rest: false, notes: Vec::new() }
+        Self {
+            swing,
+            noise,
+            is_told_by_model: false,
+            from_s: 0.0,
+            has_lead_in: false,
+            has_rest: false,
+            notes: Vec::new(),
+        }
     }
 }

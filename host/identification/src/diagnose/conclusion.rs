@@ -16,6 +16,7 @@ use crate::cores::on_all_cores;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
 use crate::fit::refine::{levels as levels_of, on_all};
+use crate::fit::short_memory::{ShortMemory, swings_in_what_is_left};
 use crate::fit::tally::Tally;
 use crate::swing::Swing;
 use crate::verdict::Left;
@@ -121,6 +122,18 @@ impl<'a, 'b> Bench<'a, 'b> {
         }
         let unproven = not_claimed(unproven, &claimed);
         Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others }
+    }
+
+    /// The swings in the noise that the best model leaves, where that is one whose neighbours are alike: then what was concluded
+    /// stands on too little noise.
+    pub(super) fn swings_in_what_is_left(&self, concluded: &Conclusion) -> Option<(Vec<Swing>, ShortMemory)> {
+        if self.problem.chi_square(concluded.claimed.cost).left() == Left::Noise {
+            return None;
+        }
+        let judge = self.judge(&concluded.found);
+        let best = concluded.found.levels.iter().flatten().chain([&concluded.claimed]);
+        let best = best.min_by(|a, b| judge.criterion(a).total_cmp(&judge.criterion(b)))?;
+        swings_in_what_is_left(self.problem, best)
     }
 
     /// Friction left free, where no named model reaches the noise. If the law that it resembles is fitted far better from

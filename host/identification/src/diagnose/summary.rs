@@ -14,6 +14,7 @@ use super::verdict::Judge;
 use super::zero;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, held_out_rmse};
+use crate::fit::short_memory::ShortMemory;
 use crate::fit::tally::Tally;
 use crate::fit::touch::Touch;
 use crate::look::{Look, of_reason};
@@ -89,6 +90,8 @@ pub struct Diagnosis {
     pub driven: Vec<String>,
     /// What touched the pendulum on its way. All that is told is of the longest part of each swing that nothing touched.
     pub touches: Vec<Touch>,
+    /// Present if the noise was told by what a model leaves.
+    pub short_memory: Option<ShortMemory>,
     /// Does the model that is told follow the swings at all? If not, whatever is said of it means nothing.
     pub follows: bool,
     /// Is so much of the motion left, beyond the noise, that something else than an effect should be looked for first?
@@ -305,6 +308,7 @@ impl Summary<'_, '_, '_> {
             first_look: self.first_look,
             driven: Swing::driven(problem.swings),
             touches: Vec::new(),
+            short_memory: None,
             follows: problem.is_followed(self.claimed.cost),
             hardly_follows: unexplained && hardly_follows(problem.left_of_motion(self.claimed.cost)),
             family: family(&self.claimed, &self.undecided),

@@ -29,7 +29,7 @@ use shared::model::Model;
 use shared::parameters::Parameters;
 use std::time::Instant;
 
-pub(super) const NOISE_RAD: f64 = 5e-4;
+pub(crate) const NOISE_RAD: f64 = 5e-4;
 
 const RELEASE_RAD: f64 = 1.4;
 

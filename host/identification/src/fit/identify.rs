@@ -14,6 +14,7 @@ use super::report::Report;
 use super::runs::responses_at;
 use super::scouts::scouted;
 use super::sequential::Stage;
+use super::short_memory::swings_in_what_is_left;
 use super::tolerance::KnownRig;
 use super::touch::Touch;
 use super::{ranges, start, touch};
@@ -95,12 +96,17 @@ pub fn fit<'r>(
     let anew = is_anew.then(|| problem_of(&parts, rig, &count));
     let model = anew.as_ref().map_or(model, fitted_as_it_is);
     progress(Progress::Uncertainty);
-    let report = Report { problem: anew.as_ref().unwrap_or(&problem), model, given: &options.ranges };
+    let on = anew.as_ref().unwrap_or(&problem);
+    let in_noise = swings_in_what_is_left(on, &model);
+    let in_noise_on = in_noise.as_ref().map(|(swings, _)| on.on(swings));
+    let report = Report { problem: in_noise_on.as_ref().unwrap_or(on), model, given: &options.ranges };
     let mut fit = report.build(held_out, responses_before, stages, &count, began)?;
     if is_anew {
         fit.starts = touch::given_back(&fit.starts, swings.len(), &mut touches);
     }
     fit.warnings.splice(0..0, touches.iter().map(words_of));
+    let unit = crate::swing::kind(swings).milli_unit();
+    fit.warnings.extend(in_noise.map(|(_, told)| told.words(unit)));
     Ok(Fit { touches, ..fit })
 }
 
