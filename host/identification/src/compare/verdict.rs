@@ -12,7 +12,7 @@ use crate::diagnose::zero;
 use crate::fit::touch::Touch;
 use crate::number::{angle, noises, significant, with_spread};
 use crate::recording::Measured;
-use crate::verdict::{LOOK_FIRST, Left, hardly_follows};
+use crate::verdict::{ChiSquare, LOOK_FIRST, Left, hardly_follows};
 use serde::Serialize;
 use shared::effect::Effect;
 
@@ -178,10 +178,12 @@ impl Seen<'_> {
 
 /// Wrong numbers come first: what else is missing shows only once they fit.
 fn numbers(seen: &Seen) -> Vec<String> {
-    let mut words = vec![
-        beyond(seen, ""),
-        "These numbers do not fit these recordings: fit first, or physics is missing.".to_owned(),
-    ];
+    let is_near = ChiSquare::of_rms(seen.totals.ratio, 1.0, f64::INFINITY).left() != Left::Missing;
+    let told = match is_near {
+        true => "These numbers are a little off for these recordings: fit to all that you have.",
+        false => "These numbers do not fit these recordings: fit first, or physics is missing.",
+    };
+    let mut words = vec![beyond(seen, ""), told.to_owned()];
     words.extend(seen.refit.map(|refit| {
         let rest = match refit.left {
             Left::Missing => "what is then left is missing physics",
@@ -191,7 +193,7 @@ fn numbers(seen: &Seen) -> Vec<String> {
             "Fitted to them, the same model leaves {} {}, {} times the noise: {rest}.",
             in_mrad(refit.residual_rad),
             seen.measured.milli_unit(),
-            times(refit.ratio)
+            noises(refit.ratio)
         )
     }));
     words
@@ -242,7 +244,7 @@ fn nothing(seen: &Seen) -> String {
 }
 
 fn beyond(seen: &Seen, conclusion: &str) -> String {
-    format!("{}: {} times the noise{conclusion}.", milliradians(seen), times(seen.totals.ratio))
+    format!("{}: {} times the noise{conclusion}.", milliradians(seen), noises(seen.totals.ratio))
 }
 
 fn fails_most(seen: &Seen) -> Option<String> {
@@ -310,11 +312,6 @@ fn torque(seen: &Seen) -> Option<String> {
     ))
 }
 
-/// A multiple of the noise, with digits that mean something.
-fn times(ratio: f64) -> String {
-    if ratio < 100.0 { format!("{ratio:.1}") } else { noises(ratio) }
-}
-
 fn held_out(seen: &Seen) -> Option<String> {
     let totals = seen.held_out_totals?;
     let conclusion = if !seen.held_out.iter().any(|recording| recording.verdict.more_than_noise) {
@@ -328,7 +325,7 @@ fn held_out(seen: &Seen) -> Option<String> {
     Some(format!(
         "On held-out recordings the residual is {residual} {}, {} times the noise{conclusion}.",
         seen.measured.milli_unit(),
-        times(totals.ratio)
+        noises(totals.ratio)
     ))
 }
 
@@ -472,6 +469,17 @@ mod tests {
     }
 
     #[test]
+    fn numbers_that_leave_a_twentieth_more_than_the_noise_are_a_little_off() {
+        let refit = Refit { residual_rad: 1e-3, ratio: 1.0, left: Left::Noise };
+        let told = |ratio: f64| {
+            let (energy, totals) = (Energy::default(), Totals { ratio, ..Totals::default() });
+            numbers(&Seen { refit: Some(&refit), ..seen(&energy, &totals) }).join(" ")
+        };
+        assert!(told(1.05).contains("1.05 times the noise. These numbers are a little off"), "{}", told(1.05));
+        assert!(told(1.3).contains("These numbers do not fit these recordings: fit first"), "{}", told(1.3));
+    }
+
+    #[test]
     fn a_model_carries_over_to_held_out_recordings_that_it_misses_alike() {
         let mut judged = judged();
         let (energy, totals) = (Energy::default(), Totals { ratio: 2.0, ..Totals::default() });
@@ -481,8 +489,8 @@ mod tests {
             let held = [judged.clone()];
             held_out(&Seen { held_out: &held, held_out_totals: Some(&of_others), ..seen(&energy, &totals) }).unwrap()
         };
-        assert!(said(2.2, true).contains("residual is 2.20 mrad, 2.2 times the noise, as on the others"));
-        assert!(said(5.0, true).contains("5.0 times the noise, so the model does not carry over to them"));
-        assert!(said(1.0, false).ends_with("1.0 times the noise: the model carries over to them."));
+        assert!(said(2.2, true).contains("residual is 2.20 mrad, 2.20 times the noise, as on the others"));
+        assert!(said(5.0, true).contains("5.00 times the noise, so the model does not carry over to them"));
+        assert!(said(1.0, false).ends_with("1.00 times the noise: the model carries over to them."));
     }
 }

@@ -272,10 +272,11 @@ impl Summary<'_, '_, '_> {
         let rmse = |cost: f64| (cost / n_samples).sqrt();
         let noise = problem.noise_rad();
         let measured = problem.swings.first().map_or(Measured::Angle, |swing| swing.measured);
-        // A gyroscope has a bias; an angle's zero may be right.
+        // A gyroscope has a bias; an angle's zero may be right, and where it is no part of what is told, it is free as in a fit.
+        let is_zero_told = self.offset_is_missing || self.claimed.effects.is_empty();
         let rmse_before = match measured {
-            Measured::Angle => rmse(zero::cost_with_offsets_within(problem, base, 0.0)),
-            Measured::Rate => rmse(base.cost),
+            Measured::Angle if is_zero_told => rmse(zero::cost_with_offsets_within(problem, base, 0.0)),
+            _ => rmse(base.cost),
         };
         let rmse_after = rmse(self.claimed.cost);
         let held_out = |parameters: &Parameters<f64>| held_out_rmse(self.held_out, parameters, self.count);
@@ -387,13 +388,15 @@ impl Summary<'_, '_, '_> {
     fn staircase(&self, rmse_before: f64, held_out: &dyn Fn(&Parameters<f64>) -> Option<f64>) -> Vec<Step> {
         let found = self.judge.found;
         let n_samples = self.judge.problem.n_samples(Window::Whole) as f64;
-        let of_base = |added, rmse| Step { added, rmse, held_out: held_out(&self.base.parameters) };
-        let mut steps = vec![of_base("base", rmse_before)];
         // What a fit of the base model leaves, which always takes the zero off.
         let with_zero = (self.base.cost / n_samples).sqrt();
         let zero =
             zero::offset().filter(|_| !self.claimed.effects.is_empty() && with_zero < VISIBLE_ZERO * rmse_before);
-        steps.extend(zero.map(|zero| of_base(zero.name, with_zero)));
+        // Of what was held out each zero is taken off.
+        let of_held_out = held_out(&self.base.parameters);
+        let mut steps =
+            vec![Step { added: "base", rmse: rmse_before, held_out: of_held_out.filter(|_| zero.is_none()) }];
+        steps.extend(zero.map(|zero| Step { added: zero.name, rmse: with_zero, held_out: of_held_out }));
         if found.base.problem(self.judge.problem).has_levels() {
             let rmse = (found.base.cost / n_samples).sqrt();
             steps.push(Step { added: LEVELS, rmse, held_out: held_out(&found.base.parameters) });

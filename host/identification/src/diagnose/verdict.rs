@@ -39,10 +39,13 @@ impl Judge<'_, '_> {
         self.problem.noise_rad().powi(2)
     }
 
-    /// Cost in noise variances, a unit that grows where even the best model leaves more than the noise.
+    /// Cost in noise variances, a unit that grows where even the best model leaves more than the noise, and where neighbouring
+    /// readings are alike: then fewer of them tell what a number gains.
     pub(super) fn unit(&self) -> f64 {
         let lowest = self.found.levels.iter().flatten().map(|model| model.cost).fold(self.found.base.cost, f64::min);
-        self.noise_variance().max(lowest / self.problem.n_samples(Window::Whole) as f64)
+        let variance = self.noise_variance().max(lowest / self.problem.n_samples(Window::Whole) as f64);
+        let colour = self.problem.chi_square(lowest).colour;
+        variance / colour.map_or(1.0, |colour| colour.independent_share)
     }
 
     pub(super) fn criterion(&self, model: &Fitted) -> f64 {
