@@ -66,6 +66,7 @@ mod unit;
 mod units;
 mod words;
 mod write;
+mod zero_step;
 
 pub use columns::{ColumnRef, Columns, ColumnsError};
 pub use error::{Fault, ReadError, WriteError};

@@ -11,6 +11,7 @@ use super::noise;
 use super::samples::keep;
 use super::slip::Slip;
 use super::turning;
+use super::zero_step;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -56,7 +57,8 @@ pub(super) fn set_right(
     notes: &mut Vec<String>,
 ) -> Vec<bool> {
     let step_s = median_step_s(times_s);
-    let mut slips = if are_counted { Vec::new() } else { slips(times_s, readings, step_s) };
+    let (mut slips, jumps_s) = if are_counted { Default::default() } else { slips(times_s, readings, step_s) };
+    notes.extend(zero_step::note(&jumps_s));
     if let Some(first) = slips.first().map(|slip| times_s[slip.idx]) {
         notes.push(note(&slips, first));
     } else {
@@ -85,13 +87,14 @@ fn note(slips: &[Slip], first_s: f64) -> String {
     )
 }
 
-fn slips(times_s: &[f64], readings: &[f64], step_s: f64) -> Vec<Slip> {
+/// Where the clock slipped, and when the zero moved.
+fn slips(times_s: &[f64], readings: &[f64], step_s: f64) -> (Vec<Slip>, Vec<f64>) {
     let lsb = noise::smallest_step(readings);
     let noise_rms = noise::of_samples(times_s, readings, lsb).total_rms;
-    let Some(half_swing_s) = turning::half_swing_s(times_s, readings, noise_rms) else { return Vec::new() };
+    let Some(half_swing_s) = turning::half_swing_s(times_s, readings, noise_rms) else { return Default::default() };
     let window = Window::new(BESIDE);
     if window.length() as f64 * step_s > WIDEST * half_swing_s {
-        return Vec::new();
+        return Default::default();
     }
     let parts = || readings.windows(window.length());
     let steps: Vec<f64> = parts().map(|part| window.step(part)).collect();
@@ -104,19 +107,23 @@ fn slips(times_s: &[f64], readings: &[f64], step_s: f64) -> Vec<Slip> {
     let sureness: Vec<f64> = parts().zip(&steps).map(sure).collect();
     let most = (LONGEST * half_swing_s / step_s) as isize;
     let is_even = |start: usize| times_s[start..start + window.length()].windows(2).all(|pair| is_one(pair, step_s));
-    (0..steps.len())
+    let sure_steps: Vec<usize> = (0..steps.len())
         .filter(|start| sureness[*start].abs() > SURE && is_highest(&sureness, *start) && is_even(*start))
         .filter(|start| window.is_steady(&readings[*start..*start + window.length()]))
-        .filter_map(|start| {
-            let slip = window.slip(readings, start, steps[start], quiet, most)?;
-            let is_large = slip.n_samples.abs() >= LARGE;
-            if is_large {
-                over_widest(times_s, readings, &slip, half_swing_s / step_s, quiet, most)
-            } else {
-                Some(slip)
-            }
-        })
-        .collect()
+        .collect();
+    let turns = match sure_steps.is_empty() {
+        true => Vec::new(),
+        false => turning::turning_points(times_s, readings, noise_rms),
+    };
+    let time_of = |start: &usize| times_s[start + BESIDE + SKIPPED];
+    let (jumps, lost): (Vec<usize>, Vec<usize>) =
+        sure_steps.into_iter().partition(|start| zero_step::moves_the_middle(&turns, time_of(start), steps[*start]));
+    let slips = lost.into_iter().filter_map(|start| {
+        let slip = window.slip(readings, start, steps[start], quiet, most)?;
+        let is_large = slip.n_samples.abs() >= LARGE;
+        if is_large { over_widest(times_s, readings, &slip, half_swing_s / step_s, quiet, most) } else { Some(slip) }
+    });
+    (slips.collect(), jumps.iter().map(time_of).collect())
 }
 
 /// The same hole counted with as many samples beside it as the motion, the ends and other holes allow.
@@ -344,20 +351,38 @@ mod tests {
     }
 
     #[test]
-    fn a_swing_a_spike_and_a_sensor_that_slips_are_left_alone() {
+    fn a_swing_a_spike_and_a_sensor_that_shakes_are_left_alone() {
         let whole = seen(0..20_000);
         let mut spike = whole.clone();
         spike[9000] += 0.05;
-        let mut slipped = whole.clone();
-        slipped[5000..].iter_mut().for_each(|angle| *angle += 2.5e-3);
         // Half a sample's way where it is fastest.
         let mut shaken = whole.clone();
         let random = |idx: usize| f64::from((idx as u32).wrapping_mul(2_654_435_761) >> 16) / 65536.0 - 0.5;
         (8710..8810).for_each(|idx| shaken[idx] += 0.01 * random(idx));
-        for readings in [whole, spike, slipped, shaken] {
+        for readings in [whole, spike, shaken] {
             let (mut times_s, mut kept, mut notes) = (nominal(readings.len()), readings.clone(), Vec::new());
             set_right(&mut times_s, &mut kept, false, &mut notes);
             assert_eq!((kept.len(), notes.len(), times_s.len()), (readings.len(), 0, readings.len()), "{notes:?}");
+        }
+    }
+
+    /// By half of what the swing moves in a sample there, and by as much as it moves in one or two, as a clock's step would be.
+    #[test]
+    fn a_zero_that_moves_is_said_and_the_clock_is_left_alone() {
+        let whole = seen(0..20_000);
+        for (idx, n_samples) in [(5000, 0.5), (5000, 1.0), (5000, -2.0), (7600, 1.0), (12_400, -1.0)] {
+            let step = n_samples * (whole[idx] - whole[idx - 1]);
+            let mut readings = whole.clone();
+            readings[idx..].iter_mut().for_each(|angle| *angle += step);
+            let (mut times_s, mut notes) = (nominal(readings.len()), Vec::new());
+            set_right(&mut times_s, &mut readings, false, &mut notes);
+            assert_eq!(
+                (times_s.len(), times_s[19_999], notes.len()),
+                (20_000, nominal(20_000)[19_999], 1),
+                "{notes:?}"
+            );
+            let at = format!("the readings jump at {:.2} s, and the middle", idx as f64 * STEP_S);
+            assert!(notes[0].contains(&at), "{n_samples} {notes:?}");
         }
     }
 }
