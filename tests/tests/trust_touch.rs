@@ -18,12 +18,27 @@ const RATE_HZ: f64 = 100.0;
 
 const SECONDS: f64 = 26.0;
 
+/// Of a dozen periods.
+const SHORT_SECONDS: f64 = 11.0;
+
 /// Held for a second, then a swing of the paper's pendulum, whose rate jumps at these times by so much, s and rad/s.
 fn swing(law: Option<Law>, noise_rad: f64, jumps: &[(f64, f64)], seed: u64) -> Swing {
+    swing_of(SECONDS, law, noise_rad, jumps, seed, |_| 0.0)
+}
+
+/// The same of another length, with what the sensor adds at each time, rad.
+fn swing_of(
+    seconds: f64,
+    law: Option<Law>,
+    noise_rad: f64,
+    jumps: &[(f64, f64)],
+    seed: u64,
+    added_rad: impl Fn(f64) -> f64,
+) -> Swing {
     let paper = Parameters::paper();
     let (mut pendulum, mut noise) = (Reference::release(&paper, law, 1.0, 0.0), Noise::new(seed));
     let mut text = format!("# format: pendulum-recording 1\n# rate_hz: {RATE_HZ}\nt,theta\n");
-    for k in 0..(SECONDS * RATE_HZ) as u32 {
+    for k in 0..(seconds * RATE_HZ) as u32 {
         let time_s = f64::from(k) / RATE_HZ;
         if time_s >= 1.0 {
             pendulum.advance(1.0 / RATE_HZ);
@@ -32,7 +47,8 @@ fn swing(law: Option<Law>, noise_rad: f64, jumps: &[(f64, f64)], seed: u64) -> S
             let velocity_rad_s = pendulum.velocity_rad_s + jump_rad_s;
             pendulum = Reference::release(&paper, law, pendulum.angle_rad, velocity_rad_s);
         }
-        text += &format!("{time_s:.6},{:.7}\n", pendulum.angle_rad + noise_rad * noise.normal());
+        let reading_rad = pendulum.angle_rad + added_rad(time_s) + noise_rad * noise.normal();
+        text += &format!("{time_s:.6},{reading_rad:.7}\n");
     }
     let recording = read_bytes("touched.csv", text.as_bytes(), &ReadOptions::default()).unwrap();
     Swing::from_recording("touched.csv", &recording, &SegmentOptions::default()).unwrap().0
@@ -96,6 +112,29 @@ fn a_swing_that_nothing_touched_has_no_touch() {
     }
 }
 
+/// No place of a dozen periods stands out of the others, but both parts are explained.
+#[test]
+fn a_touch_of_a_short_swing_is_told() {
+    for (at_s, jump_rad_s) in [(5.0, 0.3), (5.5, -0.1), (6.3, 0.2)] {
+        let swings = [swing_of(SHORT_SECONDS, None, 1e-3, &[(at_s, jump_rad_s)], 3, |_| 0.0)];
+        let fit = fitted(&swings, Method::LeastSquares);
+        assert!(fit.touches.len() == 1 && (fit.touches[0].time_s - at_s).abs() < 0.2, "{at_s} {:?}", fit.touches);
+        assert!(fit.rmse_rad < 1.05e-3, "{at_s} {}", fit.rmse_rad);
+        assert_eq!(diagnose(&swings, &[], &rig()).touches.len(), 1);
+    }
+}
+
+/// Another start would explain that as well, with another zero.
+#[test]
+fn a_zero_that_jumps_in_a_short_swing_is_no_touch() {
+    for (at_s, size_rad) in [(5.0, 0.01), (5.2, 0.03), (5.5, 0.01), (5.7, -0.03), (6.1, 0.03)] {
+        let jumps = |time_s: f64| if time_s < at_s { 0.0 } else { size_rad };
+        let fit = fitted(&[swing_of(SHORT_SECONDS, None, 1e-3, &[], 3, jumps)], Method::LeastSquares);
+        assert!(fit.rmse_rad > 2.0 * fit.noise_rad, "{at_s}: {} of {}", fit.rmse_rad, fit.noise_rad);
+        assert_eq!(fit.touches, [], "{at_s}");
+    }
+}
+
 /// Drag of the air, a detent of twelve notches, a spring, and friction that depends on the side: all of them leave many
 /// times the noise.
 #[test]
@@ -107,9 +146,11 @@ fn what_is_missing_from_the_model_is_no_touch() {
         |angle, _, direction| if angle > 0.0 { -6e-4 * direction } else { 0.0 },
     ];
     for (k, law) in laws.into_iter().enumerate() {
-        let fit = fitted(&[swing(Some(law), 1e-4, &[], 5)], Method::LeastSquares);
-        assert!(fit.rmse_rad > 2.0 * fit.noise_rad, "law {k} is seen: {} of {}", fit.rmse_rad, fit.noise_rad);
-        assert_eq!(fit.touches, [], "law {k}");
+        for seconds in [SECONDS, SHORT_SECONDS] {
+            let fit = fitted(&[swing_of(seconds, Some(law), 1e-4, &[], 5, |_| 0.0)], Method::LeastSquares);
+            assert!(fit.rmse_rad > 2.0 * fit.noise_rad, "law {k} is seen: {} of {}", fit.rmse_rad, fit.noise_rad);
+            assert_eq!(fit.touches, [], "law {k}");
+        }
     }
 }
 

@@ -106,7 +106,7 @@ pub fn diagnose_counted<'r>(
     let (began, rig) = (Instant::now(), rig.into());
     let problem = base_problem(swings, rig, count);
     let base = fitted_as_it_is(&problem);
-    let touches = touch::touches(swings, &base.parameters, &base.starts);
+    let touches = touch::touches_of(&problem, &base);
     if !touches.is_empty() {
         let mut found = diagnose_counted(&touch::longest(swings, &touches), held_out, rig, wishes, count);
         found.touches.splice(0..0, touches);

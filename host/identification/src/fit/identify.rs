@@ -90,7 +90,7 @@ pub fn fit<'r>(
             (not_worse_than_given(&problem, found), stages)
         }
     };
-    let mut touches = touch::touches(swings, &model.parameters, &model.starts);
+    let mut touches = touch::touches_of(&problem, &model);
     let is_anew = !touches.is_empty() && options.method != Method::Rsm;
     let parts = if is_anew { touch::parted(swings, &touches) } else { Vec::new() };
     let anew = is_anew.then(|| problem_of(&parts, rig, &count));

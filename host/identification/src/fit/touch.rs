@@ -8,9 +8,11 @@
 //! about it, and stands far out of what the other places of the same swing show. Where that can't be asked, because a swing
 //! is short, nothing is said: missing physics that is taken for a touch would be worse than a touch that is missed.
 
+mod proof;
 mod scan;
 
-use super::problem::Start;
+use super::fitted::Fitted;
+use super::problem::{Problem, Start};
 use crate::cores::on_all_cores;
 use crate::number::with_spread;
 use crate::swing::Swing;
@@ -130,6 +132,12 @@ pub fn touches(swings: &[Swing], parameters: &Parameters<f64>, starts: &[Start])
         outstanding(&places).into_iter().map(|at| Touch::of(idx, swing, &places[at])).collect()
     };
     on_all_cores(swings.iter().enumerate(), of_swing).concat()
+}
+
+/// The touches of the swings of a fitted model; of short ones one that both parts prove.
+pub fn touches_of(on: &Problem, model: &Fitted) -> Vec<Touch> {
+    let found = touches(on.swings, &model.parameters, &model.starts);
+    if found.is_empty() { proof::proven(on, model).into_iter().collect() } else { found }
 }
 
 /// The places, in order, that stand far out of all others; as few as do.
