@@ -74,8 +74,11 @@ pub fn swings_in_what_is_left(on: &Problem, model: &Fitted) -> Option<(Vec<Swing
 }
 
 /// The noise of each swing that a pendulum's model leaves so much of, sample by sample; `None` where more of it than chance makes
-/// is remembered for longer than a tenth of a period.
+/// is remembered for longer than a tenth of a period, and where a rest has told of each already.
 pub fn noises_left(swings: &[Swing], left: &[&[f64]], pendulum: &Pendulum<f64>) -> Option<Vec<NoiseLeft>> {
+    if swings.iter().all(|swing| swing.colour.is_some()) {
+        return None;
+    }
     let block_s = TAU * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt() / BLOCKS_A_PERIOD;
     let means_of = |(swing, left): (&Swing, &&[f64])| {
         let n_block = (block_s * (swing.len() - 1) as f64 / swing.duration_s()) as usize;
@@ -133,17 +136,26 @@ mod tests {
     /// Of the noise that a filter of so many samples passes.
     const FILTERED_RAD: f64 = 1e-3;
 
-    /// What the base model leaves of a swing is told as noise of this size, where neighbours tell `as_read`.
-    fn told(truth: &Parameters<f64>, seconds: f64, rho: f64, as_read: f64) -> Option<ShortMemory> {
+    /// A swing of a truth with filtered noise, of which neighbours tell `as_read`.
+    fn swing(truth: &Parameters<f64>, seconds: f64, rho: f64, as_read: f64) -> Swing {
         let (white, mut noise, mut last) = (simulated("one", truth, seconds, 1), Noise::new(2), 0.0);
         let mut filtered = || {
             last = rho * last + (1.0 - rho * rho).sqrt() * FILTERED_RAD * noise.normal();
             last
         };
         let angles_rad: Vec<f64> = white.angles_rad.iter().map(|angle| angle + filtered()).collect();
-        let (swings, count) = ([Swing::new("one", &white.times_s, &angles_rad, as_read)], Tally::default());
+        Swing::new("one", &white.times_s, &angles_rad, as_read)
+    }
+
+    /// What is told of the noise by what the base model leaves of a swing.
+    fn told_of(swing: Swing) -> Option<ShortMemory> {
+        let (swings, count) = ([swing], Tally::default());
         let problem = problem_of(&swings, &rig(), &count);
         swings_in_what_is_left(&problem, &fitted(&problem, &rig())).map(|(_, told)| told)
+    }
+
+    fn told(truth: &Parameters<f64>, seconds: f64, rho: f64, as_read: f64) -> Option<ShortMemory> {
+        told_of(swing(truth, seconds, rho, as_read))
     }
 
     fn with(name: &str, values: &[f64]) -> Parameters<f64> {
@@ -163,6 +175,9 @@ mod tests {
         assert_eq!(told(&rig(), 20.0, 0.7, true_rad), None);
         // Too few swings to tell what comes back with them.
         assert_eq!(told(&rig(), 5.0, 0.7, 6e-4), None);
+        // What a rest has told stands.
+        let colour = Colour { independent_share: 0.3, n_independent: 100.0 };
+        assert_eq!(told_of(swing(&rig(), 20.0, 0.7, 6e-4).in_noise(6e-4, colour)), None);
         // As slow as the swing: it may be anything.
         assert_eq!(told(&rig(), 20.0, 0.98, 6e-4), None);
     }
