@@ -272,8 +272,10 @@ impl Summary<'_, '_, '_> {
         let rmse = |cost: f64| (cost / n_samples).sqrt();
         let noise = problem.noise_rad();
         let measured = problem.swings.first().map_or(Measured::Angle, |swing| swing.measured);
-        // A gyroscope has a bias; an angle's zero may be right, and where it is no part of what is told, it is free as in a fit.
-        let is_zero_told = self.offset_is_missing || self.claimed.effects.is_empty();
+        // A gyroscope has a bias; an angle's zero may be right. Where it is no part of what is told, and nothing that it would imitate
+        // is, it is free as in a fit.
+        let resembles = zero::resembling().is_some_and(|effect| self.claimed.has(effect.name));
+        let is_zero_told = self.offset_is_missing || self.claimed.effects.is_empty() || resembles;
         let rmse_before = match measured {
             Measured::Angle if is_zero_told => rmse(zero::cost_with_offsets_within(problem, base, 0.0)),
             _ => rmse(base.cost),
