@@ -1,7 +1,7 @@
 //! The model let run beside a swing: only the swing's own start is fitted, the parameters stay as they are.
 //!
 //! A model whose numbers were fitted to the swing starts where all its samples say: that is how it was fitted. A model
-//! with the numbers of another pendulum starts where its first samples say, or it would begin elsewhere because that
+//! with the numbers of another pendulum starts where its first samples say, if it would begin elsewhere because that
 //! lowers its error later.
 
 use super::rms;
@@ -10,9 +10,9 @@ use crate::fit::linear::Steps;
 use crate::fit::problem::{Point, Problem, Start};
 use crate::fit::start;
 use crate::fit::tally::Tally;
+use crate::pace;
 use crate::swing::{Swing, Window};
 use shared::parameters::Parameters;
-use std::f64::consts::TAU;
 
 /// The window grows in these steps of the usual pace, s. With the parameters fixed only a start can be wrong, so few
 /// steps suffice.
@@ -84,9 +84,7 @@ const ELSEWHERE: f64 = 0.02;
 const BEGINNING_PERIODS: f64 = 0.25;
 
 fn beginning_of(parameters: &Parameters<f64>) -> Window {
-    let pendulum = &parameters.pendulum;
-    let frequency_rad_s = (pendulum.gravity_torque_nm() / pendulum.pivot_inertia_kg_m2()).sqrt();
-    Window::First(BEGINNING_PERIODS * TAU / frequency_rad_s)
+    Window::First(BEGINNING_PERIODS * pace::small_period_s(&parameters.pendulum))
 }
 
 /// Takes angle and velocity of the start from the first samples alone, about this zero of the sensor.

@@ -7,12 +7,12 @@
 use super::fitted::Fitted;
 use super::problem::Problem;
 use crate::number::significant;
+use crate::pace;
 use crate::recording::noise::Colour;
 use crate::swing::Swing;
 use crate::verdict::Left;
 use serde::Serialize;
 use shared::motion::Pendulum;
-use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 /// Blocks of a period. Half and twice were not tried.
@@ -59,7 +59,8 @@ pub struct NoiseLeft {
     pub colour: Colour,
 }
 
-/// The swings of a problem in the noise that a model leaves, where more than their own is left and hardly any of that is remembered.
+/// The swings of a problem in the noise that a model leaves, where more than their own is left and hardly any of that is
+/// remembered.
 pub fn swings_in_what_is_left(on: &Problem, model: &Fitted) -> Option<(Vec<Swing>, ShortMemory)> {
     if on.chi_square(model.cost).left() == Left::Noise {
         return None;
@@ -79,7 +80,7 @@ pub fn noises_left(swings: &[Swing], left: &[&[f64]], pendulum: &Pendulum<f64>) 
     if swings.iter().all(|swing| swing.colour.is_some()) {
         return None;
     }
-    let block_s = TAU * (pendulum.pivot_inertia_kg_m2() / pendulum.gravity_torque_nm()).sqrt() / BLOCKS_A_PERIOD;
+    let block_s = pace::small_period_s(pendulum) / BLOCKS_A_PERIOD;
     let means_of = |(swing, left): (&Swing, &&[f64])| {
         let n_block = (block_s * (swing.len() - 1) as f64 / swing.duration_s()) as usize;
         (n_block > 1).then(|| means(left, n_block))

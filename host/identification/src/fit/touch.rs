@@ -6,7 +6,8 @@
 //! The scan asks every place of a swing which jump would explain the motion about it best. A model that errs smoothly errs
 //! everywhere, and by no single jump. So a touch is a place where a jump is beyond chance, explains most of what is left
 //! about it, and stands far out of what the other places of the same swing show. Where that can't be asked, because a swing
-//! is short, nothing is said: missing physics that is taken for a touch would be worse than a touch that is missed.
+//! is short, both its parts must prove it (`proof.rs`), or nothing is said: missing physics that is taken for a touch would be
+//! worse than a touch that is missed.
 
 mod proof;
 mod scan;
