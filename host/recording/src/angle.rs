@@ -29,6 +29,9 @@ const SPRING_RAD: f64 = 1.2;
 /// Angles that seem this much larger than read as degrees are radians, 57 times; magnets make them seem a few times.
 const RADIANS_AS_DEGREES: f64 = 20.0;
 
+/// Larger angles in degrees are no radians of a pendulum.
+const SMALL_DEG: f64 = std::f64::consts::PI;
+
 /// What the numbers of a file need to become angles.
 pub(super) struct Angles<'a> {
     pub(super) times_s: &'a [f64],
@@ -190,6 +193,18 @@ impl Angles<'_> {
                 ));
                 return Ok(());
             }
+            Scale::Unknown if unit == Some(AngleUnit::Degrees) && !is_told => {
+                let largest = swings.largest_rad.to_degrees();
+                if largest < SMALL_DEG
+                    && swings.may_be_larger(AngleUnit::Radians.radians() / AngleUnit::Degrees.radians())
+                {
+                    self.notes.push(format!(
+                        "doubtful: degrees, as the file says, up to {largest:.2}, but the period grows as for radians; if they are, \
+                         say --radians"
+                    ));
+                }
+                return Ok(());
+            }
             _ => return Ok(()),
         };
         let may_be_spring = swings.largest_rad < SPRING_RAD && unit.is_none();
@@ -277,6 +292,37 @@ mod tests {
             let middle_deg = (angles.iter().fold(f64::MAX, |a, b| a.min(*b)) + 40_f64.to_radians()).to_degrees();
             assert!((middle_deg - left_deg).abs() < 2.0 && notes[0].contains(said), "{middle_deg} {notes:?}");
         }
+    }
+
+    /// Fifteen swings from 0.6, and readings that scatter by a hundredth of it: too little for a refusal.
+    fn fifteen_swings(torque: impl Fn(f64) -> f64) -> Vec<f64> {
+        let (mut angle, mut velocity, mut noise) = (0.6_f64, 0.0_f64, crate::random::Noise::new(1));
+        let mut readings = Vec::new();
+        for step_idx in 0..15_000 {
+            if step_idx % 25 == 0 {
+                readings.push(angle + 5e-3 * noise.normal());
+            }
+            velocity -= 1e-3 * (39.5 * torque(angle) + 0.2 * velocity);
+            angle += 1e-3 * velocity;
+        }
+        readings
+    }
+
+    #[test]
+    fn radians_under_the_name_of_degrees_are_doubted_and_degrees_are_not() {
+        let said = |readings: &[f64]| {
+            let times_s: Vec<f64> = (0..readings.len()).map(|idx| 0.025 * idx as f64).collect();
+            let (options, mut notes) = (ReadOptions::default(), Vec::new());
+            let told = Told { time: Some(0), reading: 1 };
+            let angles = Angles { times_s: &times_s, is_ours: false, options: &options, told, notes: &mut notes };
+            angles.of_column(None, readings, Some(AngleUnit::Degrees)).unwrap();
+            notes
+        };
+        let in_radians = said(&fifteen_swings(f64::sin));
+        assert!(in_radians.len() == 1 && in_radians[0].contains("--radians"), "{in_radians:?}");
+        let half_a_degree = fifteen_swings(|angle| angle);
+        let of_34_degrees: Vec<f64> = fifteen_swings(f64::sin).iter().map(|angle| angle.to_degrees()).collect();
+        assert_eq!([said(&half_a_degree), said(&of_34_degrees)], [Vec::<String>::new(), Vec::new()]);
     }
 
     #[test]

@@ -65,8 +65,10 @@ pub(super) struct Circle {
     up: f64,
     /// Its centre is that of x and y, and the arc would not have told it.
     is_about_origin: bool,
-    /// The radius that the arc itself would have had then, if it is another one.
-    arc_radius: Option<f64>,
+    /// The circle of the arc itself then, if its radius is another one.
+    arc: Option<Box<Self>>,
+    /// Small swings hang by its radius in metres, not by this one.
+    period_tells_arc: bool,
     /// By which share of the radius a bent picture may move its centre, if that was not told.
     doubt: f64,
     /// Share of the points that lie somewhere else and tell nothing of it.
@@ -98,9 +100,9 @@ impl Circle {
         if spread > MOST_SPREAD
             && let Some(about_origin) = Self::about_origin(points)
         {
-            let is_other = |radius: &f64| (radius / about_origin.radius - 1.0).abs() > NOTED_BENT;
-            let arc_radius = circle.map(|(circle, _)| circle.radius).filter(is_other);
-            return Ok(Self { arc_radius, ..about_origin });
+            let is_other = |arc: &Self| (arc.radius / about_origin.radius - 1.0).abs() > NOTED_BENT;
+            let arc = circle.map(|(circle, _)| circle).filter(is_other);
+            return Ok(Self { arc: arc.map(Box::new), ..about_origin });
         }
         match circle {
             None => Err(short(1.0)),
@@ -119,7 +121,8 @@ impl Circle {
             off: 0.0,
             up,
             is_about_origin: false,
-            arc_radius: None,
+            arc: None,
+            period_tells_arc: false,
             doubt: 0.0,
             stray: 0.0,
         };
@@ -147,13 +150,16 @@ impl Circle {
     }
 
     /// The same without its doubt where small swings of that period (s) hang by this radius in metres, and by that of the arc not
-    /// half as well.
+    /// half as well. The other way round that makes the doubt larger, but rods swing as longer strings do.
     pub(super) fn unless_period_tells(self, period_s: f64) -> Self {
         let told = GRAVITY_M_S2 * (period_s / TAU).powi(2);
-        let off = |radius: f64| (radius / told).ln().abs();
-        let is_told = |arc: &f64| off(self.radius) < PERIOD_TELLS.min(off(*arc) / 2.0);
-        let arc_radius = self.arc_radius.filter(|arc| !is_told(arc));
-        Self { arc_radius, ..self }
+        let off = |circle: &Self| (circle.radius / told).ln().abs();
+        let Some(arc) = &self.arc else { return self };
+        let [off_origin, off_arc] = [off(&self), off(arc)];
+        match off_origin < PERIOD_TELLS.min(off_arc / 2.0) {
+            true => Self { arc: None, ..self },
+            false => Self { period_tells_arc: off_arc < PERIOD_TELLS.min(off_origin / 2.0), ..self },
+        }
     }
 
     fn unless_off(self) -> Result<Self, Fault> {
@@ -175,19 +181,23 @@ impl Circle {
 
     /// What was found, for a person.
     pub(super) fn in_words(&self) -> String {
-        let Self { x, y, radius, off, up, is_about_origin, arc_radius, doubt, stray } = self;
+        let Self { x, y, radius, off, up, is_about_origin, arc, period_tells_arc, doubt, stray } = self;
         let way = if *up > 0.0 { "up" } else { "down" };
         let so_far = if *off > NOTED_OFF {
             format!("; the points are {:.1} % of it off, as when the camera is not square to the swing", 100.0 * off)
         } else if *is_about_origin {
-            let arc_itself = |radius: &f64| {
+            let arc_itself = |arc: &Self| {
                 format!(
-                    "; doubtful, the arc by itself would have a radius of {radius:.4}, and every angle would be {:.2} times \
-                     as large: --pivot X,Y says where the pivot is",
-                    self.radius / radius
+                    "; doubtful, the arc by itself would have a radius of {:.4}{}, and every angle would be {:.2} times as \
+                     large: --pivot X,Y says where the pivot is, --pivot={:.4},{:.4} that of the arc",
+                    arc.radius,
+                    if *period_tells_arc { ", which is that of a string with this period in metres" } else { "" },
+                    self.radius / arc.radius,
+                    arc.x,
+                    arc.y
                 )
             };
-            let doubt = arc_radius.as_ref().map_or(String::new(), arc_itself);
+            let doubt = arc.as_deref().map_or(String::new(), arc_itself);
             format!(", the origin of x and y, from which all points are equally far{doubt}")
         } else if *doubt > NOTED_BENT {
             format!(
@@ -338,6 +348,19 @@ mod tests {
             assert!(words.contains("the origin of x and y"), "{words}");
             assert_eq!(words.contains("doubtful"), is_doubted, "{period_s} {words}");
         }
+    }
+
+    /// The arc of half a metre's string, whose axes lie a third of that too high.
+    #[test]
+    fn a_doubt_names_the_pivot_of_the_arc_and_a_period_that_tells_it() {
+        let (_, x, y) = arc(0.08, 1.0, 0.2);
+        let x: Vec<f64> = x.iter().map(|x| (x - 300.0) / 400.0).collect();
+        let y: Vec<f64> = y.iter().map(|y| (y - 100.0 + 70.0) / 400.0).collect();
+        let words = |period_s: f64| Circle::through(&x, &y, None).unwrap().unless_period_tells(period_s).in_words();
+        let half_a_metre_s = TAU * (0.5 / GRAVITY_M_S2).sqrt();
+        assert!(words(half_a_metre_s).contains("that of a string with this period"), "{}", words(half_a_metre_s));
+        let other = words(1.3 * half_a_metre_s);
+        assert!(other.contains("--pivot=") && !other.contains("string"), "{other}");
     }
 
     #[test]

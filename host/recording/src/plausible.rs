@@ -177,6 +177,16 @@ impl Swings {
         self.growth().is_some_and(is_near) || growth_while_falling(&self.periods).is_some_and(is_near)
     }
 
+    /// May the period grow as for angles so many times as large, as far as is seen? What is lost in its error may not.
+    pub fn may_be_larger(&self, factor: f64) -> bool {
+        /// Standard errors. It only makes a doubt of what no verdict is sure of.
+        const LIKELY: f64 = 2.0;
+        let grows = |(growth, spread, _): (f64, f64, f64)| {
+            growth > LIKELY * spread && (growth - factor.powi(2)).abs() < LIKELY * spread
+        };
+        self.growth().is_some_and(grows)
+    }
+
     /// Compares the growth of the period with the amplitude with that of a pendulum.
     pub fn scale(&self) -> Scale {
         // There and back over more than half a turn to either side: no pendulum does that.

@@ -44,6 +44,10 @@ const NOISE_SPREADS: f64 = 5.0;
 /// Digits of a noise that a message shows.
 const NOISE_DIGITS: usize = 3;
 
+/// What is taken of a recording is doubted where it swings over less than this share of what a longer part swings over that is
+/// cut. Half and twice of it say the same of the recording in water for which it was made, which keeps a twentieth.
+const SMALL_TAIL: f64 = 0.3;
+
 /// Times are shown to so much, s.
 const SHOWN_S: f64 = 0.01;
 
@@ -406,6 +410,16 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
+/// That the best of the swings may be what is cut: it takes longer than all that is left, and swings far larger.
+fn doubt_of_tail(cut: &Cut, before: &Range<usize>, free: &Range<usize>) -> Option<String> {
+    let (largest_rad, taken_rad) = (cut.largest_rad(before)?, cut.largest_rad(free)?);
+    let is_tail = cut.duration_s(before) > cut.duration_s(free) && taken_rad < SMALL_TAIL * largest_rad;
+    is_tail.then(|| {
+        let times = largest_rad / taken_rad;
+        format!("doubtful: what is cut before takes longer and swings {times:.0} times as far; is that the free swing?")
+    })
+}
+
 fn notes(
     [cut, alone]: [&Cut; 2],
     options: &SegmentOptions,
@@ -440,6 +454,9 @@ fn notes(
         }
         _ => {}
     }
+    if options.from_s.is_none() && !start.was_held {
+        notes.extend(doubt_of_tail(cut, &(cut.asked.start..start.free_idx), free));
+    }
     if free.start > start.free_idx {
         let more_s = cut.times_s()[free.start] - cut.times_s()[start.free_idx];
         notes.push(format!(
@@ -461,9 +478,12 @@ fn notes(
     }
     if let Some(other) = cut.longest_of(cut.other_swings(free)) {
         let (from_s, to_s) = (cut.times_s()[other.start], cut.times_s()[other.end - 1]);
+        let why = match cut.duration_s(&other) > cut.duration_s(free) {
+            true => "the one that swings more often is taken, though it is shorter",
+            false => "the longest one is taken",
+        };
         notes.push(format!(
-            "a free swing from {from_s:.2} to {to_s:.2} s is left out, the longest one is taken; --from {from_s:.2} --to \
-             {to_s:.2} takes that one"
+            "a free swing from {from_s:.2} to {to_s:.2} s is left out, {why}; --from {from_s:.2} --to {to_s:.2} takes that one"
         ));
     }
     if cut.states.is_empty() {

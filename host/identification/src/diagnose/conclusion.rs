@@ -171,7 +171,7 @@ impl<'a, 'b> Bench<'a, 'b> {
     /// them. One effect that explains the swings comes first. The levels alone are one fit, whatever the search has taken.
     pub(super) fn with_levels(&self, base: &Fitted, alone: &Conclusion) -> Option<Conclusion> {
         let (problem, claimed) = (self.problem, &alone.claimed);
-        let is_told = is_explained(problem, claimed) && claimed.effects.len() < 2;
+        let is_told = is_explained(problem, claimed) && claimed.effects.len() < 2 && !levels::is_drift_alone(claimed);
         if is_told || !levels::may_differ(problem) {
             return None;
         }

@@ -68,10 +68,21 @@ pub(super) fn fitted(problem: &Problem, model: &Fitted) -> Fitted {
     begun.refined(problem, Band::Level, Tolerance::JUDGE)
 }
 
-/// Do levels explain most of what a model without them leaves, and do they hold?
+/// Is it friction that changes with time alone? Releases from different heights pass the same amplitudes at other times,
+/// so that levels imitate it, as it imitates them.
+pub(super) fn is_drift_alone(model: &Fitted) -> bool {
+    model.effects.len() == 1 && model.effects[0].rules.needs_several_releases
+}
+
+/// Do levels explain most of what a model without them leaves, and do they hold? In place of friction that changes with
+/// time alone they have to leave less.
 pub(super) fn are_worth_it(problem: &Problem, before: &Fitted, after: &Fitted) -> bool {
+    let is_simpler = match is_drift_alone(before) {
+        true => after.effects.is_empty() && after.cost < before.cost,
+        false => after.effects.len() + 1 < before.effects.len(),
+    };
     let enough = match is_explained(problem, before) {
-        true => is_explained(problem, after) && after.effects.len() + 1 < before.effects.len(),
+        true => is_explained(problem, after) && is_simpler,
         false => excess(problem, after) < MOST_LEFT_UNEXPLAINED * excess(problem, before),
     };
     let holds = || holding(problem, after).standing == Standing::Holds;

@@ -313,6 +313,11 @@ impl Cut<'_> {
         Some(index_of(inside[largest])..index_of(inside[largest + 1]))
     }
 
+    /// Over how much it swings at most, from one turning point to the next, rad.
+    pub(super) fn largest_rad(&self, range: &Range<usize>) -> Option<f64> {
+        sizes_rad(&self.turns_in(range)).into_iter().reduce(f64::max)
+    }
+
     pub(super) fn turns_in(&self, range: &Range<usize>) -> Vec<&TurningPoint> {
         self.turns.iter().filter(|turn| range.contains(&self.recording.index_at(turn.time_s))).collect()
     }

@@ -98,3 +98,16 @@ fn a_second_release_is_found_though_another_swing_came_before() {
         assert!((0.0..0.08).contains(&late_s), "{dry} {drag} {other_rad}: {late_s} {segments:?}");
     }
 }
+
+#[test]
+fn a_small_tail_behind_a_longer_motion_is_doubted() {
+    let moved = |size_rad: f64| {
+        (0..6000).map(move |idx| size_rad * (f64::from(idx) * 0.031).sin() * (f64::from(idx) * 0.0021).cos())
+    };
+    let doubts = |size_rad: f64| {
+        let notes = find(&[moved(size_rad).collect(), swing(0.15, 12.0)].concat()).notes;
+        (notes.iter().any(|note| note.contains("is that the free swing?")), notes)
+    };
+    println!("{:?} {:?}", doubts(1.2), doubts(0.2));
+    assert!(doubts(1.2).0 && !doubts(0.2).0);
+}
