@@ -81,10 +81,10 @@ pub(super) fn are_worth_it(problem: &Problem, before: &Fitted, after: &Fitted) -
         true => after.effects.is_empty() && after.cost < before.cost,
         false => after.effects.len() + 1 < before.effects.len(),
     };
-    let enough = match is_explained(problem, before) {
-        true => is_explained(problem, after) && is_simpler,
-        false => excess(problem, after) < MOST_LEFT_UNEXPLAINED * excess(problem, before),
-    };
+    let explains = is_simpler && is_explained(problem, after);
+    let removes_most =
+        || !is_explained(problem, before) && excess(problem, after) < MOST_LEFT_UNEXPLAINED * excess(problem, before);
+    let enough = explains || removes_most();
     let holds = || holding(problem, after).standing == Standing::Holds;
     enough && holds() && parts(problem, after).iter().any(|part| part.differs)
 }
