@@ -30,7 +30,7 @@ const SPRING_RAD: f64 = 1.2;
 const RADIANS_AS_DEGREES: f64 = 20.0;
 
 /// Larger angles in degrees are no radians of a pendulum.
-const SMALL_DEG: f64 = std::f64::consts::PI;
+const SMALL_DEG: f64 = PI;
 
 /// What the numbers of a file need to become angles.
 pub(super) struct Angles<'a> {
@@ -195,9 +195,7 @@ impl Angles<'_> {
             }
             Scale::Unknown if unit == Some(AngleUnit::Degrees) && !is_told => {
                 let largest = swings.largest_rad.to_degrees();
-                if largest < SMALL_DEG
-                    && swings.may_be_larger(AngleUnit::Radians.radians() / AngleUnit::Degrees.radians())
-                {
+                if largest < SMALL_DEG && swings.may_be_larger(1_f64.to_degrees()) {
                     self.notes.push(format!(
                         "doubtful: degrees, as the file says, up to {largest:.2}, but the period grows as for radians; if they are, \
                          say --radians"

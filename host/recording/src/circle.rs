@@ -67,7 +67,7 @@ pub(super) struct Circle {
     is_about_origin: bool,
     /// The circle of the arc itself then, if its radius is another one.
     arc: Option<Box<Self>>,
-    /// Small swings hang by its radius in metres, not by this one.
+    /// Small swings hang by the radius of the arc in metres, not by this one.
     period_tells_arc: bool,
     /// By which share of the radius a bent picture may move its centre, if that was not told.
     doubt: f64,

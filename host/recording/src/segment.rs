@@ -45,7 +45,7 @@ const NOISE_SPREADS: f64 = 5.0;
 const NOISE_DIGITS: usize = 3;
 
 /// What is taken of a recording is doubted where it swings over less than this share of what a longer part swings over that is
-/// cut. Half and twice of it say the same of the recording in water for which it was made, which keeps a twentieth.
+/// cut. Half and twice of it say the same of the recording in water for which it was made, whose tail keeps a thirteenth.
 const SMALL_TAIL: f64 = 0.3;
 
 /// Times are shown to so much, s.

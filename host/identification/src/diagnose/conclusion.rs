@@ -168,7 +168,8 @@ impl<'a, 'b> Bench<'a, 'b> {
     }
 
     /// The same with friction levels that differ between the releases, where they explain most of what is left without
-    /// them. One effect that explains the swings comes first. The levels alone are one fit, whatever the search has taken.
+    /// them. One effect that explains the swings comes first, friction that changes with time alone only where it leaves less.
+    /// The levels alone are one fit, whatever the search has taken.
     pub(super) fn with_levels(&self, base: &Fitted, alone: &Conclusion) -> Option<Conclusion> {
         let (problem, claimed) = (self.problem, &alone.claimed);
         let is_told = is_explained(problem, claimed) && claimed.effects.len() < 2 && !levels::is_drift_alone(claimed);
