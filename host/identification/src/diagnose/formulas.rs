@@ -340,7 +340,7 @@ mod tests {
             let guess = guess(&problem, vec![law], &[]).unwrap();
             let start = guess.effect.starts[0];
             let model = model.with(guess.effect, &start).unwrap();
-            (guess.clone(), Prediction { effect: guess.effect, start, reduction, model })
+            (guess.clone(), Prediction { effect: guess.effect, start, reduction, at_start: model.clone(), model })
         };
         let all = [judged(OF_ANGLE[0], 9.0), judged(OF_SPEED[LINEAR], 1.0), judged(OF_SPEED[POWER], 2.0)];
         let found = combined(&problem, &all);

@@ -23,14 +23,18 @@ pub struct Prediction {
     pub start: [f64; MAX_VALUES],
     /// By how much the cost would fall, rad²: the predicted reduction.
     pub reduction: f64,
+    /// The model with the effect at its start, before the step.
+    pub at_start: Fitted,
     /// The model after the step, not fitted yet.
     pub model: Fitted,
 }
 
 impl Prediction {
-    /// Fits what it leads to, Ms and DV as they are.
+    /// Fits what it leads to, Ms and DV as they are; from before the step where that leads to worse.
     pub fn fitted(&self, on: &Problem) -> Fitted {
-        self.model.refined(on, Band::Held, Tolerance::SCREEN)
+        let fitted = |model: &Fitted| model.refined(on, Band::Held, Tolerance::SCREEN);
+        let led = fitted(&self.model);
+        if led.cost > self.at_start.cost { led.better(fitted(&self.at_start)) } else { led }
     }
 
     /// Begun with the first swings: over many periods a step that changes the period leads into a side valley, or into one so
@@ -70,6 +74,7 @@ fn prediction(
     let step = bounded_step(&problem, &point, &equations, ANSWER_DAMPING);
     let cost = equations.cost - equations.gain(&step);
     let stepped = Fitted::at(&problem, &stepped(&point, &step, problem.unknowns.len()));
-    let model = Fitted { effects: larger.effects, ..stepped };
-    cost.is_finite().then_some(Prediction { effect, start: *start, reduction: before - cost, model })
+    let model = Fitted { effects: larger.effects.clone(), ..stepped };
+    let at_start = Fitted { cost: equations.cost, ..larger };
+    cost.is_finite().then_some(Prediction { effect, start: *start, reduction: before - cost, at_start, model })
 }

@@ -285,7 +285,8 @@ fn found_roughly(
     // most that explain the swings do so only then.
     let (swinging, others): (Vec<&Fitted>, Vec<&Fitted>) = beam.iter().partition(|model| swings(model));
     let level = looked_at_again(rough, others.into_iter().flat_map(extended).collect());
-    if swinging.is_empty() || !budget.allows_more() || level.iter().any(|model| is_explained(rough, model)) {
+    let nearly_explains = |model: &Fitted| rough.chi_square(model.cost).left() != Left::Missing;
+    if swinging.is_empty() || !budget.allows_more() || level.iter().any(nearly_explains) {
         return level;
     }
     looked_at_again(rough, level.into_iter().chain(swinging.into_iter().flat_map(extended)).collect())

@@ -7,7 +7,7 @@ use super::extension::extensions;
 use super::holds::{Holding, Standing};
 use super::models::excess;
 use super::replacement::Replacements;
-use super::score::predictions;
+use super::score::{Prediction, predictions};
 use super::search::{Found, search};
 use super::summary::{Diagnosis, Summary};
 use super::verdict::{INDISTINGUISHABLE, Judge};
@@ -636,6 +636,20 @@ fn a_small_magnet_is_found_wherever_a_slow_pendulum_passes_it() {
         let best = predictions(&problem, &fitted(&problem, &rig()), &[effect("eddy-brake")]).remove(0).fitted(&problem);
         assert!(best.cost < 1.1 * problem.noise_cost(), "{at_rad}: {} {}", best.cost, problem.noise_cost());
     }
+}
+
+/// A linear step may be far too long, and lead into a side valley.
+#[test]
+fn a_fit_never_ends_above_where_its_effect_began() {
+    let (swings, count) = (with_drag(), Tally::default());
+    let problem = problem_of(&swings, &rig(), &count);
+    let promise = predictions(&problem, &fitted(&problem, &rig()), &[effect("quadratic-drag")]).remove(0);
+    let mut far = promise.model.clone();
+    far.parameters.pendulum.inertia_kg_m2 *= 1.3;
+    let led = far.refined(&problem, Band::Held, Tolerance::SCREEN);
+    assert!(led.cost > promise.at_start.cost, "the step alone leads astray");
+    let begun_again = Prediction { model: far, ..promise.clone() }.fitted(&problem);
+    assert!(begun_again.cost < 0.5 * promise.at_start.cost, "{} {}", begun_again.cost, promise.at_start.cost);
 }
 
 /// Rest is at another turn with it than without, so that the level that suits the base leads its fit astray.
