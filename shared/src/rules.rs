@@ -7,6 +7,8 @@ pub struct Rules {
     pub needs_several_releases: bool,
     /// It depends on how far from the pivot the mass is, which swings alone do not tell.
     pub needs_geometry: bool,
+    /// It is of a sensor that reads angles: an error that depends on where its scale stands, or play that has a width.
+    pub needs_angles: bool,
     /// Which of its parameters is the angle, in rad, at which its torque vanishes. One that lies nowhere on the way
     /// makes it a constant torque, and no finding.
     pub relaxes_at: Option<u8>,
@@ -39,6 +41,7 @@ impl Rules {
     pub const NONE: Self = Self {
         needs_several_releases: false,
         needs_geometry: false,
+        needs_angles: false,
         relaxes_at: None,
         must_lie_within: None,
         is_free_offset: false,

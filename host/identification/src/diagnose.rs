@@ -173,6 +173,8 @@ fn candidates(swings: &[Swing], is_geometry_known: bool) -> (Vec<&'static Effect
              law of speed or angle"
         } else if effect.rules.needs_geometry && !is_geometry_known {
             "needs the mass and how far from the pivot it is, in rig.toml: with an unknown geometry its torque is another one"
+        } else if effect.rules.needs_angles && is_rate {
+            "is an error of a sensor of angles, and this one reads rates"
         } else {
             tried.push(effect);
             continue;

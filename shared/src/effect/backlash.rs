@@ -38,7 +38,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         family: Family::Give,
         generalises: None,
         is_fine: false,
-        rules: Rules::NONE,
+        rules: Rules { needs_angles: true, ..Rules::NONE },
         action: Action::Sensor(Sensor { start, read }),
     }
 }

@@ -41,7 +41,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         family: Family::Reading,
         generalises: None,
         is_fine: false,
-        rules: Rules { is_left_to_diagnosis: true, ..Rules::NONE },
+        rules: Rules { needs_angles: true, is_left_to_diagnosis: true, ..Rules::NONE },
         action: Action::Sensor(Sensor { start, read }),
     }
 }

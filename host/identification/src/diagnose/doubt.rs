@@ -37,8 +37,8 @@ impl Judge<'_, '_> {
     }
 
     /// The first effect that can't be told from none. A strength and an exponent make up for each other, so that either is enough
-    /// if it is beyond its own error, while a place that is known proves nothing. Of a sine and a cosine one has to be beyond
-    /// chance, however well their notches are known.
+    /// if it is beyond its own error, while a place that is known proves nothing, nor does an exponent on the end of its range. Of
+    /// a sine and a cosine one has to be beyond chance, however well their notches are known.
     fn vague(&self, model: &Fitted) -> Option<&'static Effect<f64>> {
         if model.effects.is_empty() {
             return None;
@@ -48,9 +48,9 @@ impl Judge<'_, '_> {
             let own = values.iter().filter(|value| value.effect == effect.name);
             let (strong, places) = (strengths(effect), places(effect));
             let are_several = strong.len() > 1;
-            let mut telling = own.enumerate().filter(|(index, _)| match are_several {
-                true => strong.contains(index),
-                false => !places.contains(index),
+            let mut telling = own.enumerate().filter(|(index, value)| match strong.contains(index) {
+                true => true,
+                false => !are_several && !places.contains(index) && !value.is_on_an_end(),
             });
             telling.all(|(_, value)| value.is_within(if are_several { CHANCE_STDS } else { 1.0 }))
         };

@@ -12,7 +12,7 @@ use super::search::{Found, search};
 use super::summary::{Diagnosis, Summary};
 use super::verdict::{INDISTINGUISHABLE, Judge};
 use super::widening::{exchanged, narrowed, widened};
-use super::{base_problem, diagnose, levels, zero};
+use super::{base_problem, candidates, diagnose, levels, zero};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::{Fitted, Stiction};
 use crate::fit::identify::problem_of;
@@ -22,6 +22,7 @@ use crate::fit::tally::Tally;
 use crate::fit::tolerance::Tolerances;
 use crate::improve::{Bench, Change, ChangeError};
 use crate::random::Noise;
+use crate::recording::Measured;
 use crate::swing::{Swing, Window};
 use crate::verdict::Left;
 use shared::effect::{Effect, MAX_VALUES};
@@ -86,11 +87,26 @@ fn begun(on: &Problem, from: &Parameters<f64>) -> Fitted {
 fn what_needs_the_geometry_is_not_tried_without_it_and_that_is_said() {
     let swings = with_drag();
     let not_tried =
-        |is_known: bool| super::candidates(&swings, is_known).1.into_iter().map(|it| it.effect).collect::<Vec<_>>();
+        |is_known: bool| candidates(&swings, is_known).1.into_iter().map(|it| it.effect).collect::<Vec<_>>();
     assert!(
         not_tried(false).contains(&"load-dependent-coulomb") && !not_tried(true).contains(&"load-dependent-coulomb")
     );
     assert_eq!(not_tried(false).len(), not_tried(true).len() + 1);
+}
+
+/// The sine of a rate is none of an angle, and play has a width in rad.
+#[test]
+fn errors_of_a_scale_of_angles_are_not_tried_of_a_sensor_of_rates() {
+    let names = |measured: Measured| {
+        let swings = [Swing::of("one", measured, &[0.0, 0.1, 0.2, 0.3], &[0.3, 0.1, -0.1, -0.2], 1e-4)];
+        let (tried, not_tried) = candidates(&swings, true);
+        let of_angles = |name: &&str| ["backlash", "eccentric-sensor", "misaligned-sensor"].contains(name);
+        let tried: Vec<&str> = tried.into_iter().map(|effect| effect.name).filter(of_angles).collect();
+        (tried, not_tried.into_iter().map(|not| not.effect).filter(of_angles).collect::<Vec<_>>())
+    };
+    let all = vec!["backlash", "eccentric-sensor", "misaligned-sensor"];
+    assert_eq!(names(Measured::Angle), (all.clone(), Vec::new()));
+    assert_eq!(names(Measured::Rate), (Vec::new(), all));
 }
 
 /// Everything that a judge needs, and asks him.
@@ -597,6 +613,18 @@ fn an_effect_is_vague_whose_strengths_are_whatever_else_is_known_of_it() {
     };
     let named = judged(&swings, levels, |judge| judge.beyond_their_errors(judge.found.levels[0][0].clone()).name());
     assert_eq!(named, "none");
+}
+
+/// On the end of its range it has no error of its own.
+#[test]
+fn an_exponent_on_the_end_of_its_range_does_not_make_a_drag_sure_of_which_there_may_be_none() {
+    let named = |strength: f64| {
+        let truth = rig_with("power-law-drag", &[strength, 4.0]);
+        let swings = [simulated("drag", &truth, 14.0, 1)];
+        let levels = |on: &Problem| (with_excess(on, &rig(), 1.0), vec![vec![begun(on, &truth)]]);
+        judged(&swings, levels, |judge| judge.beyond_their_errors(judge.found.levels[0][0].clone()).name())
+    };
+    assert_eq!([1e-9, DRAG].map(named), ["none", "power-law-drag"]);
 }
 
 /// A spring that hardens so much that the usual one is as stiff as it can be, beside another inertia.

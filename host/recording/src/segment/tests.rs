@@ -397,6 +397,26 @@ fn a_motor_that_is_switched_off_is_cut() {
     }
 }
 
+/// Ten half swings that lose a share of their size, then six that lose another one, as friction does that changes with the
+/// place: of so few, eight times as much is wanted.
+#[test]
+fn a_motor_that_is_switched_off_shortly_before_the_end_is_cut_where_it_held_the_swing() {
+    let half_swing_s = std::f64::consts::PI / 70_f64.sqrt();
+    let start_s = |lost_before: f64, lost_after: f64| {
+        let angle = |idx: usize| {
+            let n = idx as f64 * STEP_S / half_swing_s;
+            let left = 1.0 - lost_before * n.min(10.0) - lost_after * (n - 10.0).max(0.0);
+            0.5 * left * (std::f64::consts::PI * n).cos()
+        };
+        let n_all = (16.3 * half_swing_s / STEP_S) as usize;
+        find(&(0..n_all).map(angle).collect::<Vec<f64>>()).free.start as f64 * STEP_S
+    };
+    let held_s = start_s(0.001, 0.1);
+    assert!((8.0..11.0).contains(&(held_s / half_swing_s)), "{held_s}");
+    let free_s = start_s(0.02, 0.1);
+    assert!(free_s < half_swing_s, "{free_s}");
+}
+
 /// Little friction; for three half swings after a minute a tracker sees two thirds of the swing, and then all of it again.
 #[test]
 fn where_a_tracker_loses_some_swings_no_motor_is_switched_off_before() {
