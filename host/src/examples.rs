@@ -47,5 +47,16 @@ pub(crate) fn comparison() -> Comparison {
 /// A claim that got so far, with its chance without two windows.
 pub(crate) fn claim(standing: Standing, p_without_two: Option<f64>) -> Holding {
     let (effect, windows, rmse, parts) = ("quadratic-drag", 14, 2e-3, Vec::new());
-    Holding { effect, standing, windows, rmse, p: Some(1e-3), p_without_two, value: None, std: None, parts }
+    Holding {
+        effect,
+        standing,
+        windows,
+        rmse,
+        beside: Vec::new(),
+        p: Some(1e-3),
+        p_without_two,
+        value: None,
+        std: None,
+        parts,
+    }
 }

@@ -204,7 +204,9 @@ fn dropped(holding: &Holding) -> String {
         Standing::Vague => "all its numbers within their own errors",
         _ => "not on every part",
     };
-    format!("{}: {why}, would leave {:.2}", holding.effect, 1e3 * holding.rmse)
+    let beside =
+        if holding.beside.is_empty() { String::new() } else { format!(" beside {}", holding.beside.join(" and ")) };
+    format!("{}{beside}: {why}, would leave {:.2}", holding.effect, 1e3 * holding.rmse)
 }
 
 /// What a free friction curve leaves, and whether it holds.

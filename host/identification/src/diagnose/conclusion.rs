@@ -49,9 +49,9 @@ pub(super) struct Conclusion {
 
 /// Of the claims that were dropped on the way those that stay so: what does not hold beside another law may be claimed in the
 /// end without that.
-pub(super) fn not_claimed(mut unproven: Vec<Holding>, claimed: &Fitted) -> Vec<Holding> {
-    unproven.retain(|holding| !claimed.has(holding.effect));
-    unproven
+pub(super) fn not_claimed(unproven: Vec<Holding>, claimed: &Fitted) -> Vec<Holding> {
+    let stay = unproven.into_iter().filter(|holding| !claimed.has(holding.effect));
+    stay.map(|holding| holding.beside_claimed(claimed)).collect()
 }
 
 impl<'a, 'b> Bench<'a, 'b> {
@@ -121,6 +121,7 @@ impl<'a, 'b> Bench<'a, 'b> {
             offset_is_missing = offset_is_missing && zero::is_missing(problem, &claimed);
         }
         let unproven = not_claimed(unproven, &claimed);
+        let holds_on = holds_on.into_iter().map(|holding| holding.beside_claimed(&claimed)).collect();
         Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others }
     }
 

@@ -66,6 +66,8 @@ pub struct Holding {
     pub windows: usize,
     /// Root mean square error of the model that has it, rad.
     pub rmse: f64,
+    /// The effects of that model that are not claimed either; none beside a claimed effect.
+    pub beside: Vec<&'static str>,
     /// Chance that an absent effect looks like this.
     pub p: Option<f64>,
     /// The same without the two neighbouring windows that speak most for it.
@@ -164,7 +166,8 @@ fn tested(on: &Problem, model: &Fitted, name: &'static str, clusters: &[Cluster]
     let parts = parts(on, test, k, whole.value, clusters);
     let rmse = on.rmse_rad(model.cost);
     let (value, std) = (Some(whole.value), whole.std);
-    Holding { effect: name, standing, windows: n_windows, rmse, p, p_without_two, value, std, parts }
+    let beside = others(model, name);
+    Holding { effect: name, standing, windows: n_windows, rmse, beside, p, p_without_two, value, std, parts }
 }
 
 impl Holding {
@@ -172,8 +175,20 @@ impl Holding {
     fn unknown(on: &Problem, model: &Fitted, effect: &'static str, windows: usize) -> Self {
         let (standing, rmse) = (Standing::TooShort, on.rmse_rad(model.cost));
         let (p, p_without_two, value, std) = (None, None, None, None);
-        Self { effect, standing, windows, rmse, p, p_without_two, value, std, parts: Vec::new() }
+        let beside = others(model, effect);
+        Self { effect, standing, windows, rmse, beside, p, p_without_two, value, std, parts: Vec::new() }
     }
+
+    /// Where it stands beside claimed effects alone, these are the claim and need no word.
+    pub(super) fn beside_claimed(mut self, claimed: &Fitted) -> Self {
+        self.beside.retain(|name| !claimed.has(name));
+        self
+    }
+}
+
+/// What was added to a model but for this.
+fn others(model: &Fitted, name: &str) -> Vec<&'static str> {
+    model.names().into_iter().filter(|other| *other != name).collect()
 }
 
 /// Chance that F(q, K − q) is larger.

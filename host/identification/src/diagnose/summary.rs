@@ -438,6 +438,7 @@ mod tests {
             standing,
             windows: 9,
             rmse,
+            beside: Vec::new(),
             p: None,
             p_without_two: None,
             value: None,

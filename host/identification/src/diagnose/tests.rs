@@ -489,11 +489,14 @@ fn what_is_claimed_is_not_told_as_dropped_too() {
         let with_both = with_both.with(effect("torsional-spring"), &[1e-3, 0.0]).unwrap().evaluated(judge.problem);
         let of_both = judge.holdings(&with_both);
         let names = |claimed: &Fitted| {
-            not_claimed(of_both.clone(), claimed).iter().map(|holding| holding.effect).collect::<Vec<_>>()
+            let told = not_claimed(of_both.clone(), claimed);
+            told.into_iter().map(|holding| (holding.effect, holding.beside)).collect::<Vec<_>>()
         };
         [names(&with_both.without(effect("torsional-spring").id)), names(&with_both), names(&judge.found.base)]
     });
-    assert_eq!(dropped, [vec!["torsional-spring"], Vec::new(), vec!["quadratic-drag", "torsional-spring"]]);
+    let (drag, spring) = ("quadratic-drag", "torsional-spring");
+    // What was fitted beside something claimed stands there without a word, beside another that is not claimed with one.
+    assert_eq!(dropped, [vec![(spring, vec![])], vec![], vec![(drag, vec![spring]), (spring, vec![drag])]]);
 }
 
 #[test]

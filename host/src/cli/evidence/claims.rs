@@ -31,17 +31,25 @@ pub(super) fn suspected(diagnosis: &Diagnosis, claim: &Holding) -> String {
             if may_be_chance(claim) { String::new() } else { chance(claim) }
         ),
     };
+    let with = ["it", "both", "all"][claim.beside.len().min(2)];
+    let adding: String = claim.beside.iter().chain([&name]).map(|name| format!(" --add {name}")).collect();
     let words = format!(
-        "Likely, but not proven: {name}. With it the error would fall to {:.2} {unit}, but {why}. Record another release \
-         and give both files; or take it as it is: host improve … --add {name} -o rig.toml",
+        "Likely, but not proven: {name}{}. With {with} the error would fall to {:.2} {unit}, but {why}. Record another release \
+         and give both files; or take it as it is: host improve …{adding} -o rig.toml",
+        beside(claim),
         1e3 * claim.rmse
     );
     wrapped(&words, 0)
 }
 
+/// Beside which other effects, that are not claimed either, it has its error.
+fn beside(claim: &Holding) -> String {
+    if claim.beside.is_empty() { String::new() } else { format!(" beside {}", claim.beside.join(" and ")) }
+}
+
 /// A claim that was dropped.
 pub(super) fn unproven(claim: &Holding, unit: &str) -> String {
-    let name = format!("{} (to {:.2} {unit})", claim.effect, 1e3 * claim.rmse);
+    let name = format!("{}{} (to {:.2} {unit})", claim.effect, beside(claim), 1e3 * claim.rmse);
     let words = match claim.standing {
         Standing::TooShort => format!(
             "Not claimed: {name}. It lowers the error, but there are only {} to check it on; a longer recording, or more \
@@ -128,5 +136,17 @@ mod tests {
             |standing| unproven(&claim(standing, None), "mrad").split_whitespace().collect::<Vec<_>>().join(" ");
         let vague = "Not claimed: quadratic-drag (to 2.00 mrad). It lowers the error, but all its numbers are within";
         assert!(dropped(Standing::Vague).starts_with(vague), "{}", dropped(Standing::Vague));
+    }
+
+    #[test]
+    fn an_error_that_takes_more_than_one_effect_is_told_with_all_of_them() {
+        let beside = |names: &[&'static str]| Holding { beside: names.to_vec(), ..claim(Standing::Partly, None) };
+        let suspect = suspected(&diagnosis(), &beside(&["detent"])).replace('\n', " ");
+        assert!(suspect.contains("quadratic-drag beside detent. With both the error"), "{suspect}");
+        assert!(suspect.contains("host improve … --add detent --add quadratic-drag -o"), "{suspect}");
+        let three = suspected(&diagnosis(), &beside(&["detent", "stribeck"])).replace('\n', " ");
+        assert!(three.contains("beside detent and stribeck. With all the error"), "{three}");
+        let dropped = unproven(&beside(&["detent"]), "mrad").replace('\n', " ");
+        assert!(dropped.starts_with("Not claimed: quadratic-drag beside detent (to 2.00 mrad)."), "{dropped}");
     }
 }

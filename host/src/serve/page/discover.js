@@ -50,9 +50,10 @@ function showWords() {
     'partly': 'not on every part of the swings',
   };
   const why = (claim) => reasons[claim.standing];
+  const named = (claim) => claim.effect + (claim.beside.length ? ` beside ${claim.beside.join(' and ')}` : '');
   const doubt = (claim) => (claim.effect === found.suspect
-    ? ` Likely, but not proven: ${claim.effect}. With it the error would fall to ${mrad(claim.rmse)}, but ${why(claim)}; another release can tell.`
-    : ` Not claimed: ${claim.effect}. It lowers the error to ${mrad(claim.rmse)}, but ${why(claim)}.`);
+    ? ` Likely, but not proven: ${named(claim)}. With ${['it', 'both'][claim.beside.length] || 'all'} the error would fall to ${mrad(claim.rmse)}, but ${why(claim)}; another release can tell.`
+    : ` Not claimed: ${named(claim)}. It lowers the error to ${mrad(claim.rmse)}, but ${why(claim)}.`);
   const dropped = found.unproven.map(doubt).join('');
   const tie = found.family ? ` It is ${found.family.words}; its shape is undecided between ${found.family.members.join(' and ')}.` : found.undecided.length ? ` These swings cannot tell it from ${found.undecided.join(', ')}.` : '';
   const putRight = found.verdict.length ? `put right (${names})`
