@@ -35,6 +35,19 @@ impl<const N: usize> LocalFit<N> {
         Some(Self { centre_s, half_width_s, coefficients: inverse * right, inverse })
     }
 
+    /// The moment around which it was fitted, s.
+    pub fn centre_s(&self) -> f64 {
+        self.centre_s
+    }
+
+    /// Root mean square of what it leaves of the samples that it was fitted to, over those more than it has coefficients, rad.
+    pub fn left_rms_rad(&self, times_s: &[f64], angles_rad: &[f64]) -> f64 {
+        let range = within(times_s, self.centre_s, self.half_width_s);
+        let left = |idx: usize| (angles_rad[idx] - self.angle_rad(times_s[idx])).powi(2);
+        let n_spare = range.len() - N;
+        (range.map(left).sum::<f64>() / n_spare as f64).sqrt()
+    }
+
     /// Angle at a time, rad.
     pub fn angle_rad(&self, time_s: f64) -> f64 {
         self.coefficients.dot(&powers(self.x(time_s)))

@@ -186,17 +186,32 @@ impl Cut<'_> {
 pub(super) fn states(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64, width_s: f64) -> Vec<State> {
     let step_s = median_step_s(times_s);
     let stride = ((width_s / (STATES_PER_WIDTH * step_s)) as usize).max(1);
-    let state = |&time_s: &f64| {
-        let fit = LocalFit::<5>::new(times_s, angles_rad, time_s, width_s)?;
-        Some(State {
-            time_s,
-            angle_rad: fit.angle_rad(time_s),
-            velocity_rad_s: fit.velocity_rad_s(),
-            acceleration_rad_s2: fit.acceleration_rad_s2(),
-            spread_rad_s2: noise_rms_rad * fit.acceleration_spread(),
-        })
+    let moments = || times_s.iter().step_by(stride);
+    let fits: Vec<LocalFit<5>> =
+        moments().filter_map(|time_s| LocalFit::new(times_s, angles_rad, *time_s, width_s)).collect();
+    let jitter_s = jitter_s(&fits, times_s, angles_rad, noise_rms_rad);
+    let state = |fit: &LocalFit<5>| State {
+        time_s: fit.centre_s(),
+        angle_rad: fit.angle_rad(fit.centre_s()),
+        velocity_rad_s: fit.velocity_rad_s(),
+        acceleration_rad_s2: fit.acceleration_rad_s2(),
+        spread_rad_s2: noise_rms_rad.hypot(jitter_s * fit.velocity_rad_s()) * fit.acceleration_spread(),
     };
-    times_s.iter().step_by(stride).filter_map(state).collect()
+    fits.iter().map(state).collect()
+}
+
+/// By how much the times of the readings are off (standard deviation, s): noise that grows with the speed, as that of a camera
+/// whose frames are stamped late, which no rest shows. From the faster half of the states, so that a hand is none.
+fn jitter_s(fits: &[LocalFit<5>], times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64) -> f64 {
+    let mut speeds: Vec<f64> = fits.iter().map(|fit| fit.velocity_rad_s().abs()).collect();
+    let typical_rad_s = median(&mut speeds);
+    let fast = fits.iter().filter(|fit| fit.velocity_rad_s().abs() > typical_rad_s);
+    let off_s = |fit: &LocalFit<5>| {
+        let beyond_noise = fit.left_rms_rad(times_s, angles_rad).powi(2) - noise_rms_rad.powi(2);
+        beyond_noise / fit.velocity_rad_s().powi(2)
+    };
+    let mut squares: Vec<f64> = fast.map(off_s).collect();
+    if squares.is_empty() { 0.0 } else { median(&mut squares).max(0.0).sqrt() }
 }
 
 /// The law with the least squares; states further off an earlier law than its limit do not count.

@@ -417,6 +417,19 @@ fn a_motor_that_is_switched_off_shortly_before_the_end_is_cut_where_it_held_the_
     assert!(free_s < half_swing_s, "{free_s}");
 }
 
+/// A camera at 60 pictures a second that stamps them 3 ms early or late: 15 mrad where it swings fast, nothing where it rests.
+#[test]
+fn readings_that_are_stamped_late_are_no_hand_where_the_swing_is_fast() {
+    let mut noise = crate::random::Noise::new(1);
+    let mut angle = |idx: u32| {
+        let time_s = f64::from(idx) / 60.0 + 3e-3 * noise.normal();
+        0.6 * (-time_s / 4.0).exp() * (70_f64.sqrt() * time_s).cos() + 5e-5 * noise.normal()
+    };
+    let recording = Recording::uniform(60.0, (0..1500).map(&mut angle).collect()).unwrap();
+    let segments = segment(&recording, &SegmentOptions::default()).unwrap();
+    assert!(segments.free.start < 30, "{segments:?}");
+}
+
 /// Little friction; for three half swings after a minute a tracker sees two thirds of the swing, and then all of it again.
 #[test]
 fn where_a_tracker_loses_some_swings_no_motor_is_switched_off_before() {
