@@ -31,6 +31,14 @@ pub(super) fn bare_axes(table: &Table) -> Option<Vec<usize>> {
     ["x", "y", "z"].into_iter().map(place).collect()
 }
 
+/// The first of columns `ax` and `ay`, or all three, that say nothing else; one of them alone may be anything.
+fn bare_accelerations(table: &Table) -> Option<usize> {
+    let names = table.names.as_deref()?;
+    let place = |wanted: &str| names.iter().position(|name| name.trim().eq_ignore_ascii_case(wanted));
+    let found: Vec<usize> = ["ax", "ay", "az"].into_iter().filter_map(place).collect();
+    found.first().copied().filter(|_| found.len() > 1)
+}
+
 /// No column can be the angle; of accelerations and periods it is said why they can't, and of volts and counts how they
 /// can.
 pub(super) fn no_angle(table: &Table) -> Fault {
@@ -48,7 +56,7 @@ pub(super) fn no_angle(table: &Table) -> Fault {
     }
     let first = |is_it: fn(&str) -> bool| table.names.iter().flatten().position(|name| is_it(name));
     let raw = the_raw(table);
-    match (first(is_acceleration), periods(table), raw, first(is_quaternion)) {
+    match (first(is_acceleration).or_else(|| bare_accelerations(table)), periods(table), raw, first(is_quaternion)) {
         (Some(_), ..) => Fault::OnlyAccelerations { available },
         (_, Some(_), ..) => Fault::OnlyDurations { available },
         (.., Some(idx), _) => Fault::OnlyRaw { available, example: example(table, "angle", &[idx], None) },

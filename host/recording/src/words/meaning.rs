@@ -168,6 +168,8 @@ mod tests {
             ("θr", angle(None)),
             ("theta_r", angle(None)),
             ("angle (deg)", angle(Some(AngleUnit::Degrees))),
+            ("angles", angle(None)),
+            ("Ángulos (°)", angle(Some(AngleUnit::Degrees))),
             ("Winkel / °", angle(Some(AngleUnit::Degrees))),
             ("position_rad", angle(Some(AngleUnit::Radians))),
             ("deg", Meaning::Angle { unit: Some(AngleUnit::Degrees), strength: NAMES_A_UNIT }),
