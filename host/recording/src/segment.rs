@@ -410,6 +410,9 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
+/// What may have moved it before its free swing, and what to do if nothing did.
+const NOT_FREE: &str = " (a hand, a motor, a stop, or a tracker that lost it); --from begins earlier";
+
 /// That the best of the swings may be what is cut: it takes longer than all that is left, and swings far larger.
 fn doubt_of_tail(cut: &Cut, before: &Range<usize>, free: &Range<usize>) -> Option<String> {
     let (largest_rad, taken_rad) = (cut.largest_rad(before)?, cut.largest_rad(free)?);
@@ -444,12 +447,14 @@ fn notes(
             notes.push(format!("cut {before_s:.2} s{other} held still before the release at {:.3} s", start.release_s));
         }
         (Some(still), None) if start.free_idx > cut.asked.start => {
-            notes.push(format!("cut {before_s:.2} s{up_to}: still for {:.2} s, then in a hand", cut.duration_s(still)));
+            notes.push(format!(
+                "cut {before_s:.2} s{up_to}: still for {:.2} s, and then it does not follow a free swing{NOT_FREE}",
+                cut.duration_s(still)
+            ));
         }
         (None, None) if start.free_idx > cut.asked.start => {
             notes.push(format!(
-                "cut the first {before_s:.2} s{up_to}: until then it does not follow a free swing (a hand, a motor, a stop, or a \
-                 tracker that lost it); --from begins earlier"
+                "cut the first {before_s:.2} s{up_to}: until then it does not follow a free swing{NOT_FREE}"
             ));
         }
         _ => {}

@@ -187,7 +187,7 @@ fn what_is_wrong(ratio: f64, share: f64) -> String {
 fn unknown_beside_missing_physics(number: &Identified) -> String {
     let symbol = number.symbol;
     let is_near_zero = number.value.abs() <= CHANCE_STDS * number.std.unwrap_or(0.0);
-    let wanted = if is_near_zero { format!(", and {symbol} is wanted to be zero") } else { String::new() };
+    let wanted = if is_near_zero { format!(", and draw {symbol} towards zero") } else { String::new() };
     format!("{symbol} is not identifiable while physics is missing: the other numbers imitate what is missing{wanted}")
 }
 
@@ -295,7 +295,10 @@ mod tests {
         };
         let missing = said(3.3e-4, Left::Missing);
         assert!(missing.starts_with("Mw is not identifiable while physics is missing"), "{missing}");
-        assert!(missing.ends_with("and Mw is wanted to be zero") && !missing.contains("release"), "{missing}");
+        assert!(
+            missing.ends_with("imitate what is missing, and draw Mw towards zero") && !missing.contains("release"),
+            "{missing}"
+        );
         assert!(!said(8e-4, Left::Missing).contains("zero"));
         assert!(said(3.3e-4, Left::Noise).starts_with("Mw is not identifiable from these swings; "));
         assert_eq!(what_tells_more(1.5), "more releases, down to rest, would tell more");
