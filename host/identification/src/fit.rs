@@ -5,6 +5,7 @@
 //! [`covariance`] tells how well each is known.
 
 mod answered;
+pub mod apart;
 pub mod arrow;
 mod bend;
 pub mod blocks;

@@ -48,6 +48,10 @@ const HARDLY_FOLLOWED: f64 = 0.25;
 /// What to look at before anybody asks which physics is missing, where a model hardly follows.
 pub const LOOK_FIRST: &str = "see that the column is the angle of one pendulum, in that unit, let go and left alone";
 
+/// Where each recording has a model of its own and all together have none.
+pub const ONE_BY_ONE: &str =
+    "what was changed between them (a brake, the bearing, what hangs there)? Fit them one by one";
+
 /// No model is that much better than the noise.
 const BELOW_NOISE: f64 = 0.7;
 

@@ -12,6 +12,7 @@ use super::ties::{FamilyClaim, family};
 use super::value::{Candidate, Value};
 use super::verdict::Judge;
 use super::zero;
+use crate::fit::apart::apart_rmse;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, held_out_rmse};
 use crate::fit::short_memory::ShortMemory;
@@ -96,6 +97,8 @@ pub struct Diagnosis {
     pub follows: bool,
     /// Is so much of the motion left, beyond the noise, that something else than an effect should be looked for first?
     pub hardly_follows: bool,
+    /// What one model for each recording leaves (rad), where these do far better than one that hardly follows all of them.
+    pub apart_rmse: Option<f64>,
     /// Effects claimed to be missing from the base model; empty: nothing is missing, or nothing could be named.
     pub verdict: Vec<&'static str>,
     /// Effects that the data can't tell from one of the verdict.
@@ -314,6 +317,7 @@ impl Summary<'_, '_, '_> {
             short_memory: None,
             follows: problem.is_followed(self.claimed.cost),
             hardly_follows: unexplained && hardly_follows(problem.left_of_motion(self.claimed.cost)),
+            apart_rmse: apart_rmse(problem, &self.claimed).filter(|_| unexplained),
             family: family(&self.claimed, &self.undecided),
             not_tried: self.not_tried.into_iter().filter(|it| !self.undecided.contains(&it.effect)).collect(),
             undecided: self.undecided,

@@ -3,7 +3,7 @@
 use crate::cli::table::wrapped;
 use crate::diagnose::Diagnosis;
 use crate::fit::touch::Touch;
-use crate::verdict::LOOK_FIRST;
+use crate::verdict::{LOOK_FIRST, ONE_BY_ONE};
 
 /// A paragraph each, none where nothing speaks against the swings.
 pub(super) fn in_words(diagnosis: &Diagnosis) -> Vec<String> {
@@ -41,9 +41,16 @@ fn lost(diagnosis: &Diagnosis) -> Option<String> {
 
 /// That what is left is too much for an effect: the wrong column, a wrong unit or a hand look like missing physics too.
 fn hardly_followed(diagnosis: &Diagnosis) -> Option<String> {
+    let apart = diagnosis.apart_rmse.map_or(String::new(), |rmse| {
+        let unit = diagnosis.measured.milli_unit();
+        format!(
+            " Each recording has a model of its own that follows it far better, to {:.2} {unit}: {ONE_BY_ONE}.",
+            1e3 * rmse
+        )
+    });
     let words = format!(
         "The model hardly follows these swings: before you believe anything of what follows, {LOOK_FIRST} (host compare \
-         shows where it fails)."
+         shows where it fails).{apart}"
     );
     (diagnosis.follows && diagnosis.hardly_follows && diagnosis.driven.is_empty()).then(|| wrapped(&words, 0))
 }
@@ -66,5 +73,15 @@ mod tests {
         assert!(lost.len() == 1 && lost[0].starts_with("The model does not follow these swings at all"), "{lost:?}");
         let driven = told(true, true, &["motor.csv"]);
         assert!(driven.len() == 1 && driven[0].contains("drives them"), "{driven:?}");
+    }
+
+    #[test]
+    fn recordings_that_are_followed_one_by_one_are_told_apart_where_all_together_are_hardly_followed() {
+        let told = |hardly_follows: bool| {
+            in_words(&Diagnosis { follows: true, hardly_follows, apart_rmse: Some(2.45e-2), ..diagnosis() })
+        };
+        let words = told(true)[0].replace('\n', " ");
+        assert!(words.contains("follows it far better, to 24.50 mrad: what was changed between them"), "{words}");
+        assert!(told(false).is_empty());
     }
 }

@@ -66,9 +66,10 @@ function showWords() {
   const lost = found.follows ? '' : `The model does not follow these swings at all: it leaves ${mrad(found.rmse_after)}. Did nothing touch or drive it, and are unit, zero and geometry right? `;
   const hardly = found.follows && found.hardly_follows && !driven
     ? 'The model hardly follows these swings: see first that the column is the angle of one pendulum, in that unit, let go and left alone. ' : '';
+  const apart = hardly && found.apart_rmse ? `Each recording has a model of its own that leaves ${mrad(found.apart_rmse)}: what was changed between them? ` : '';
   const levels = found.levels ? `${found.levels.words}. ` : '';
   const isSilent = lost && !found.unexplained && found.verdict.length === 0;
-  words.textContent = driven + lost + hardly + levels + (isSilent ? '' : hasNoLaw && found.unexplained
+  words.textContent = driven + lost + hardly + apart + levels + (isSilent ? '' : hasNoLaw && found.unexplained
     ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left${found.suspect ? '' : ', but no effect of the list brings it down to the noise'}.${dropped}${split}`
     : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `Missing: ${names}.${state.zero_words ? ` ${state.zero_words}` : ''} With ${found.verdict.length > 1 ? 'them' : 'it'} the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
 }
