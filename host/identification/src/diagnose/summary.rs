@@ -317,7 +317,7 @@ impl Summary<'_, '_, '_> {
             short_memory: None,
             follows: problem.is_followed(self.claimed.cost),
             hardly_follows: unexplained && hardly_follows(problem.left_of_motion(self.claimed.cost)),
-            apart_rmse: apart_rmse(problem, &self.claimed).filter(|_| unexplained),
+            apart_rmse: unexplained.then(|| apart_rmse(problem, &self.claimed)).flatten(),
             family: family(&self.claimed, &self.undecided),
             not_tried: self.not_tried.into_iter().filter(|it| !self.undecided.contains(&it.effect)).collect(),
             undecided: self.undecided,
