@@ -48,10 +48,6 @@ const HARDLY_FOLLOWED: f64 = 0.25;
 /// What to look at before anybody asks which physics is missing, where a model hardly follows.
 pub const LOOK_FIRST: &str = "see that the column is the angle of one pendulum, in that unit, let go and left alone";
 
-/// Where each recording has a model of its own and all together have none.
-pub const ONE_BY_ONE: &str =
-    "what was changed between them (a brake, the bearing, what hangs there)? Fit them one by one";
-
 /// No model is that much better than the noise.
 const BELOW_NOISE: f64 = 0.7;
 
@@ -66,6 +62,15 @@ pub fn is_far_below_noise(share: f64) -> bool {
 /// Does a model that leaves this share of the motion, beyond the noise, lack more than an effect adds?
 pub fn hardly_follows(left_of_motion: f64) -> bool {
     left_of_motion >= HARDLY_FOLLOWED
+}
+
+/// That each recording has a model of its own which leaves so much (rms, rad), where one for all hardly follows them.
+pub fn followed_one_by_one(apart_rmse: f64, milli_unit: &str) -> String {
+    format!(
+        "each recording has a model of its own that follows it far better, to {:.2} {milli_unit}: what was changed between \
+         them (a brake, the bearing, what hangs there)? Fit them one by one",
+        1e3 * apart_rmse
+    )
 }
 
 /// A reduced chi-square and the number of samples that it stands on.

@@ -1,4 +1,4 @@
-//! Recordings that no one model follows, each of which one of its own follows well.
+//! Recordings that no one model follows, each of which one of its own follows far better.
 //!
 //! What differs between them is no law of the motion then: somebody set a brake, oiled the bearing or hung another pendulum.
 
@@ -14,7 +14,7 @@ use crate::verdict::hardly_follows;
 const FAR_BETTER: f64 = 0.5;
 
 /// The error (root mean square, rad) of one model for each recording, where one for all hardly follows them and these do far
-/// better.
+/// better. Each is refined from the common one: a fit of its own may leave still less.
 pub fn apart_rmse(on: &Problem, model: &Fitted) -> Option<f64> {
     if on.swings.len() < 2 || !hardly_follows(on.left_of_motion(model.cost)) {
         return None;

@@ -13,7 +13,7 @@ use super::uncertainty::{Number, Status, UNKNOWN_SHARE, Uncertainty, uncertainty
 use crate::fit::tally::Tally;
 use crate::number::{angle, noises};
 use crate::swing::{Swing, Window, kind};
-use crate::verdict::{CHANCE_STDS, LOOK_FIRST, Left, ONE_BY_ONE, hardly_follows};
+use crate::verdict::{CHANCE_STDS, LOOK_FIRST, Left, followed_one_by_one, hardly_follows};
 use shared::parameters::base;
 use std::time::Instant;
 
@@ -91,7 +91,8 @@ impl Report<'_, '_> {
             ));
         } else if left == Left::Missing {
             warnings.push(what_is_wrong(ratio, self.problem.left_of_motion(self.model.cost)));
-            warnings.extend(apart_rmse(self.problem, &self.model).map(|apart| followed_apart(self.problem, apart)));
+            let unit = kind(self.problem.swings).milli_unit();
+            warnings.extend(apart_rmse(self.problem, &self.model).map(|rmse| followed_one_by_one(rmse, unit)));
         }
         if uncertainty.coloured {
             warnings.push("the residuals are correlated in time; the uncertainties allow for it".to_owned());
@@ -182,15 +183,6 @@ fn what_is_wrong(ratio: f64, share: f64) -> String {
         "the error is {noises} times the noise and beyond it {:.0} % of the motion: the model hardly follows these \
          swings; before you ask what physics is missing, {LOOK_FIRST}",
         100.0 * share
-    )
-}
-
-/// That each recording has a model of its own which leaves so much (rms, rad).
-fn followed_apart(problem: &Problem, apart_rmse: f64) -> String {
-    let unit = kind(problem.swings).milli_unit();
-    format!(
-        "each recording has a model of its own that follows it far better, to {:.2} {unit}; {ONE_BY_ONE}",
-        1e3 * apart_rmse
     )
 }
 

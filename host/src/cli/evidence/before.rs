@@ -3,7 +3,7 @@
 use crate::cli::table::wrapped;
 use crate::diagnose::Diagnosis;
 use crate::fit::touch::Touch;
-use crate::verdict::{LOOK_FIRST, ONE_BY_ONE};
+use crate::verdict::{LOOK_FIRST, followed_one_by_one};
 
 /// A paragraph each, none where nothing speaks against the swings.
 pub(super) fn in_words(diagnosis: &Diagnosis) -> Vec<String> {
@@ -41,13 +41,8 @@ fn lost(diagnosis: &Diagnosis) -> Option<String> {
 
 /// That what is left is too much for an effect: the wrong column, a wrong unit or a hand look like missing physics too.
 fn hardly_followed(diagnosis: &Diagnosis) -> Option<String> {
-    let apart = diagnosis.apart_rmse.map_or(String::new(), |rmse| {
-        let unit = diagnosis.measured.milli_unit();
-        format!(
-            " Each recording has a model of its own that follows it far better, to {:.2} {unit}: {ONE_BY_ONE}.",
-            1e3 * rmse
-        )
-    });
+    let unit = diagnosis.measured.milli_unit();
+    let apart = diagnosis.apart_rmse.map_or(String::new(), |rmse| format!(" And {}.", followed_one_by_one(rmse, unit)));
     let words = format!(
         "The model hardly follows these swings: before you believe anything of what follows, {LOOK_FIRST} (host compare \
          shows where it fails).{apart}"
@@ -81,7 +76,12 @@ mod tests {
             in_words(&Diagnosis { follows: true, hardly_follows, apart_rmse: Some(2.45e-2), ..diagnosis() })
         };
         let words = told(true)[0].replace('\n', " ");
-        assert!(words.contains("follows it far better, to 24.50 mrad: what was changed between them"), "{words}");
+        assert!(
+            words.contains(
+                ". And each recording has a model of its own that follows it far better, to 24.50 mrad: what"
+            ),
+            "{words}"
+        );
         assert!(told(false).is_empty());
     }
 }
