@@ -117,10 +117,11 @@ install_packages() {
         give_up "$* missing, and apt-get install failed; $wish"
 }
 
-# Builds all for the PC, and says folder and path of each test program. `cargo test` builds the program too; built alone,
-# with other features of its dependencies, it takes minutes more.
+# Builds all for the PC, the Python package's library among it, and says folder and path of each test program. Built alone,
+# with other features of their dependencies, they take minutes more.
 programs() {
-    "${LINTED[@]}" cargo test --locked "${MEMBERS[@]}" --no-run --message-format=json-render-diagnostics | python3 -c '
+    "${LINTED[@]}" cargo build --locked "${MEMBERS[@]}" --lib --bins --tests \
+        --message-format=json-render-diagnostics | python3 -c '
 import json, os, sys
 for line in sys.stdin:
     said = json.loads(line)
