@@ -52,7 +52,15 @@ pub const LOOK_FIRST: &str = "see that the column is the angle of one pendulum, 
 const BELOW_NOISE: f64 = 0.7;
 
 /// What to look at where an error is far below the noise.
-pub const NOISE_TOO_LARGE: &str = "estimated too large: look for jumps, gaps or wraps of the angle";
+const NOISE_TOO_LARGE: &str = "which was therefore estimated too large: look for jumps, gaps or wraps of the angle";
+
+/// Why nothing is wrong with such an error where the readings have no noise of their own.
+const NO_NOISE: &str = "which is what a model is simulated to: the readings have no noise of their own";
+
+/// What an error far below the noise says of it, of readings with or without noise of their own.
+pub fn far_below(has_no_noise: bool) -> &'static str {
+    if has_no_noise { NO_NOISE } else { NOISE_TOO_LARGE }
+}
 
 /// Is an error (rms), as a share of the noise, one that no model has?
 pub fn is_far_below_noise(share: f64) -> bool {

@@ -207,7 +207,13 @@ impl Angles<'_> {
         };
         let may_be_spring = swings.largest_rad < SPRING_RAD && unit.is_none();
         if is_told || is_stated {
-            self.notes.push(format!("doubtful: {}; is it an angle, and in that unit?", fault.evidence()));
+            let or = match fault {
+                Fault::NotRadians { .. } => {
+                    ", or does a spring swing it and no gravity, as in a torsion pendulum, which can't be fitted"
+                }
+                _ => "",
+            };
+            self.notes.push(format!("doubtful: {}; is it an angle, and in that unit{or}?", fault.evidence()));
             return Ok(());
         }
         if may_be_spring {
@@ -306,16 +312,29 @@ mod tests {
         readings
     }
 
+    /// What is said of readings every 25 ms, whose unit the file says.
+    fn said_of(readings: &[f64], unit: AngleUnit) -> Vec<String> {
+        let times_s: Vec<f64> = (0..readings.len()).map(|idx| 0.025 * idx as f64).collect();
+        let (options, mut notes) = (ReadOptions::default(), Vec::new());
+        let told = Told { time: Some(0), reading: 1 };
+        let angles = Angles { times_s: &times_s, is_ours: false, options: &options, told, notes: &mut notes };
+        angles.of_column(None, readings, Some(unit)).unwrap();
+        notes
+    }
+
+    #[test]
+    fn a_torsion_pendulum_is_told_to_be_perhaps_one_though_the_file_says_radians() {
+        let far = |torque: fn(f64) -> f64| -> Vec<f64> {
+            fifteen_swings(|angle| torque(4.0 * angle) / 4.0).iter().map(|angle| 4.0 * angle).collect()
+        };
+        let said = said_of(&far(|angle| angle - angle.powi(3) / 60.0), AngleUnit::Radians);
+        assert!(said[0].starts_with("doubtful") && said[0].contains("a torsion pendulum"), "{said:?}");
+        assert_eq!(said_of(&far(f64::sin), AngleUnit::Radians), Vec::<String>::new());
+    }
+
     #[test]
     fn radians_under_the_name_of_degrees_are_doubted_and_degrees_are_not() {
-        let said = |readings: &[f64]| {
-            let times_s: Vec<f64> = (0..readings.len()).map(|idx| 0.025 * idx as f64).collect();
-            let (options, mut notes) = (ReadOptions::default(), Vec::new());
-            let told = Told { time: Some(0), reading: 1 };
-            let angles = Angles { times_s: &times_s, is_ours: false, options: &options, told, notes: &mut notes };
-            angles.of_column(None, readings, Some(AngleUnit::Degrees)).unwrap();
-            notes
-        };
+        let said = |readings: &[f64]| said_of(readings, AngleUnit::Degrees);
         let in_radians = said(&fifteen_swings(f64::sin));
         assert!(in_radians.len() == 1 && in_radians[0].contains("--radians"), "{in_radians:?}");
         let half_a_degree = fifteen_swings(|angle| angle);

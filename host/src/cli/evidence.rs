@@ -14,7 +14,7 @@ use crate::formula::effect_of;
 use crate::geometry::{PER_GRAVITY, is_unknown};
 use crate::number::{angle, noises, with_spread};
 use crate::plot::staircase::Tread;
-use crate::verdict::{Left, NOISE_TOO_LARGE, is_far_below_noise};
+use crate::verdict::{Left, far_below, is_far_below_noise};
 use shared::effect::Effect;
 
 /// For what no effect explains.
@@ -140,10 +140,9 @@ fn verdict(diagnosis: &Diagnosis) -> String {
             wrapped(&words, 0)
         }
         ([], false) if is_far_below_noise(diagnosis.rmse_after / diagnosis.noise) => {
-            let words = format!(
-                "What is missing can't be told: the base model leaves {after}, which was therefore {NOISE_TOO_LARGE}."
-            );
-            wrapped(&words, 0)
+            let told = if diagnosis.has_no_noise { "Nothing is missing" } else { "What is missing can't be told" };
+            let why = far_below(diagnosis.has_no_noise);
+            wrapped(&format!("{told}: the base model leaves {after}, {why}."), 0)
         }
         ([], false) => format!("Nothing is missing at this noise level: the base model leaves {after}."),
         (offset, true) if diagnosis.has_no_law() => {
@@ -332,6 +331,8 @@ mod tests {
         );
         let doubtful = verdict(&Diagnosis { noise: 3e-3, ..told(diagnosis()) });
         assert!(doubtful.starts_with("What is missing can't be told") && doubtful.contains("0.5"), "{doubtful}");
+        let simulated = verdict(&Diagnosis { noise: 3e-3, has_no_noise: true, ..told(diagnosis()) });
+        assert!(simulated.starts_with("Nothing is missing") && simulated.contains("no noise of"), "{simulated}");
     }
 
     #[test]

@@ -137,6 +137,8 @@ pub struct Diagnosis {
     pub held_out_after: Option<f64>,
     /// Noise of the measurement, rad.
     pub noise: f64,
+    /// Have the readings none of their own? Then `noise` is what a model is simulated to.
+    pub has_no_noise: bool,
     /// What is left: noise, nearly, or missing physics.
     pub left: Left,
     /// True if it is missing physics.
@@ -334,6 +336,7 @@ impl Summary<'_, '_, '_> {
             held_out_before: held_out(&base.parameters),
             held_out_after: held_out(&self.claimed.parameters),
             noise,
+            has_no_noise: problem.swings.iter().all(Swing::has_no_noise),
             left,
             unexplained,
             curve: self.curve,

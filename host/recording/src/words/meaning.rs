@@ -182,6 +182,7 @@ mod tests {
             ("theta_dot", Meaning::Other),
             ("phi_punkt", Meaning::Other),
             ("theta_v", Meaning::Other),
+            ("FFT f_3 / rad", Meaning::Other),
             ("thetadot", Meaning::Other),
             ("dθ/dt", Meaning::Other),
             ("Gyroscope x (rad/s)", rate(AngleUnit::Radians)),

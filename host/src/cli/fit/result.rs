@@ -13,7 +13,7 @@ use crate::operations::watch::is_simulated;
 use crate::recording::Measured;
 use crate::rigfile::USUAL_NAME;
 use crate::swing::Swing;
-use crate::verdict::{Left, NOISE_TOO_LARGE, is_far_below_noise};
+use crate::verdict::{Left, far_below, is_far_below_noise};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
@@ -134,22 +134,27 @@ fn lowered(stages: &[After], fit: &Fit) -> String {
 fn sentences(shown: &Shown) -> Vec<String> {
     let fit = &shown.outcome.fit;
     let unit = shown.swings.first().map_or(Measured::Angle, |swing| swing.measured).milli_unit();
-    let mut sentences = vec![error_against_noise(fit, unit)];
+    let has_no_noise = shown.swings.iter().all(Swing::has_no_noise);
+    let mut sentences = vec![error_against_noise(fit, unit, has_no_noise)];
     sentences.extend(fit.held_out_rmse_rad.map(|rmse_rad| held_out(rmse_rad, fit, unit)));
     sentences.extend(shown.done.check.as_ref().map(innovation));
     sentences.extend(strong_correlations(fit));
     sentences
 }
 
-fn error_against_noise(fit: &Fit, unit: &str) -> String {
+fn error_against_noise(fit: &Fit, unit: &str, has_no_noise: bool) -> String {
     let ratio = fit.rmse_rad / fit.noise_rad;
     let meaning = match fit.left {
-        _ if is_far_below_noise(ratio) => format!("far below the noise, which was therefore {NOISE_TOO_LARGE}"),
+        _ if is_far_below_noise(ratio) => format!("far below the noise, {}", far_below(has_no_noise)),
         Left::Noise => "the model explains all but the noise".to_owned(),
         Left::Nearly => "the model explains nearly all but the noise".to_owned(),
         Left::Missing => format!("that is {} times the noise, so the model does not explain everything", noises(ratio)),
     };
-    format!("Error {:.3} {unit} rms, noise {:.3} {unit} rms: {meaning}.", 1e3 * fit.rmse_rad, 1e3 * fit.noise_rad)
+    let [error, noise] = [fit.rmse_rad, fit.noise_rad].map(|rms| match 1e3 * rms {
+        little if little < 5e-4 => "below 0.001".to_owned(),
+        rms => format!("{rms:.3}"),
+    });
+    format!("Error {error} {unit} rms, noise {noise} {unit} rms: {meaning}.")
 }
 
 fn held_out(rmse_rad: f64, fit: &Fit, unit: &str) -> String {
@@ -313,9 +318,16 @@ mod tests {
 
     #[test]
     fn an_error_is_told_by_what_it_is_beside_the_noise() {
-        let told =
-            |rmse_rad: f64, left: Left| error_against_noise(&Fit { rmse_rad, noise_rad: 1e-3, left, ..fit() }, "mrad");
-        assert!(told(0.6e-3, Left::Noise).contains("far below the noise"));
+        let told = |rmse_rad: f64, left: Left| {
+            error_against_noise(&Fit { rmse_rad, noise_rad: 1e-3, left, ..fit() }, "mrad", false)
+        };
+        assert!(told(0.6e-3, Left::Noise).contains("far below the noise, which was therefore estimated too large"));
+        let simulated = error_against_noise(&Fit { rmse_rad: 1e-9, noise_rad: 2e-5, ..fit() }, "mrad", true);
+        assert_eq!(
+            simulated,
+            "Error below 0.001 mrad rms, noise 0.020 mrad rms: far below the noise, which is what a model is simulated to: \
+             the readings have no noise of their own."
+        );
         assert_eq!(
             told(1e-3, Left::Noise),
             "Error 1.000 mrad rms, noise 1.000 mrad rms: the model explains all but the noise."
