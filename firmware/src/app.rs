@@ -159,6 +159,10 @@ impl<Y: System> Shared<Y> {
                 sampler.start(&sensor, rate_hz);
             }
             let batch = sampler.next().await;
+            if self.new_sampling.get().is_some() {
+                // It began before what is in use now, and would be taken for a measurement of that.
+                continue;
+            }
             self.take_batch(&batch);
             self.watch(&batch);
             yield_now().await;
@@ -357,7 +361,11 @@ impl<Y: System> Shared<Y> {
                 self.saving.set(false);
                 self.saved.set(true);
                 self.stages.borrow_mut().save.took(Y::cycles().wrapping_sub(began));
-                outcome.map_or_else(Finished::Failed, |()| Finished::Done)
+                match outcome {
+                    Ok(()) => Finished::Done,
+                    Err(_) if !self.system.borrow().can_save() => Finished::Failed(Refusal::Supply),
+                    Err(refusal) => Finished::Failed(refusal),
+                }
             }
             Request::Load => {
                 let Ok(mut stored) = store.load().await else { return Finished::Failed(Refusal::NothingStored) };

@@ -1,12 +1,16 @@
 //! The observer: runs the model beside the pendulum, corrects it a little by each measurement, and tells how well the
 //! model still fits.
 //!
-//! Luenberger form: θ += 2·b·Δt·e, ω += b²·Δt·e, where b is the bandwidth and the innovation e the measured minus the
-//! predicted angle, neither of them filtered. An error dies away as e^(−b·t). About rest, where the pendulum swings with
-//! ω₀, the observer's poles are −b ± i·ω₀: on its way out the error swings as the pendulum does. (Where gravity gives no
-//! stiffness, at 90°, both lie at −b.) Two real poles would need a gain b² − ω₀² that is negative at a low bandwidth and
-//! would push the velocity the wrong way. Keep the bandwidth low, about 3 rad/s: at 100 rad/s right and wrong parameters
-//! give the same innovation.
+//! Luenberger form, corrected once a sample: θ += (1 − p²)·e, ω += (1 − p)²/Δt·e with p = 1/(1 + b·Δt), where b is the
+//! bandwidth and the innovation e the measured minus the predicted angle, neither of them filtered. An error dies away by
+//! p from sample to sample, as e^(−b·t) where these are close, however far apart they are. Source: G. F. Franklin,
+//! J. D. Powell, M. L. Workman, Digital Control of Dynamic Systems, 3rd ed. (1998), section 8.2, with both poles at p. The
+//! gains 2·b·Δt and b²·Δt of continuous time, which these are for short steps, would be unstable from b·Δt = 0.83 on.
+//!
+//! About rest, where the pendulum swings with ω₀, the observer's poles are −b ± i·ω₀: on its way out the error swings as
+//! the pendulum does. (Where gravity gives no stiffness, at 90°, both lie at −b.) Two real poles would need a gain
+//! b² − ω₀² that is negative at a low bandwidth and would push the velocity the wrong way. Keep the bandwidth low, about
+//! 3 rad/s: at 100 rad/s right and wrong parameters give the same innovation.
 
 use crate::model::{Model, SensorState, State};
 use crate::parameters::Parameters;
@@ -58,6 +62,8 @@ pub struct Observer<R: 'static> {
     bandwidth_rad_s: R,
     mean_square: R,
     started: bool,
+    /// How long there has been no measurement, s.
+    gap_s: R,
     since_release: SinceRelease<R>,
 }
 
@@ -100,6 +106,7 @@ impl<R: Real> Observer<R> {
             bandwidth_rad_s,
             mean_square: zero,
             started: false,
+            gap_s: zero,
             since_release: SinceRelease::at(zero),
         };
         observer.set_parameters(parameters);
@@ -129,12 +136,18 @@ impl<R: Real> Observer<R> {
         self.started = true;
     }
 
+    /// What is measured means something else from now on: the next measurement begins anew.
+    pub fn begin_anew(&mut self) {
+        self.started = false;
+    }
+
     /// Takes a measured angle (rad), `dt_s` after the one before. The first one only sets the state; one that is no
     /// number counts as a gap.
     pub fn on_measurement(&mut self, measured_rad: R, dt_s: R) -> Estimate<R> {
         if !measured_rad.abs().lt(R::of(LOST)).all() {
             return self.on_gap(dt_s);
         }
+        self.gap_s = R::zero();
         if self.started {
             self.advance(dt_s);
             self.state.time_s = self.since_release.after(measured_rad, dt_s);
@@ -154,8 +167,9 @@ impl<R: Real> Observer<R> {
 
     /// Lets `dt_s` pass without a usable measurement.
     pub fn on_gap(&mut self, dt_s: R) -> Estimate<R> {
+        self.gap_s = self.gap_s + dt_s;
         // Not a number fails the comparison too.
-        self.started &= dt_s.lt(R::of(LONGEST_GAP_S)).all();
+        self.started &= self.gap_s.lt(R::of(LONGEST_GAP_S)).all();
         if self.started {
             self.advance(dt_s);
             self.since_release.gaps_s = self.since_release.gaps_s + dt_s;
@@ -191,8 +205,10 @@ impl<R: Real> Observer<R> {
         if !R::zero().lt(b).any() {
             return;
         }
-        self.state.angle_rad = self.state.angle_rad + R::of(2.0) * b * dt_s * innovation;
-        self.state.velocity_rad_s = self.state.velocity_rad_s + b * b * dt_s * innovation;
+        let pole = R::one() / (R::one() + b * dt_s);
+        let toward = b * pole * innovation;
+        self.state.angle_rad = self.state.angle_rad + dt_s * (R::one() + pole) * toward;
+        self.state.velocity_rad_s = self.state.velocity_rad_s + b * dt_s * pole * toward;
         self.model.reconsider(&mut self.state);
     }
 

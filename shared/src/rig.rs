@@ -13,9 +13,10 @@ use crate::wire::{
     Answer, Chip, Command, Frame, Health, Hello, Live, PROTOCOL, Point, Refusal, Samples, Settings, Statistics,
     StoreState, Stream, Suspects, status,
 };
+use core::f32::consts::TAU;
 use heapless::Vec;
 use laws::Laws;
-use settings::check_settings;
+use settings::{SENSOR, check_settings};
 
 mod laws;
 mod settings;
@@ -84,6 +85,8 @@ pub struct Rig {
     reader: Reader,
     filter: Butterworth<f32>,
     filter_state: Option<FilterState<f32>>,
+    /// How long there has been no angle, s.
+    unseen_s: f32,
     observer: Observer<f32>,
     stream: Option<Stream>,
     raw: Samples,
@@ -119,6 +122,7 @@ impl Rig {
             reader: Reader::new(settings.sensor),
             filter: filter_of(&default_settings(full_scale)),
             filter_state: None,
+            unseen_s: 0.0,
             observer,
             stream: None,
             raw: empty_samples(),
@@ -217,7 +221,9 @@ impl Rig {
         self.raw.status |= status::SAMPLES_LOST;
         self.live.status |= status::SAMPLES_LOST;
         self.until_point = 0;
-        self.observer.on_gap(count as f32 / self.settings.rate_hz);
+        let lost_s = count as f32 / self.settings.rate_hz;
+        self.unseen_s += lost_s;
+        self.observer.on_gap(lost_s);
     }
 
     /// Accounts for a frame that the link did not take.
@@ -234,12 +240,18 @@ impl Rig {
 
     fn observe(&mut self, position: i32, dt_s: f32) -> (f32, Estimate<f32>) {
         let Radian(angle_rad) = self.settings.sensor.angle_at(position);
+        // Beyond its time constant what the filter remembers is not where the pendulum is.
+        if self.unseen_s * TAU * self.settings.cutoff_hz > 1.0 {
+            self.filter_state = None;
+        }
+        self.unseen_s = 0.0;
         let filter_state = self.filter_state.get_or_insert(FilterState::settled_at(angle_rad));
         (filter_state.step(&self.filter, angle_rad), self.observer.on_measurement(angle_rad, dt_s))
     }
 
     /// Without a usable measurement the model goes on alone.
     fn coast(&mut self, dt_s: f32) -> (f32, Estimate<f32>) {
+        self.unseen_s += dt_s;
         let estimate = self.observer.on_gap(dt_s);
         (estimate.angle_rad, estimate)
     }
@@ -418,7 +430,9 @@ impl Rig {
     }
 
     fn set_settings(&mut self, number: u16, settings: Settings) -> Outcome {
-        if let Err(index) = check_settings(&settings) {
+        let is_for_converter = settings.sensor.span().is_some() || settings.sensor.full_scale() == self.full_scale;
+        let checked = check_settings(&settings).and_then(|()| if is_for_converter { Ok(()) } else { Err(SENSOR) });
+        if let Err(index) = checked {
             return refuse(number, Refusal::Setting { index });
         }
         let is_new = settings.rate_hz != self.settings.rate_hz || !settings.sensor.is_like(&self.settings.sensor);
@@ -432,6 +446,7 @@ impl Rig {
         self.observer.set_bandwidth(settings.bandwidth_rad_s);
         if settings.sensor != self.settings.sensor {
             self.reader = Reader::new(settings.sensor);
+            self.observer.begin_anew();
         }
         self.settings = settings;
     }
@@ -439,7 +454,12 @@ impl Rig {
     fn calibrate(&mut self, number: u16, compute: impl FnOnce(Sensor, f32) -> Result<Sensor, Refusal>) -> Outcome {
         let sensor = self.settings.sensor;
         let still = self.mean_square_code < sensor.still_codes() * sensor.still_codes();
-        let computed = if still { compute(sensor, self.mean_code()) } else { Err(Refusal::NotStill) };
+        let mean_code = self.mean_code();
+        let computed = match () {
+            () if !still => Err(Refusal::NotStill),
+            () if !sensor.is_connected(Code(mean_code as u16)) => Err(Refusal::SensorDisconnected),
+            () => compute(sensor, mean_code),
+        };
         match computed {
             Err(refusal) => refuse(number, refusal),
             Ok(sensor) => self.set_settings(number, self.settings.with_sensor(sensor)),

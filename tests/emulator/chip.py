@@ -234,7 +234,8 @@ class Chip:
         if self.settings.read_protection > 1:
             raise Unmodelled("no manual says what a bootloader does that is entered at level 2 of read protection")
         self.has_stopped = "bootloader"
-        self.tell("bootloader")
+        # Its interrupts are looked up where the processor looks.
+        self.tell("bootloader", vectors=self.scb.values["VTOR"])
 
     # Time and news
 

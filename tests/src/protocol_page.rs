@@ -76,7 +76,8 @@ fn limits() -> String {
     let expected = |of: Sensor| of.expected().trim_start_matches("expected ");
     let _ = writeln!(text, "| sensor, a potentiometer | {} |", expected(Potentiometer::nominal(4095).into()));
     let _ = writeln!(text, "| sensor, an encoder | {} |", expected(Encoder::new(4096).into()));
-    text + "\nA rig refuses settings outside their range, and a program a rig that says it had such.\n"
+    text + "\nA rig refuses settings outside their range and a potentiometer whose full_scale is not that of its converter, and a\n\
+            program a rig that says it had settings outside their range.\n"
 }
 
 /// The effects of the list, with the order of their values.

@@ -17,7 +17,7 @@ use shared::model::Model;
 use shared::motion::Pendulum;
 use shared::observer::Observer;
 use shared::parameters::Parameters;
-use shared::rig::{Outcome, Rig};
+use shared::rig::{HIGHEST_BANDWIDTH_RAD_S, HIGHEST_RATE_HZ, LOWEST_RATE_HZ, Outcome, Rig};
 use shared::sensor::{Encoder, Potentiometer};
 use shared::units::{Code, Radian};
 use shared::wire::{Answer, Command, Frame, Settings, StoreState, Stream};
@@ -203,6 +203,27 @@ fn an_observer_recovers_from_any_angle_and_any_gap() {
             off_rad = (f64::from(estimate.angle_rad) - pendulum.angle_rad).abs();
         }
         assert!(off_rad < 1e-3, "{value}: still {off_rad} rad beside the pendulum");
+    }
+}
+
+/// A thrown pendulum at the slowest and the fastest rate, and between them; continuous gains would diverge at 50 Hz from
+/// 41 rad/s on, at 100 Hz from 83.
+#[test]
+fn an_observer_finds_the_pendulum_at_every_rate_and_bandwidth_that_a_rig_accepts() {
+    for rate_hz in [LOWEST_RATE_HZ, 100.0, 1000.0, HIGHEST_RATE_HZ] {
+        for bandwidth_rad_s in [3.0, 40.0, 86.0, HIGHEST_BANDWIDTH_RAD_S] {
+            let mut observer = Observer::new(&Parameters::paper().map(|value| value as f32), bandwidth_rad_s);
+            let mut pendulum = Reference::release(&Parameters::paper(), None, 0.5, 3.0);
+            // e⁻¹⁸ of what it does not know is left after these; most of a second more where samples are scarce.
+            let n_samples = (rate_hz * (18.0 / bandwidth_rad_s + 1.0)) as usize;
+            for _ in 0..n_samples {
+                observer.on_measurement(pendulum.angle_rad as f32, 1.0 / rate_hz);
+                pendulum.advance(1.0 / f64::from(rate_hz));
+            }
+            let estimate = observer.on_measurement(pendulum.angle_rad as f32, 1.0 / rate_hz);
+            let off_rad = (f64::from(estimate.angle_rad) - pendulum.angle_rad).abs();
+            assert!(off_rad < 1e-3, "{off_rad} rad beside the pendulum at {rate_hz} Hz and {bandwidth_rad_s} rad/s");
+        }
     }
 }
 

@@ -227,6 +227,7 @@ fn after_refusal(refusal: &Refusal) -> &'static str {
     match refusal {
         Refusal::Protocol { .. } => "update the older of the two",
         Refusal::Parameters(_) => "correct that value, or update the rig's firmware if it does not know the effect",
+        Refusal::Setting { index: 3 } => "take a calibration that was made on this rig: host calibrate",
         Refusal::Setting { .. } => "choose a value within the range",
         Refusal::NotStill => "hold the pendulum still and repeat the command",
         Refusal::BadAngle => "hold it at a larger, well-known angle and repeat the command",

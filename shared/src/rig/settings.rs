@@ -26,6 +26,9 @@ impl Settings {
     }
 }
 
+/// The position of the sensor among the settings.
+pub(super) const SENSOR: u8 = 3;
+
 /// `Err` with the position of the first setting outside its range.
 pub(super) fn check_settings(settings: &Settings) -> Result<(), u8> {
     let good = [

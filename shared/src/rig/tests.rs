@@ -1,7 +1,7 @@
 use super::*;
 use crate::parameters::ParameterError;
 use crate::sensor::Encoder;
-use crate::wire::NEWEST_PROTOCOL;
+use crate::wire::{NEWEST_PROTOCOL, POINTS_PER_FRAME};
 
 fn rig() -> Rig {
     Rig::new("test", 4095, Err(StoreState::Empty))
@@ -150,6 +150,84 @@ fn settings_outside_their_range_are_refused_by_position() {
         assert_eq!(ask(&mut rig, Command::SetSettings(bad)), refused);
     }
     assert_eq!(*rig.settings(), good);
+}
+
+#[test]
+fn a_calibration_for_another_converter_is_refused() {
+    let mut rig = rig();
+    let before = *rig.settings();
+    let foreign = before.with_sensor(Potentiometer::nominal(16_380).into());
+    assert_eq!(ask(&mut rig, Command::SetSettings(foreign)), Answer::Refused(Refusal::Setting { index: 3 }));
+    assert_eq!(*rig.settings(), before);
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "too long for an interpreter")]
+fn a_dead_sensor_is_not_calibrated() {
+    let mut rig = rig();
+    let before = *rig.settings();
+    for code in [0, 10, 4090] {
+        feed(&mut rig, code, 5000);
+        for command in [Command::ZeroHere, Command::CalibrateGain(Radian(1.5))] {
+            assert_eq!(ask(&mut rig, command), Answer::Refused(Refusal::SensorDisconnected), "{code}");
+        }
+    }
+    assert_eq!(*rig.settings(), before);
+}
+
+/// The first live point of these codes, after what came before.
+fn first_point(rig: &mut Rig, code: u16) -> Point {
+    ask(rig, Command::Start(Stream { raw: false, live_every: 1 }));
+    let frames = feed(rig, code, POINTS_PER_FRAME);
+    let Frame::Live(live) = &frames[0] else { panic!("{frames:?}") };
+    live.points[0]
+}
+
+/// Hanging at code 2048, lost for so many seconds, a sample at a time or all at once, and found at code 3000.
+fn found_after(seconds: usize, at_once: bool, cutoff_hz: f32) -> (Point, f32) {
+    let mut rig = rig();
+    let settings = Settings { cutoff_hz, ..*rig.settings() };
+    assert_eq!(ask(&mut rig, Command::SetSettings(settings)), Answer::Done);
+    feed(&mut rig, 2048, 100);
+    match at_once {
+        true => rig.on_samples_lost(1000 * seconds as u32, false, |_| ()),
+        false => drop(feed(&mut rig, 0, 1000 * seconds)),
+    }
+    (first_point(&mut rig, 3000), rig.settings().sensor.angle_at(3000).0)
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "too long for an interpreter")]
+fn after_a_long_time_without_angles_observer_and_filter_begin_anew() {
+    for at_once in [false, true] {
+        let (point, angle_rad) = found_after(6, at_once, 1.0);
+        assert_eq!((point.innovation_rad, point.filtered_rad), (0.0, angle_rad));
+        // Within 5 s the model goes on, and what a filter of 1 Hz remembers is older than its time constant.
+        let (point, _) = found_after(4, at_once, 1.0);
+        assert!(point.innovation_rad > 1.0 && point.filtered_rad == angle_rad, "{point:?}");
+    }
+}
+
+#[test]
+fn a_moment_without_angles_is_no_step_for_the_filter() {
+    let mut rig = rig();
+    let settings = Settings { cutoff_hz: 1.0, ..*rig.settings() };
+    assert_eq!(ask(&mut rig, Command::SetSettings(settings)), Answer::Done);
+    feed(&mut rig, 2048, 100);
+    feed(&mut rig, 0, 100);
+    let point = first_point(&mut rig, 3000);
+    assert!(point.filtered_rad < 0.01 && point.filtered_rad > 0.0, "{point:?}");
+}
+
+#[test]
+fn another_zero_is_no_blow_to_the_pendulum() {
+    let mut rig = rig();
+    feed(&mut rig, 2048, 100);
+    let Sensor::Potentiometer(before) = rig.settings().sensor else { panic!() };
+    let moved = rig.settings().with_sensor(Potentiometer { zero_code: 1500.0, ..before }.into());
+    assert_eq!(ask(&mut rig, Command::SetSettings(moved)), Answer::Done);
+    let point = first_point(&mut rig, 2048);
+    assert!(point.innovation_rad == 0.0 && point.filtered_rad > 0.5, "{point:?}");
 }
 
 /// A rig with an encoder in use.

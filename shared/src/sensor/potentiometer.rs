@@ -20,8 +20,10 @@ pub const LINEARITY: f32 = 0.02;
 /// Full scale of the plain 12-bit converter.
 pub const FULL_SCALE_12_BIT: u16 = 4095;
 
-/// Readings this close to an end (as a share of full scale) are the dead zone, an end stop or a broken wire.
-const END_SHARE: f32 = 0.004;
+/// Readings this close to an end (as a share of full scale) are the dead zone, an end stop or a broken wire: the end voltage
+/// of the data sheet and a little noise. Twice as much would cost 4° of the travel, half of it take wipers that have left the
+/// track for good ones.
+const END_SHARE: f32 = 0.006;
 
 /// A converter this coarse shows no swing.
 const MOST_RADIAN_PER_CODE: f32 = 1.0;
@@ -169,6 +171,11 @@ mod tests {
     fn the_ends_count_as_disconnected() {
         let pot = Potentiometer::nominal(FULL_SCALE_12_BIT);
         assert!(!pot.is_connected(Code(0)) && !pot.is_connected(Code(4095)));
+        // The data sheet's end voltage: the wiper is off the track.
+        let end = (0.005 * 4095.0) as u16;
+        assert!(!pot.is_connected(Code(end)) && !pot.is_connected(Code(4095 - end)));
+        // … and 168° are on it.
+        assert!(pot.is_connected(pot.code(Radian(2.93))) && pot.is_connected(pot.code(Radian(-2.93))));
         assert!(pot.is_connected(Code(2048)));
     }
 

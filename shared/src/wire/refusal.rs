@@ -52,8 +52,14 @@ impl core::fmt::Display for Refusal {
                 write!(f, "the program speaks protocol {host}, the rig {rig}; update the older of the two")
             }
             Self::Parameters(error) => write!(f, "{error}"),
+            Self::Setting { index: 3 } => {
+                write!(
+                    f,
+                    "the sensor's calibration is outside its range, or its full_scale not that of this rig's converter"
+                )
+            }
             Self::Setting { index } => {
-                let what = ["sampling rate", "filter cut-off", "observer bandwidth", "sensor's calibration"];
+                let what = ["sampling rate", "filter cut-off", "observer bandwidth"];
                 write!(f, "the {} is outside its range", what.get(usize::from(*index)).copied().unwrap_or("setting"))
             }
             Self::NotStill => write!(f, "the pendulum is moving; hold it still and ask again"),

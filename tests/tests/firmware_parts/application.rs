@@ -1,6 +1,6 @@
 //! What the application does on a board: streams, settings, sensors, saving.
 
-use crate::bench::Bench;
+use crate::bench::{Bench, code_at};
 use firmware::ports::{BATCH, FULL_SCALE};
 use shared::rig::Rig;
 use shared::sensor::Encoder;
@@ -74,6 +74,34 @@ fn the_rate_that_is_made_is_told_kept_and_loaded() {
     assert_eq!(given.iter().map(|settings| settings.cutoff_hz).collect::<Vec<_>>(), [50.0, 22.5]);
     let refused = Answer::Refused(Refusal::Setting { index: 0 });
     assert_eq!(answers[answers.len() - 2..], [refused.clone(), refused]);
+}
+
+/// A batch that began at the old rate ends when the new one is in use already.
+#[test]
+fn no_sample_of_the_old_rate_is_taken_for_one_of_the_new_rate() {
+    let bench = Bench::default();
+    bench.link_takes.set(true);
+    bench.run(async {
+        let settings = *Rig::new("", FULL_SCALE, Err(StoreState::Empty)).settings();
+        for (k, rate_hz) in [500.0, 2000.0, 100.0, 1000.0].into_iter().enumerate() {
+            bench.pass(10 + k as u64).await;
+            bench.send(Command::SetSettings(Settings { cutoff_hz: 40.0, rate_hz, ..settings }));
+            bench.send(Command::Start(Stream { raw: true, live_every: 0 }));
+            bench.pass(10).await;
+            bench.send(Command::Stop);
+        }
+        bench.pass(10).await;
+    });
+    let mut taken: Vec<u16> = Vec::new();
+    for frame in bench.frames() {
+        match frame {
+            Frame::Samples(samples) => taken.extend(&samples.codes),
+            Frame::Answer(_, answer) => assert_eq!(answer, Answer::Done),
+            _ => {}
+        }
+    }
+    taken.dedup();
+    assert_eq!(taken, [500.0, 2000.0, 100.0, 1000.0].map(code_at));
 }
 
 #[test]

@@ -36,7 +36,16 @@ impl Default for NoSpareTime {
     }
 }
 
-struct MemorySampler<'b>(&'b Bench);
+/// Its codes say at which rate they were taken.
+struct MemorySampler<'b> {
+    bench: &'b Bench,
+    rate_hz: f32,
+}
+
+/// What a sampler at this rate gives.
+pub(crate) fn code_at(rate_hz: f32) -> u16 {
+    7190 + rate_hz as u16
+}
 
 impl Sampler for MemorySampler<'_> {
     /// It makes every whole rate.
@@ -48,12 +57,17 @@ impl Sampler for MemorySampler<'_> {
         matches!(sensor, Sensor::Potentiometer(_))
     }
 
-    fn start(&mut self, _: &Sensor, _: f32) {}
+    fn start(&mut self, _: &Sensor, rate_hz: f32) {
+        self.rate_hz = rate_hz;
+    }
 
     async fn next(&mut self) -> Batch {
-        yield_now().await;
-        self.0.n_batches.set(self.0.n_batches.get() + 1);
-        Batch { lost: 0, cycles: 32 * 100, codes: [Code(8190); BATCH].into_iter().collect() }
+        // Not in step with the link.
+        for _ in 0..=self.bench.n_batches.get() % 2 {
+            yield_now().await;
+        }
+        self.bench.n_batches.set(self.bench.n_batches.get() + 1);
+        Batch { lost: 0, cycles: 32 * 100, codes: [Code(code_at(self.rate_hz)); BATCH].into_iter().collect() }
     }
 }
 
@@ -139,7 +153,7 @@ impl Bench {
         let board = Board {
             name: "memory",
             most_points_per_s: 100.0,
-            sampler: MemorySampler(self),
+            sampler: MemorySampler { bench: self, rate_hz: 0.0 },
             receiver: MemoryLink(self),
             sender: MemoryLink(self),
             flash: &mut flash,

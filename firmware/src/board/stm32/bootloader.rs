@@ -4,6 +4,7 @@
 //! anything else runs.
 #![allow(unsafe_code, reason = "the wish survives a restart, and the jump leaves the program for good")]
 
+use super::clock::wait_for_clock;
 use core::mem::MaybeUninit;
 use core::ptr::{addr_of, addr_of_mut};
 use cortex_m::peripheral::{NVIC, SCB, SYST};
@@ -61,7 +62,12 @@ pub fn enter_if_asked() {
     unsafe {
         addr_of_mut!(WISHED).cast::<u32>().write_volatile(0);
         RCC.apb2enr().modify(|w| w.set_syscfgen(true));
+        wait_for_clock();
         SYSCFG.memrm().modify(|w| w.set_mem_mode(SYSTEM_FLASH_AT_ZERO));
+        // Where they are after a reset; ours would get the bootloader's interrupts.
+        (*SCB::PTR).vtor.write(0);
+        cortex_m::asm::dsb();
+        cortex_m::asm::isb();
         cortex_m::asm::bootload(SYSTEM_MEMORY)
     }
 }

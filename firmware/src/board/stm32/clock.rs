@@ -9,7 +9,7 @@ use core::cell::RefCell;
 use core::sync::atomic::{AtomicBool, Ordering};
 use core::task::Waker;
 use embassy_stm32::Config;
-use embassy_stm32::pac::{FLASH, Interrupt, RCC, TIM5, interrupt};
+use embassy_stm32::pac::{DBGMCU, FLASH, Interrupt, RCC, TIM5, interrupt};
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPDiv, PllPreDiv, PllSource, Sysclk,
 };
@@ -57,6 +57,12 @@ pub fn clocks(outside: Hse, to_1_mhz: PllPreDiv) -> Config {
     config
 }
 
+/// Call it between turning on a peripheral's clock and writing to its registers: the first writes may be lost otherwise
+/// (errata ES0182 and ES0298, "Delay after an RCC peripheral clock enabling").
+pub fn wait_for_clock() {
+    cortex_m::asm::dsb();
+}
+
 /// Does the clock from outside start?
 fn comes(mode: HseMode) -> bool {
     use_internal();
@@ -96,10 +102,16 @@ pub fn start() {
     DRIVER.start();
 }
 
+/// The F405 by its number, and its first revision, A, with which the prefetch must stay off (ES0182).
+const F405: u16 = 0x413;
+const REVISION_A: u16 = 0x1000;
+
 /// Flash takes six cycles a word; prefetch and caches hide most of it. The clocks' set-up leaves them off.
 fn use_caches() {
+    let chip = DBGMCU.idcode().read();
+    let has_prefetch = (chip.dev_id(), chip.rev_id()) != (F405, REVISION_A);
     FLASH.acr().modify(|w| {
-        w.set_prften(true);
+        w.set_prften(has_prefetch);
         w.set_icen(true);
         w.set_dcen(true);
     });
@@ -130,6 +142,7 @@ embassy_time_driver::time_driver_impl!(
 impl Microseconds {
     fn start(&self) {
         RCC.apb1enr().modify(|w| w.set_tim5en(true));
+        wait_for_clock();
         TIM5.psc().write_value((TIMER_CLOCK_HZ / TICKS_PER_S - 1) as u16);
         TIM5.arr().write_value(u32::MAX);
         // Takes the prescaler over, without the interrupt that this would ask for.

@@ -3,6 +3,7 @@
 //! The converter starts on triggers alone, so there is no sample off the grid at the start. After an overrun its
 //! requests to the DMA stop until both are set up anew.
 
+use super::clock::wait_for_clock;
 use super::ring::{RING, Stream};
 use embassy_stm32::Peri;
 use embassy_stm32::adc::Adc;
@@ -47,6 +48,7 @@ impl Converter {
         dma: Peri<'static, DMA2_CH0>,
     ) -> Self {
         RCC.ahb1enr().modify(|w| w.set_dma2en(true));
+        wait_for_clock();
         let mut pin = Flex::new(pin);
         pin.set_as_analog();
         Self { input, _pin: pin, _adc: Adc::new(adc), _dma: dma }

@@ -4,6 +4,7 @@
 //! It counts from power-up on, whichever sensor is in use, so that zero stays where the pendulum hung then. Counts are
 //! never lost to software: the counter needs none, and has 16 bits for half of which nobody may look.
 
+use super::clock::wait_for_clock;
 use super::ring::{RING, Stream};
 use embassy_stm32::Peri;
 use embassy_stm32::pac::timer::vals::FilterValue;
@@ -28,6 +29,7 @@ impl Quadrature {
     /// On PB6 (A) and PB7 (B), which take 5 V as they are; the pull-ups that an open collector needs are outside.
     pub fn new(counter: Peri<'static, Tim4>, a: Peri<'static, PB6>, b: Peri<'static, PB7>) -> Self {
         RCC.ahb1enr().modify(|w| w.set_dma1en(true));
+        wait_for_clock();
         let counter = Qei::new(counter, a, b, Config::default());
         TIM4.ccmr_input(0).modify(|w| {
             w.set_icf(0, FILTER);

@@ -81,7 +81,7 @@ impl NorFlash for Sectors {
             let work = Work::begin(|w| {
                 w.set_ser(true);
                 w.set_snb(sector as u8);
-            });
+            })?;
             FLASH.cr().modify(|w| w.set_strt(true));
             let outcome = work.end().await;
             forget_data();
@@ -93,7 +93,7 @@ impl NorFlash for Sectors {
     async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
         let to = place(offset, bytes.len(), WORD)?;
         for (i, word) in bytes.as_chunks::<WORD>().0.iter().enumerate() {
-            let work = Work::begin(|w| w.set_pg(true));
+            let work = Work::begin(|w| w.set_pg(true))?;
             // SAFETY: an aligned word of the store, of which nobody holds a reference.
             unsafe { (to as *mut u32).add(i).write_volatile(u32::from_le_bytes(*word)) }
             work.end().await?;
@@ -118,8 +118,12 @@ fn place(offset: u32, length: usize, unit: usize) -> Result<usize, NorFlashError
 struct Work;
 
 impl Work {
-    /// Unlocked for this; errors of before are forgotten.
-    fn begin(what: impl FnOnce(&mut Cr)) -> Self {
+    /// Unlocked for this; errors of before are forgotten. A save may erase three times, so that the supply is looked at before
+    /// each.
+    fn begin(what: impl FnOnce(&mut Cr)) -> Result<Self, NorFlashErrorKind> {
+        if !supply_is_good() {
+            return Err(NorFlashErrorKind::Other);
+        }
         if FLASH.cr().read().lock() {
             KEYS.iter().for_each(|key| FLASH.keyr().write_value(*key));
         }
@@ -129,7 +133,7 @@ impl Work {
             w.set_psize(Psize::PSIZE32);
             what(w);
         });
-        Self
+        Ok(Self)
     }
 
     /// Looks until it is done.

@@ -3,6 +3,7 @@
 //! A break, noise, or a PC with another speed only put wrong bytes into the ring, which the frames' check sums find.
 //! Nothing has to be started again, so that nothing of before can be read for a second time.
 
+use super::clock::wait_for_clock;
 use super::ring::{Size, Stream};
 use core::convert::Infallible;
 use core::future::poll_fn;
@@ -54,6 +55,7 @@ impl Receiver {
     /// On this pin; the port's speed has been set.
     pub fn new(pin: Peri<'static, impl Pin>, dma: Peri<'static, DMA1_CH5>) -> Self {
         RCC.ahb1enr().modify(|w| w.set_dma1en(true));
+        wait_for_clock();
         let mut pin = Flex::new(pin);
         // A line that nobody drives is idle.
         pin.set_as_af_unchecked(PIN_FUNCTION, AfType::input(Pull::Up));

@@ -7,7 +7,7 @@ use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 /// the longest erase of a sector, 0.5 s, after which it is fed; shorter than anyone's patience.
 const RELOAD: u16 = 2000;
 
-/// Some milliseconds. Should the new period not have been taken over by then, the longest one is in use, 6 s or more.
+/// Some milliseconds, several times what it takes.
 const MOST_LOOKS: u32 = 10_000;
 
 /// From now on it has to be fed.
@@ -17,7 +17,11 @@ pub fn start() {
     IWDG.rlr().write(|w| w.set_rl(RELOAD - 1));
     IWDG.kr().write(|w| w.set_key(Key::START));
     // The two registers are taken over by the slow clock, within five of its cycles.
-    let _ = (0..MOST_LOOKS).find(|_| !IWDG.sr().read().rvu());
+    let is_taken_over = |_: &u32| {
+        let status = IWDG.sr().read();
+        !status.rvu() && !status.pvu()
+    };
+    let _ = (0..MOST_LOOKS).find(is_taken_over);
     feed();
 }
 
