@@ -149,9 +149,9 @@ pub fn record(
     stop: &AtomicBool,
 ) -> Result<Taken, RecordError> {
     refuse_existing(plan)?;
-    let settings = session.settings()?;
+    let (settings, clock) = (session.settings()?, session.clock()?);
     session.start(Stream { raw: true, live_every: plan.live_every })?;
-    let mut recorder = Recorder::new(plan, &session.firmware(), settings);
+    let mut recorder = Recorder::new(plan, &session.firmware(), clock, settings);
     watch.stage(Stage::Settling);
     let end = recorder.run(session, watch, stop);
     // The link may be what broke, and then it can't be told to stop either.

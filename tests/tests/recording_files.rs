@@ -154,6 +154,15 @@ fn a_column_that_is_not_there_is_refused_with_those_there_are() {
 }
 
 #[test]
+fn what_a_board_without_its_crystal_recorded_is_doubted() {
+    let doubts = |clock: &str| {
+        let recording = parse(&format!("# format: pendulum-recording 1\n{clock}{}", plain())).unwrap();
+        recording.notes().iter().filter(|note| note.starts_with("doubtful: recorded by a board")).count()
+    };
+    assert_eq!((doubts("# clock: internal\n"), doubts("")), (1, 0));
+}
+
+#[test]
 fn missing_files_and_directories_are_named() {
     let missing = read(Path::new("no/such/swing.csv"), &ReadOptions::default()).unwrap_err();
     assert!(matches!(missing.fault, Fault::Missing), "{missing}");

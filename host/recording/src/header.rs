@@ -25,6 +25,7 @@ use super::limits::{FORMAT_NAME, FORMAT_VERSION, LONGEST_STEP_S};
 use super::units::time_unit;
 use shared::measured::Measured;
 use shared::sensor::Sensor;
+use shared::wire::Clock;
 
 /// Facts about how a recording was taken; what is not known is `None`.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -35,6 +36,8 @@ pub struct Header {
     pub rate_hz: Option<f64>,
     /// Version of the firmware that took it.
     pub firmware: Option<String>,
+    /// What the board ran on if it was no crystal.
+    pub clock: Option<String>,
     /// The sensor's name if it is no potentiometer.
     pub sensor: Option<String>,
     /// From code to angle.
@@ -72,6 +75,24 @@ impl Calibration {
     }
 }
 
+/// What [`Header::clock`] says of a board without its crystal.
+const OWN_OSCILLATOR: &str = "internal";
+
+/// What it says of a clock.
+pub fn clock_name(clock: Clock) -> Option<String> {
+    (clock == Clock::Internal).then(|| OWN_OSCILLATOR.to_owned())
+}
+
+impl Header {
+    /// What speaks against the times, if anything does. Source: data sheets of STM32F405 and F446, internal oscillator.
+    pub(super) fn doubt(&self) -> Option<&'static str> {
+        (self.clock.as_deref() == Some(OWN_OSCILLATOR)).then_some(
+            "doubtful: recorded by a board that ran on its own oscillator, because no clock came from outside: every time is \
+             off by up to 1 % at 25 °C, 4 % from -10 to 85 °C, and inertia by twice that; host doctor says what to check",
+        )
+    }
+}
+
 /// What [`Header::sensor`] says of a sensor.
 pub fn sensor_name(sensor: &Sensor) -> Option<String> {
     (!matches!(sensor, Sensor::Potentiometer(_))).then(|| sensor.name().to_owned())
@@ -82,6 +103,7 @@ impl fmt::Display for Header {
         writeln!(out, "# format: {FORMAT_NAME} {FORMAT_VERSION}")?;
         write_number(out, "rate_hz", self.rate_hz)?;
         write_text(out, "firmware", self.firmware.as_deref())?;
+        write_text(out, "clock", self.clock.as_deref())?;
         write_text(out, "sensor", self.sensor.as_deref())?;
         write_number(out, "zero_code", self.calibration.map(|calibration| calibration.zero_code))?;
         write_number(out, "radians_per_code", self.calibration.map(|calibration| calibration.radians_per_code))?;
@@ -122,6 +144,7 @@ impl HeaderReader {
             "radians_per_code" => self.number(line, &key, value).map(|n| self.radians_per_code = n),
             // In files of others it may be any sensor's name, with steps that nobody knows.
             "sensor" if self.header.version.is_some() => set_text(&mut self.header.sensor, value),
+            "clock" if self.header.version.is_some() => set_text(&mut self.header.clock, value),
             "firmware" => set_text(&mut self.header.firmware, value),
             "started" => set_text(&mut self.header.started, value),
             "measured" => self.measured(line, value),
@@ -277,6 +300,7 @@ mod tests {
         Header {
             version: Some(FORMAT_VERSION),
             rate_hz: Some(1000.0),
+            clock: clock_name(Clock::Internal),
             firmware: Some("0.1.0".to_owned()),
             sensor: Some("encoder".to_owned()),
             calibration: Some(Calibration { zero_code: 2047.5, radians_per_code: 340f64.to_radians() / 4096.0 }),

@@ -71,7 +71,7 @@ mod zero_step;
 pub use columns::{ColumnRef, Columns, ColumnsError};
 pub use error::{Fault, ReadError, WriteError};
 pub use files::Existing;
-pub use header::{Calibration, Header, sensor_name};
+pub use header::{Calibration, Header, clock_name, sensor_name};
 pub use limits::{FORMAT_NAME, FORMAT_VERSION, MIN_SAMPLES};
 pub use look::{Look, look};
 pub use options::ReadOptions;

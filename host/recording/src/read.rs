@@ -255,6 +255,7 @@ impl Opened<'_> {
         if options.mirrored {
             readings.iter_mut().for_each(|reading| *reading = -*reading);
         }
+        notes.extend(header.doubt().map(str::to_owned));
         let is_rate = sources.measured() == Measured::Rate;
         let header = Header { measured: is_rate.then_some(Measured::Rate), ..header.clone() };
         let unit = samples.readings.first().filter(|_| !is_ours).and_then(|angles| sources.unit(angles));

@@ -79,7 +79,9 @@ fn chip_rows(chip: &Chip) -> Vec<(&'static str, String)> {
     let clock = match chip.clock {
         Clock::Unknown => None,
         Clock::Crystal => Some("crystal"),
-        Clock::Internal => Some("the chip's own, 1 % off at most: the crystal does not run"),
+        Clock::Internal => {
+            Some("the chip's own, 1 % off at 25 °C and up to 4 % from -10 to 85 °C: the crystal does not run")
+        }
     };
     let stages = [
         ("cycles a sample", chip.sample),

@@ -11,7 +11,7 @@ use shared::effect::{Action, CURVE_ID, CURVE_NAME, CUSTOM_FORMULA_ID};
 use shared::formula::Formula;
 use shared::parameters::Parameters;
 use shared::sensor::Sensor;
-use shared::wire::{Answer, Chip, Command, PROTOCOL, Refusal, SUSPECTS, Settings, Statistics, Suspects};
+use shared::wire::{Answer, Chip, Clock, Command, PROTOCOL, Refusal, SUSPECTS, Settings, Statistics, Suspects};
 
 impl Session {
     /// The parameters in use.
@@ -93,6 +93,14 @@ impl Session {
             Err(LinkError::NoAnswer { .. }) => Ok(None),
             Err(error) => Err(error),
         }
+    }
+
+    /// What the rig's samples are timed by; unknown where its firmware does not say.
+    ///
+    /// # Errors
+    /// As [`Session::ask`].
+    pub fn clock(&mut self) -> Result<Clock, LinkError> {
+        Ok(self.chip()?.map_or(Clock::Unknown, |chip| chip.clock))
     }
 
     /// What the rig itself found missing in its model; `None` from firmware that does not look, or says it in another

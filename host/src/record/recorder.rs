@@ -5,10 +5,10 @@ use super::lead_in::{LeadIn, Sample};
 use super::limits::{Limits, disconnected};
 use super::{End, Live, Plan, RecordError, Taken, Watch};
 use crate::link::{LinkError, Session, patient};
-use crate::recording::{Calibration, Header, WriteError, Writer, sensor_name};
+use crate::recording::{Calibration, Header, WriteError, Writer, clock_name, sensor_name};
 use shared::sensor::Reader;
 use shared::units::{Code, Radian};
-use shared::wire::{Frame, Samples, Settings};
+use shared::wire::{Clock, Frame, Samples, Settings};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -42,12 +42,12 @@ pub(super) struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    pub(super) fn new(plan: &'a Plan<'a>, firmware: &str, settings: Settings) -> Self {
+    pub(super) fn new(plan: &'a Plan<'a>, firmware: &str, clock: Clock, settings: Settings) -> Self {
         let rate_hz = f64::from(settings.rate_hz);
         let step_rad = f64::from(settings.sensor.step_rad());
         Self {
             plan,
-            header: header(&settings, firmware, plan.started.clone()),
+            header: header(&settings, firmware, clock, plan.started.clone()),
             reader: Reader::new(settings.sensor),
             settings,
             detector: Detector::new(rate_hz, step_rad),
@@ -226,10 +226,11 @@ impl Drop for Recorder<'_> {
 }
 
 /// What a file says of a recording that was begun at this date and time.
-pub fn header(settings: &Settings, firmware: &str, started: Option<String>) -> Header {
+pub fn header(settings: &Settings, firmware: &str, clock: Clock, started: Option<String>) -> Header {
     Header {
         rate_hz: Some(f64::from(settings.rate_hz)),
         firmware: Some(firmware.to_owned()),
+        clock: clock_name(clock),
         sensor: sensor_name(&settings.sensor),
         calibration: Some(Calibration::of(&settings.sensor)),
         cutoff_hz: Some(f64::from(settings.cutoff_hz)),

@@ -1,7 +1,7 @@
 use super::*;
 use crate::link::{self, Port, changed};
 use crate::recording::{self, ReadOptions, Recording};
-use shared::wire::{Answer, Command, Frame, Hello, MAX_FRAME};
+use shared::wire::{Answer, Clock, Command, Frame, Hello, MAX_FRAME};
 use std::io;
 use std::time::Duration;
 
@@ -250,7 +250,10 @@ fn a_file_says_how_it_was_taken() {
     use shared::sensor::Encoder;
     let sensor = Sensor::Encoder(Encoder::new(4096));
     let settings = wire::Settings { rate_hz: 500.0, cutoff_hz: 40.0, bandwidth_rad_s: 3.0, sensor };
-    let header = header(&settings, "0.1.0", Some("2026-03-01T12:00:00Z".to_owned()));
+    let header_on = |clock| header(&settings, "0.1.0", clock, Some("2026-03-01T12:00:00Z".to_owned()));
+    assert_eq!(header_on(Clock::Internal).clock.as_deref(), Some("internal"));
+    let header = header_on(Clock::Crystal);
+    assert_eq!(header.clock, None);
     assert_eq!((header.rate_hz, header.cutoff_hz), (Some(500.0), Some(40.0)));
     assert_eq!((header.firmware.as_deref(), header.sensor.as_deref()), (Some("0.1.0"), Some("encoder")));
     assert_eq!(header.started.as_deref(), Some("2026-03-01T12:00:00Z"));

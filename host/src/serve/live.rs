@@ -204,7 +204,7 @@ impl Owner<'_> {
     /// The bank looks at the stream that begins now; keeps it, unless a recording does.
     fn is_watched(&mut self, is_kept: bool) -> Result<(), Failure> {
         let session = self.session()?;
-        let (settings, firmware) = (session.settings()?, session.firmware());
+        let (settings, firmware, clock) = (session.settings()?, session.firmware(), session.clock()?);
         let parameters = match session.parameters() {
             Ok(parameters) => parameters.map(f64::from),
             // A model that this program can't run can be listened to all the same.
@@ -216,7 +216,7 @@ impl Owner<'_> {
             }
         };
         let is_new_rig = std::mem::take(&mut self.is_new_rig);
-        let stream = watching::Stream { parameters, settings, firmware, is_new_rig, is_kept };
+        let stream = watching::Stream { parameters, settings, firmware, clock, is_new_rig, is_kept };
         let _ = self.watching.send(Heard::Stream(Box::new(stream)));
         Ok(())
     }

@@ -30,7 +30,7 @@ pub enum Clock {
     Unknown,
     /// A crystal, good for 50 ppm.
     Crystal,
-    /// The chip's own oscillator, good for 1 %, because the crystal does not run.
+    /// The chip's own oscillator, good for 1 % at 25 °C and 4 % from -10 to 85 °C, because the crystal does not run.
     Internal,
 }
 

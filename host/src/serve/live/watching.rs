@@ -8,7 +8,7 @@ use crate::serve::evidence::Evidence;
 use crate::serve::releases::Releases;
 use crate::watch::{Event, Watcher, disconnected};
 use shared::parameters::Parameters;
-use shared::wire::{Samples, Settings};
+use shared::wire::{Clock, Samples, Settings};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 
@@ -32,6 +32,7 @@ pub(super) struct Stream {
     pub(super) parameters: Parameters<f64>,
     pub(super) settings: Settings,
     pub(super) firmware: String,
+    pub(super) clock: Clock,
     /// Is another rig connected than before, or one that may have been changed?
     pub(super) is_new_rig: bool,
     /// Is nobody else recording it?
@@ -167,7 +168,7 @@ impl Watching<'_> {
 impl Listener for Watching<'_> {
     fn stage(&mut self, stage: Stage) {
         if stage == Stage::Swinging && self.stream.is_kept {
-            let header = header(&self.stream.settings, &self.stream.firmware, Some(now::iso()));
+            let header = header(&self.stream.settings, &self.stream.firmware, self.stream.clock, Some(now::iso()));
             self.app.with_releases(|releases| releases.begin(header, f64::from(self.stream.settings.rate_hz)));
         }
         self.watcher.stage(stage);
