@@ -191,10 +191,12 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
 
 fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usize>) -> Result<Segments, SegmentError> {
     let whole = Cut::new(recording, asked.clone())?;
-    let found = whole.undisturbed()?;
+    let hanging = whole.of_hanging();
+    let hanging = hanging.as_ref().unwrap_or(&whole);
+    let found = hanging.undisturbed()?;
     // What the user says stands, whatever lies in it.
-    let alone = if *options == SegmentOptions::default() { whole.alone(&found) } else { None };
-    let (cut, stretch) = alone.as_ref().map_or((&whole, found), |(cut, stretch)| (cut, stretch.clone()));
+    let alone = if *options == SegmentOptions::default() { hanging.alone(&found) } else { None };
+    let (cut, stretch) = alone.as_ref().map_or((hanging, found), |(cut, stretch)| (cut, stretch.clone()));
     let rest = if options.to_s.is_some() { None } else { cut.rest(&stretch) };
     let mut start = if options.from_s.is_some() { Start::at(cut, asked.start) } else { cut.start(&stretch) };
     let end = match &rest {
@@ -319,6 +321,20 @@ impl<'a> Cut<'a> {
             cut.interrupted = cut.forgive_interruptions();
         }
         Ok(cut)
+    }
+
+    /// The same of the longest stretch that hangs, by its swings, where a motor holds it upright in others: how it moves there tells
+    /// of no law.
+    fn of_hanging(&self) -> Option<Self> {
+        let parts = self.hanging_parts(self.asked.clone());
+        let alone = |part: Range<usize>| {
+            let alone = Self::new(self.recording, part).ok()?;
+            let n_turns = alone.count_turns(&alone.undisturbed().ok()?);
+            Some((n_turns, alone))
+        };
+        let is_part = |part: &Range<usize>| *part != self.asked && part.len() >= super::limits::MIN_SAMPLES;
+        let found = parts.into_iter().filter(is_part).filter_map(alone);
+        found.max_by_key(|(n_turns, _)| *n_turns).map(|(_, alone)| alone)
     }
 
     /// The same without what lies behind a stretch, or before it as well, and the stretch anew, if it is not shorter by that: what

@@ -3,13 +3,13 @@
 use super::super::carrier::Carrier;
 use super::super::chance;
 use super::super::drive::{self, Drive};
-use super::super::median;
 use super::super::turning::{ROUGH_FALL_SHARE, TurningPoint};
+use super::super::{Measured, median};
 use super::start::BEGINS_TO_MOVE;
 use super::{Cut, MIN_TURNING_POINTS, STILL_SPREADS, SegmentError, mean};
 use crate::noise::{GAP_STEPS, rms_about_line};
 use crate::number::significant;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 
 /// Half swings at the end that may be too small to be seen.
@@ -72,6 +72,13 @@ const FADING_SWINGS: usize = 6;
 /// is seen after 20 half swings and not after 10.
 const GROWN_SHARE: f64 = 0.1;
 
+/// Does a half swing lie beyond a right angle, with no lowest point on its way? Whole turns apart it hangs as well.
+fn is_about_upright(from: &TurningPoint, to: &TurningPoint) -> bool {
+    let is_high = |turn: &TurningPoint| (turn.angle_rad - TAU * (turn.angle_rad / TAU).round()).abs() > FRAC_PI_2;
+    let [low, high] = if from.is_maximum { [to, from] } else { [from, to] }.map(|turn| turn.angle_rad / TAU);
+    from.is_maximum != to.is_maximum && is_high(from) && is_high(to) && low.ceil() > high
+}
+
 impl Cut<'_> {
     /// What is swung freely: of what was left alone long enough to tell, what becomes smaller and has the most swings.
     pub(super) fn undisturbed(&self) -> Result<Range<usize>, SegmentError> {
@@ -99,7 +106,8 @@ impl Cut<'_> {
 
     /// Of these stretches what lies between growths and behind a motor.
     fn parts_of(&self, stretches: Vec<Range<usize>>) -> impl Iterator<Item = Range<usize>> {
-        let parts = stretches.into_iter().flat_map(|range| self.fading_parts(range));
+        let hanging = stretches.into_iter().flat_map(|range| self.hanging_parts(range));
+        let parts = hanging.flat_map(|range| self.fading_parts(range));
         parts.map(|part| self.left_alone(&part)).map(|part| part.start..self.taken_from_rest(&part).unwrap_or(part.end))
     }
 
@@ -183,6 +191,21 @@ impl Cut<'_> {
             _ => self.recording.index_at(self.states[last].time_s),
         };
         start..end.max(start)
+    }
+
+    /// What lies between the stretches about upright, in order: a pendulum that is left alone falls from there and passes its lowest
+    /// point before it turns again, so that a motor holds what turns without.
+    pub(super) fn hanging_parts(&self, range: Range<usize>) -> Vec<Range<usize>> {
+        let mut parts = Vec::new();
+        let mut start = range.start;
+        let is_angle = self.recording.measured() == Measured::Angle;
+        for pair in self.turns_in(&range).windows(2).filter(|pair| is_angle && is_about_upright(pair[0], pair[1])) {
+            let [from, to] = [pair[0], pair[1]].map(|turn| self.recording.index_at(turn.time_s));
+            parts.push(start..from.max(start));
+            start = to;
+        }
+        parts.push(start..range.end);
+        parts
     }
 
     /// What lies between the growths, in order: a free swing never grows, so that somebody pushed there.

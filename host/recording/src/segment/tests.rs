@@ -1,6 +1,7 @@
 mod hands;
 mod noise;
 mod refusals;
+mod upright;
 
 use super::*;
 
