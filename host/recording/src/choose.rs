@@ -382,7 +382,8 @@ fn drives_and_carriers(table: &Table, reading: &ReadingSource) -> impl Iterator<
         move |idx: usize| angle_idx.is_some_and(|angle| angle_unit_of(table, angle) == angle_unit_of(table, idx));
     let carries = move |idx: usize| table.says(idx, |name| is_of_carrier(name) && is_angle(name)) && is_like(idx);
     let is_one = move |idx: &usize| table.says(*idx, words::is_of_drive) || carries(*idx);
-    (0..table.n_columns).filter(is_one).filter(|idx| table.is_of_numbers(*idx))
+    // A run that comes first may not have it.
+    (0..table.n_columns).filter(is_one).filter(|idx| table.is_of_numbers(*idx) || table.is_empty_at_first(*idx))
 }
 
 /// gx, gy and gz alone are those of a gyroscope or of gravity.

@@ -14,6 +14,10 @@ const OFF_SHARE: f64 = 0.01;
 /// Standard deviations by which numbers that a motor makes follow each other more or less than by chance.
 const SURE: f64 = 6.0;
 
+/// So many samples a filter of a sensor may reach; a pendulum's period has more. Of one size alone a swing of four blocks would
+/// be noise.
+const BLOCKS: [usize; 3] = [8, 12, 16];
+
 /// A column of the file that moves the pendulum where it moves itself.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drive {
@@ -61,17 +65,25 @@ impl Drive {
         Some((low, high, n_on as f64 / range.len() as f64))
     }
 
-    /// Does each number tell nothing of the next? Of n such numbers the mean square of a step is twice the variance, give
-    /// or take 2/√n (von Neumann 1941). Few numbers can't tell, and are not taken for noise.
+    /// Does each number tell nothing of the next, or some of them together nothing of as many behind, as in the noise of a
+    /// sensor with a filter?
     fn is_noise(&self, range: &Range<usize>) -> bool {
         let values = self.values.get(range.clone()).unwrap_or_default();
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n;
-        let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (n - 1.0);
-        let spread = SURE * 2.0 / n.sqrt();
-        spread < 1.0 && (steps / variance - 2.0).abs() < spread
+        let mean = |block: &[f64]| block.iter().sum::<f64>() / block.len() as f64;
+        let means = |size: usize| values.chunks_exact(size).map(mean).collect::<Vec<f64>>();
+        is_white(values) || BLOCKS.iter().all(|size| is_white(&means(*size)))
     }
+}
+
+/// Of n numbers without a word of each other the mean square of a step is twice the variance, give or take 2/√n (von Neumann
+/// 1941). Few numbers can't tell, and are not taken for noise.
+fn is_white(values: &[f64]) -> bool {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n;
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (n - 1.0);
+    let spread = SURE * 2.0 / n.sqrt();
+    spread < 1.0 && (steps / variance - 2.0).abs() < spread
 }
 
 /// Where none of these drives is on, of a range of samples.
@@ -135,5 +147,17 @@ mod tests {
         let current = current.unwrap();
         assert!(current.within(&(0..300)).is_some() && current.within(&(300..1000)).is_none());
         assert!(drive(|idx| (idx as f64 / 20.0).sin() + 0.5 * chance(idx)).is_some());
+    }
+
+    #[test]
+    fn filtered_noise_drives_nothing_and_a_swing_of_four_blocks_does() {
+        let long = |value: &dyn Fn(usize) -> f64| Drive::of(String::new(), (0..4000).map(value).collect());
+        let filtered = |idx: usize| (0..6).map(|back| 0.6_f64.powi(back) * chance(1000 + idx - back as usize)).sum();
+        assert_eq!(long(&filtered), None);
+        for block in BLOCKS {
+            let swing =
+                |idx: usize| (idx as f64 * std::f64::consts::TAU / (4 * block) as f64).sin() + 0.3 * chance(idx);
+            assert!(long(&swing).is_some(), "{block}");
+        }
     }
 }

@@ -21,10 +21,13 @@ pub(super) fn names(lines_above: &[&str], separator: Separator, n_columns: usize
         .or_else(|| before_a_remark(&comments, n_columns))
 }
 
-/// Is it one of the rows of a camera that sees nothing yet: `3,0.1,,,,640,480,vfr`?
+/// Is it one of the rows of a camera that sees nothing yet, `3,0.1,,,,640,480,vfr`, or of Tracker, `,,`?
 fn is_row_without_values(line: &str, separator: Separator, n_columns: usize) -> bool {
     let cells = split(line, separator);
     let filled = || cells.iter().filter(|cell| !cell.is_empty());
+    if filled().count() == 0 {
+        return true;
+    }
     let n = filled().filter(|cell| looks_like_number(cell, separator)).count();
     cells.len() == n_columns && filled().count() < n_columns && n > 1 && 2 * n >= filled().count()
 }
@@ -48,11 +51,19 @@ fn of_known_words(lines: &[&str], separator: Separator, n_columns: usize) -> Opt
     // One word, or `measured: rate`, is no list of names.
     let may_be_otherwise = n_columns > 1 && !last.contains([':', '=']);
     let others = SEPARATORS.into_iter().filter(|other| may_be_otherwise && *other != separator);
-    std::iter::once(separator).chain(others).find_map(|separator| {
+    let found = std::iter::once(separator).chain(others).find_map(|separator| {
         let cells = cells(last, separator);
         let names = (cells.len() == n_columns).then(|| with_units(lines, separator, cells))?;
         is_known(&names).then_some(names)
-    })
+    });
+    found.or_else(|| may_be_otherwise.then(|| dotted(last, n_columns))?)
+}
+
+/// `Tempo.Forzante.Pendolo`: words alone, because names hold dots too.
+fn dotted(line: &str, n_columns: usize) -> Option<Vec<String>> {
+    let names: Vec<String> = bare(line).split('.').map(str::to_owned).collect();
+    let are_words = names.iter().all(|name| !name.is_empty() && name.chars().all(char::is_alphabetic));
+    (names.len() == n_columns && are_words && is_known(&names)).then_some(names)
 }
 
 /// The first words of the last line, if there is a known one for each column: `t theta_deg | from a video`.
@@ -148,6 +159,9 @@ mod tests {
     fn names_parted_otherwise_than_the_rows_are_found_and_a_prompt_is_none() {
         use Separator::{Comma, Tab};
         check(&["--- Pendolo ---", "Tempo,Forzante,Pendolo"], Tab, 3, &["Tempo", "Forzante", "Pendolo"]);
+        check(&["--- Pendolo ---", "Tempo.Forzante.Pendolo"], Tab, 3, &["Tempo", "Forzante", "Pendolo"]);
+        check(&["a rig of ours. v1.2"], Tab, 3, &[]);
+        check(&["t,x,y", ",,"], Comma, 3, &["t", "x", "y"]);
         check(&["# t; theta; omega"], Comma, 3, &["t", "theta", "omega"]);
         check(&["Sensor, ready, go"], Tab, 3, &[]);
         check(&["# measured: rate"], Comma, 2, &[]);

@@ -221,6 +221,11 @@ impl<'a> Table<'a> {
         n_numbers > 0 && 2 * n_numbers >= cells().count()
     }
 
+    /// Stands nothing in it in the first rows?
+    pub(super) fn is_empty_at_first(&self, idx: usize) -> bool {
+        self.first_cells(idx).all(is_missing)
+    }
+
     /// Stands a word in each of its cells in the first rows?
     pub(super) fn is_of_words(&self, idx: usize) -> bool {
         let is_word = |cell: &str| cell.contains(char::is_alphabetic) && !looks_like_number(cell, self.separator);

@@ -114,6 +114,18 @@ fn an_arm_that_moves_with_the_pendulum_is_doubted_and_one_that_is_held_is_not() 
     assert_eq!(said("arm_rad,pendulum_deg", &loose), "");
 }
 
+/// As where several runs stand in one file, of which the first has no such column.
+#[test]
+fn an_arm_of_which_the_first_rows_say_nothing_is_doubted_all_the_same() {
+    let text = table("t,arm_deg,pendulum_deg\n", |(t, angle, velocity)| {
+        let arm_deg = (-0.05 * angle + 0.001 * velocity).to_degrees();
+        let arm = if t < 2.0 { String::new() } else { format!("{arm_deg:.2}") };
+        format!("{t:.2},{arm},{:.2}", angle.to_degrees())
+    });
+    let notes = cut(&open(text.as_bytes(), &ReadOptions::default()).unwrap()).notes.join("; ");
+    assert!(notes.contains("doubtful: 1 (arm_deg)"), "{notes}");
+}
+
 #[test]
 fn what_the_user_chooses_is_doubted_where_a_motor_moves_in_it() {
     let recording = open(format!("t,theta,u\n{}", switched_off("0")).as_bytes(), &ReadOptions::default()).unwrap();

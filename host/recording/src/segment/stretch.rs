@@ -302,7 +302,8 @@ impl Cut<'_> {
         // All readings at a turn are rounded alike.
         let spread_rad = median(&mut half_swings.iter().map(|[from, _]| from.spread_rad).collect::<Vec<f64>>())
             .hypot(self.whole_noise.quantisation_rms);
-        let size_at = |idx: usize| median(&mut sizes[idx - 1..=idx + 1].to_vec());
+        // Of more neighbours where there are many, which scatter less together.
+        let median_at = |idx: usize, n_beside: usize| median(&mut sizes[idx - n_beside..=idx + n_beside].to_vec());
         let time_s = |idx: usize| half_swings[idx][0].time_s;
         let larger = |largest: &mut f64, size: &f64| {
             *largest = largest.max(*size);
@@ -310,7 +311,10 @@ impl Cut<'_> {
         };
         let largest_before: Vec<f64> = sizes.iter().scan(0.0, larger).collect();
         let knee = |idx: usize| {
-            let n = (idx - 1).min(sizes.len() - 2 - idx);
+            let n_to_end = idx.min(sizes.len() - 1 - idx);
+            let n_beside = (n_to_end / (STEADY_SWINGS + 1)).max(1);
+            let n = n_to_end - n_beside;
+            let size_at = |idx: usize| median_at(idx, n_beside);
             let (lost_before, lost_after) = (size_at(idx - n) - size_at(idx), size_at(idx) - size_at(idx + n));
             // Of equal times: there may be gaps.
             let (before_s, after_s) = (time_s(idx) - time_s(idx - n), time_s(idx + n) - time_s(idx));
@@ -319,8 +323,11 @@ impl Cut<'_> {
             // From the start on: a tracker that loses the last swings makes these small.
             let at_once = size_at(idx) - size_at(idx + n / 2) > LOST_AT_ONCE * lost_after;
             let was_held = largest_before[idx] < FALLEN_BEFORE * size_at(idx);
+            let spread_rad = spread_rad * (3.0 / (2 * n_beside + 1) as f64).sqrt();
             let is_seen = more_rad > SURE * many_times * spread_rad && at_once && was_held;
-            is_seen.then_some((more_rad / after_s, idx))
+            // What medians of many can't tell, the last turn as large as those tells.
+            let held = (idx..idx + 2 * n_beside - 1).rev().find(|turn| median_at(*turn, 1) >= size_at(idx));
+            is_seen.then_some((more_rad / after_s, held.unwrap_or(idx)))
         };
         // Beside each end stands a median of three.
         let knees = (FEW_SWINGS + 1..sizes.len().saturating_sub(FEW_SWINGS + 1)).filter_map(knee);

@@ -401,6 +401,16 @@ fn a_motor_that_is_switched_off_is_cut() {
     }
 }
 
+/// A twentieth of the swing is noise: hardly any pair of turns tells where it was switched off, but all together do.
+#[test]
+fn a_motor_that_is_switched_off_is_cut_in_loud_noise_too() {
+    let size = |time_s: f64| 0.3 * (-(time_s - 60.0).max(0.0) / 22.0).exp();
+    let angle = |idx: u32| size(f64::from(idx) * STEP_S) * (70_f64.sqrt() * f64::from(idx) * STEP_S).cos();
+    let segments = in_noise(&(0..24_000).map(angle).collect::<Vec<f64>>(), 0.015);
+    let start_s = segments.free.start as f64 * STEP_S;
+    assert!((58.0..66.0).contains(&start_s), "{start_s} {segments:?}");
+}
+
 /// Ten half swings that lose a share of their size, then six that lose another one, as friction does that changes with the
 /// place: of so few, eight times as much is wanted.
 #[test]

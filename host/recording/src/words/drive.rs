@@ -96,7 +96,7 @@ const DRIVE: &[&str] = &[
 
 /// Letters and words that say it where nothing but a unit stands beside them: `u (V)`, and not `u_theta`, which is how sure
 /// an angle is; `current (A)`, and not `current value`.
-const BARE: &[&str] = &["u", "input", "uin", "current"];
+const BARE: &[&str] = &["u", "input", "uin", "outu", "uout", "current"];
 
 /// Words of a voltage.
 const VOLTS: &[&str] = &[
@@ -168,6 +168,7 @@ mod tests {
             "commande",
             "控制量",
             "Input (V)",
+            "outu",
         ];
         for name in drives {
             assert!(is_of_drive(name), "{name}");
