@@ -5,8 +5,8 @@ use super::hints::is_of_pendulum;
 use super::sensors::{TURNS_OF_BODY, is_about_axis, says_acceleration};
 use super::split::words;
 use super::vocabulary::{
-    ANGLE, CODE, COSINE, DATE, DERIVED, DISPLACEMENT, OTHER_QUANTITIES, OTHER_UNITS, RATE, SINE, SPEED, TILT, TIME, X,
-    Y,
+    ANGLE, CODE, COSINE, DATE, DERIVED, DISPLACEMENT, OF_PLACE, OTHER_QUANTITIES, OTHER_UNITS, RATE, SINE, SPEED, TILT,
+    TIME, X, Y,
 };
 use crate::units::{AngleUnit, RateUnit, TimeUnit, angle_unit, rate_word, time_unit};
 
@@ -47,7 +47,9 @@ pub(crate) fn meaning(name: &str) -> Meaning {
     let time = words.iter().rev().find_map(|word| time_unit(word));
     let angle = words.iter().rev().find_map(|word| angle_unit(word));
     let in_tesla = ["(T)", "[T]", "/ T"].iter().any(|unit| name.trim_end().ends_with(unit));
-    if (has(OTHER_QUANTITIES) || in_tesla) && angle.is_none() && !has(ANGLE) {
+    // Degrees may be those of a place on earth.
+    let is_of_place = || has(OF_PLACE) && !has(ANGLE);
+    if (has(OTHER_QUANTITIES) || in_tesla) && angle.is_none() && !has(ANGLE) || is_of_place() {
         return Meaning::Other;
     }
     // `α / °` is an angle; without a unit it is taken for the acceleration.
@@ -239,6 +241,8 @@ mod tests {
             ("voltage", Meaning::Other),
             ("Magnetic Field x (µT)", Meaning::Other),
             ("mx_uT", Meaning::Other),
+            ("Latitude (°)", Meaning::Other),
+            ("Direction (°)", Meaning::Other),
             ("B (mT)", Meaning::Other),
             ("mV", Meaning::Other),
             ("gx_dps", rate(AngleUnit::Degrees)),

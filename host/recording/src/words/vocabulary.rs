@@ -237,6 +237,10 @@ pub(super) const OTHER_QUANTITIES: &[&str] = &[
     "hpa",
 ];
 
+/// Words of where something is on earth and where it goes.
+pub(super) const OF_PLACE: &[&str] =
+    &["latitude", "longitude", "direction", "heading", "course", "azimuth", "breitengrad", "längengrad", "richtung"];
+
 /// Words of a speed.
 pub(super) const SPEED: &[&str] =
     &["dot", "punkt", "velocity", "vel", "velo", "speed", "v", "geschwindigkeit", "vitesse", "velocidad", "velocità"];
