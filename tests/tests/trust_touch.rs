@@ -4,7 +4,9 @@
 #[path = "../../shared/tests/physics_reference/mod.rs"]
 mod physics_reference;
 
+use host::compare::compare;
 use host::compare::measurement::Measurement;
+use host::compare::verdict::Answer;
 use host::diagnose::diagnose;
 use host::fit::identify::{Fit, Method, Options, fit};
 use host::random::Noise;
@@ -181,10 +183,26 @@ fn a_diagnosis_names_the_touch_and_no_missing_physics() {
 fn a_comparison_tells_the_touch_before_anything_else() {
     let swings = [swing(None, 1e-3, &[(12.0, 0.2)], 3)];
     let fit = fitted(&swings, Method::LeastSquares);
-    let [swing] = swings;
-    let measurement = Measurement::of_swing(swing);
-    let options = host::compare::Options::default();
-    let found = host::compare::compare(&fit.parameters, &[measurement], &[], &options).unwrap();
-    assert_eq!(found.touches.len(), 1);
-    assert!(found.verdict[1].starts_with("Something touched the pendulum at 1"), "{:?}", found.verdict);
+    let measurement = Measurement::of_swing(swings[0].clone());
+    for question_numbers in [false, true] {
+        let options = host::compare::Options { question_numbers, ..host::compare::Options::default() };
+        let found = compare(&fit.parameters, std::slice::from_ref(&measurement), &[], &options).unwrap();
+        assert_eq!((found.touches.len(), found.answer), (1, Answer::NothingMissing), "{:?}", found.verdict);
+        assert!(found.verdict[1].starts_with("Something touched the pendulum at 1"), "{:?}", found.verdict);
+        // Of the longer part, from the release on.
+        let judged = &found.recordings[0];
+        assert!((10.9..11.5).contains(&judged.from_s) && judged.duration_s > 12.0, "{} s", judged.from_s);
+    }
+}
+
+/// A fit to both parts of it tells so, in place of numbers that do not fit.
+#[test]
+fn a_comparison_of_a_short_swing_blames_the_touch_and_no_number() {
+    let swings = [swing_of(SHORT_SECONDS, None, 1e-3, &[(5.0, 0.3)], 3, |_| 0.0)];
+    let fit = fitted(&swings, Method::LeastSquares);
+    assert_eq!(fit.touches.len(), 1);
+    let options = host::compare::Options { question_numbers: true, ..host::compare::Options::default() };
+    let measurement = Measurement::of_swing(swings[0].clone());
+    let found = compare(&fit.parameters, &[measurement], &[], &options).unwrap();
+    assert_eq!((found.touches.len(), found.answer), (1, Answer::NothingMissing), "{:?}", found.verdict);
 }

@@ -27,7 +27,7 @@ pub mod verdict;
 pub mod weak;
 
 use crate::cores::on_all_cores;
-use crate::fit::identify::FitError;
+use crate::fit::identify::{Fit, FitError};
 use crate::fit::problem::Start;
 use crate::fit::short_memory::noises_left;
 use crate::fit::tolerance::KnownRig;
@@ -132,11 +132,51 @@ pub fn compare<'r>(
     if measurements.is_empty() {
         return Err(CompareError::NoRecording);
     }
+    let rig = rig.into();
+    match untouched(rig, measurements, held_out, options) {
+        Ok(comparison) => Ok(comparison),
+        Err(Stop::Error(error)) => Err(error),
+        Err(Stop::Touched(touches)) => {
+            let found = compare(rig, &measurement::longest(measurements, &touches), held_out, options)?;
+            Ok(found.behind(touches))
+        }
+    }
+}
+
+/// Why swings were not compared as they are.
+enum Stop {
+    Error(CompareError),
+    /// What follows a touch would be blamed on the numbers, or taken for missing physics.
+    Touched(Vec<Touch>),
+}
+
+impl<E: Into<CompareError>> From<E> for Stop {
+    fn from(error: E) -> Self {
+        Self::Error(error.into())
+    }
+}
+
+impl Comparison {
+    /// The same of the longest parts of swings that something touched.
+    fn behind(mut self, touches: Vec<Touch>) -> Self {
+        self.verdict.splice(1..1, touches.iter().map(verdict::touched));
+        self.touches.splice(0..0, touches);
+        self
+    }
+}
+
+/// The comparison of swings that nothing touched on their way.
+fn untouched(
+    rig: KnownRig,
+    measurements: &[Measurement],
+    held_out: &[Measurement],
+    options: &Options,
+) -> Result<Comparison, Stop> {
     let swings: Vec<Swing> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
     let measured = one_kind(swings.iter().chain(held_out.iter().map(|measurement| &measurement.swing)))?;
-    let rig = rig.into();
     geometry::check(rig.parameters, &swings)?;
     let fitted = options.fit_first.then(|| numbers::least_squares(&swings, rig)).transpose()?;
+    let fitted = fitted.map(none_touched).transpose()?;
     let parameters = fitted.map_or_else(|| rig.parameters.clone(), |fit| fit.parameters);
     let rig = KnownRig { parameters: &parameters, ..rig };
     let judge_all = |all: &[Measurement], follow: Follow| -> Vec<Judged> {
@@ -151,6 +191,7 @@ pub fn compare<'r>(
     };
     let is_asked = options.question_numbers && !options.fit_first && has_more_than_noise(&as_fitted);
     let fit = if is_asked { numbers::least_squares(&swings, rig).ok() } else { None };
+    let fit = fit.map(none_touched).transpose()?;
     let as_fitted = match &fit {
         Some(fit) => begun_as_fitted(measurements, as_fitted, &parameters, &fit.starts),
         None => as_fitted,
@@ -167,6 +208,9 @@ pub fn compare<'r>(
     let mismatches = mismatches(&swings, &recordings, &parameters);
     let starts: Vec<_> = recordings.iter().map(|recording| recording.start).collect();
     let touches = if mismatches.is_empty() { touch::touches(&swings, &parameters, &starts) } else { Vec::new() };
+    if !touches.is_empty() {
+        return Err(Stop::Touched(touches));
+    }
     let totals = Totals::of(&recordings);
     let held_out_totals = (!held_out.is_empty()).then(|| Totals::of(&held_out));
     let knowledge = mismatches.is_empty().then(|| {
@@ -184,7 +228,6 @@ pub fn compare<'r>(
         held_out: &held_out,
         totals: &totals,
         held_out_totals: held_out_totals.as_ref(),
-        touches: &touches,
         places: &places,
         energy: &energy,
         torque: torque.as_ref(),
@@ -202,7 +245,7 @@ pub fn compare<'r>(
         limits: limits::limits(measurements, &recordings),
         totals,
         held_out_totals,
-        touches,
+        touches: Vec::new(),
         places,
         energy,
         torque,
@@ -213,6 +256,11 @@ pub fn compare<'r>(
         held_out,
         parameters,
     })
+}
+
+/// A fit of swings that nothing touched on their way.
+fn none_touched(fit: Fit) -> Result<Fit, Stop> {
+    if fit.touches.is_empty() { Ok(fit) } else { Err(Stop::Touched(fit.touches)) }
 }
 
 /// How a run of the model beside a swing is begun.

@@ -2,10 +2,17 @@
 //! is not there.
 
 use crate::fit::short_memory::NoiseLeft;
+use crate::fit::touch::{self, Touch};
 use crate::recording::Recording;
 use crate::recording::noise::{self, Noise};
 use crate::recording::segment::{FreeSwing, SegmentOptions, Segments, free_swings, segment};
 use crate::swing::{Swing, SwingError};
+
+/// The longest part of each that something touched on its way.
+pub(super) fn longest(measurements: &[Measurement], touches: &[Touch]) -> Vec<Measurement> {
+    let swings: Vec<Swing> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
+    measurements.iter().zip(touch::longest(&swings, touches)).map(|(whole, part)| whole.cut_to(part)).collect()
+}
 
 /// A free swing and its surroundings.
 #[derive(Clone, Debug)]
@@ -61,6 +68,19 @@ impl Measurement {
         let notes = recording.notes().iter().chain(&segments.notes).cloned().collect();
         let (has_lead_in, has_rest) = (segments.lead_in.is_some(), segments.rest.is_some());
         Ok(Self { swing, noise: segments.noise, is_told_by_model: false, from_s, has_lead_in, has_rest, notes })
+    }
+
+    /// The same of a part of its swing.
+    fn cut_to(&self, part: Swing) -> Self {
+        let begins_s = part.from_s - self.swing.from_s;
+        let is_whole_to_the_end = begins_s + part.duration_s() >= self.swing.duration_s();
+        Self {
+            from_s: self.from_s + begins_s,
+            has_lead_in: self.has_lead_in && begins_s == 0.0,
+            has_rest: self.has_rest && is_whole_to_the_end,
+            swing: part,
+            ..self.clone()
+        }
     }
 
     /// The same in the noise that a model leaves of it.

@@ -166,7 +166,7 @@ pub fn judge(measurement: &Measurement, parameters: &Parameters<f64>, followed: 
         spectrum: spectrum(lively, step_s, noise_rad),
         measured,
         modelled,
-        notes: notes(measurement, offset_rad, &predictions),
+        notes: notes(measurement, offset_rad),
         curves: Curves::of(swing, followed, restarts, half_swing_s),
     }
 }
@@ -224,10 +224,9 @@ fn stop_angles(swing: &Swing, followed: &Followed) -> (f64, f64) {
     (mean(&swing.angles_rad[from..]), mean(&followed.angles_rad[from..]))
 }
 
-fn notes(measurement: &Measurement, offset_rad: f64, predictions: &Predictions) -> Vec<String> {
+fn notes(measurement: &Measurement, offset_rad: f64) -> Vec<String> {
     let mut notes = measurement.notes.clone();
     notes.extend(zero_words(offset_rad).filter(|_| measurement.swing.measured == Measured::Angle));
-    notes.extend(predictions.why_no_step(&measurement.swing));
     notes
 }
 
@@ -269,13 +268,5 @@ mod tests {
         let followed = Followed { start, angles_rad: stopping(-0.02), residuals_rad: vec![0.0; 600] };
         let (measured_rad, modelled_rad) = stop_angles(&swing, &followed);
         assert!((measured_rad - 0.01).abs() < 1e-12 && (modelled_rad + 0.02).abs() < 1e-12);
-    }
-
-    #[test]
-    fn that_an_observer_does_not_follow_is_noted() {
-        let measurement = measurement("one.csv", 1);
-        let told = |step_ahead_rad| notes(&measurement, 0.0, &Predictions { step_ahead_rad, ..Predictions::default() });
-        assert!(told(None).last().unwrap().starts_with("a step ahead can't be told"), "{:?}", told(None));
-        assert_eq!(told(Some(1e-3)), measurement.notes);
     }
 }

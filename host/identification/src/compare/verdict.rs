@@ -98,8 +98,6 @@ pub struct Seen<'a> {
     pub totals: &'a Totals,
     /// Over the held-out ones.
     pub held_out_totals: Option<&'a Totals>,
-    /// What touched the pendulum on its way.
-    pub touches: &'a [Touch],
     /// Where the residual is larger than elsewhere, worst first.
     pub places: &'a [Place],
     /// Energy and period against amplitude.
@@ -138,7 +136,6 @@ impl Seen<'_> {
     /// The verdict, a sentence an entry.
     pub fn sentences(&self) -> Vec<String> {
         let mut words = vec![explained(self.totals)];
-        words.extend(self.touches.iter().map(touched));
         let answer = self.answer();
         let is_doubtful = matches!(answer, Answer::NoPattern | Answer::PhysicsMissing) && self.totals.hardly_follows();
         words.extend(
@@ -224,10 +221,10 @@ pub fn in_mrad(angle_rad: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// What a touch leaves is no missing physics.
-fn touched(touch: &Touch) -> String {
+/// What a touch leaves is neither missing physics nor a wrong number.
+pub(super) fn touched(touch: &Touch) -> String {
     let (sentence, alone) = (touch.sentence(), touch.alone("compare"));
-    format!("{sentence} What is left from there on is no missing physics before {alone} shows it too.")
+    format!("{sentence} Only the longer part of that swing is looked at here, as if by {alone}.")
 }
 
 /// The recordings were compared with their zeros taken off; one that is off is missing all the same.
@@ -360,7 +357,6 @@ mod tests {
             held_out: &[],
             totals,
             held_out_totals: None,
-            touches: &[],
             places: &[],
             energy,
             torque: None,
