@@ -249,7 +249,6 @@ pub fn explained(angles_rad: &[f64], residuals_rad: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::tests::measurement;
 
     #[test]
     fn explained_is_the_share_of_the_motion_about_its_mean() {

@@ -62,6 +62,7 @@ function showWords() {
   const hasNoLaw = found.staircase.length === 1;
   const seenOn = (claim) => claim.parts.filter((part) => part.seen).map((part) => part.name).join(', ') || 'no part alone';
   const held = found.holds_on.map((claim) => ` ${claim.effect} is seen on ${seenOn(claim)}.`).join('');
+  const touched = found.touches.map((touch) => `Something touched the pendulum at ${touch.time_s.toFixed(2)} s of ${touch.recording}, or its time jumped there: only the longer part of that swing is looked at here. `).join('');
   const driven = found.driven.length ? `The swings of ${found.driven.join(', ')} don't become smaller: a motor or a hand drives them, and what follows says nothing of this pendulum. ` : '';
   const lost = found.follows ? '' : `The model does not follow these swings at all: it leaves ${mrad(found.rmse_after)}. Did nothing touch or drive it, and are unit, zero and geometry right? `;
   const hardly = found.follows && found.hardly_follows && !driven
@@ -69,7 +70,7 @@ function showWords() {
   const apart = hardly && found.apart_rmse ? `Each recording has a model of its own that leaves ${mrad(found.apart_rmse)}: what was changed between them? ` : '';
   const levels = found.levels ? `${found.levels.words}. ` : '';
   const isSilent = lost && !found.unexplained && found.verdict.length === 0;
-  words.textContent = driven + lost + hardly + apart + levels + (isSilent ? '' : hasNoLaw && found.unexplained
+  words.textContent = touched + driven + lost + hardly + apart + levels + (isSilent ? '' : hasNoLaw && found.unexplained
     ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left${found.suspect ? '' : ', but no effect of the list brings it down to the noise'}.${dropped}${split}`
     : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `Missing: ${names}.${state.zero_words ? ` ${state.zero_words}` : ''} With ${found.verdict.length > 1 ? 'them' : 'it'} the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
 }
