@@ -151,7 +151,19 @@ fn is_off(problem: &Problem, model: &Fitted) -> bool {
     mean.abs() > SIGNIFICANT * std_of_mean(problem, model)
 }
 
+/// What the swings themselves allow, and no less than how their zeros scatter: an encoder that is set to zero before each release
+/// has another one each time.
 fn std_of_mean(problem: &Problem, model: &Fitted) -> f64 {
+    within_swings(problem, model).max(between_swings(model))
+}
+
+fn between_swings(model: &Fitted) -> f64 {
+    let (mean, n) = (mean_offset(model), model.starts.len() as f64);
+    let squares: f64 = model.starts.iter().map(|start| (start.offset_rad - mean).powi(2)).sum();
+    if n < 2.0 { 0.0 } else { (squares / (n - 1.0) / n).sqrt() }
+}
+
+fn within_swings(problem: &Problem, model: &Fitted) -> f64 {
     let n_swings = problem.swings.len();
     let column = |swing_idx: usize| model.unknowns.len() + PER_SWING * swing_idx + PER_SWING - 1;
     let linear = model.linearised(problem);
@@ -181,6 +193,22 @@ mod tests {
         });
         let problem = base_problem(&swings, (&rig()).into(), &count);
         assert_eq!(visible_rad(&problem), 2e-3);
+    }
+
+    #[test]
+    fn zeros_that_differ_from_release_to_release_are_known_no_better_than_they_differ() {
+        let count = Tally::default();
+        let swings = [1, 2].map(|seed| simulated("one", &rig(), 6.0, seed));
+        let problem = base_problem(&swings, (&rig()).into(), &count);
+        let with = |offsets: [f64; 2]| {
+            let start = |offset_rad| Start { angle_rad: 1.4, velocity_rad_s: 0.0, offset_rad };
+            let starts = offsets.map(start).to_vec();
+            Fitted::at(&problem, &Point { values: problem.template_values(), starts })
+        };
+        // Half of their distance is the standard error of two.
+        assert!((between_swings(&with([-0.029, -0.067])) - 0.019).abs() < 1e-9);
+        let [alike, differing] = [[-0.3, -0.3], [-0.1, -0.5]].map(|offsets| std_of_mean(&problem, &with(offsets)));
+        assert!(alike < 0.1 && (differing - 0.2).abs() < 1e-9, "{alike} {differing}");
     }
 
     #[test]
