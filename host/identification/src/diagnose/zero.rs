@@ -207,8 +207,8 @@ mod tests {
         };
         // Half of their distance is the standard error of two.
         assert!((between_swings(&with([-0.029, -0.067])) - 0.019).abs() < 1e-9);
-        let [alike, differing] = [[-0.3, -0.3], [-0.1, -0.5]].map(|offsets| std_of_mean(&problem, &with(offsets)));
-        assert!(alike < 0.1 && (differing - 0.2).abs() < 1e-9, "{alike} {differing}");
+        let [alike, differing] = [[-3.0, -3.0], [-1.0, -5.0]].map(|offsets| std_of_mean(&problem, &with(offsets)));
+        assert!(alike < 1.0 && (differing - 2.0).abs() < 1e-9, "{alike} {differing}");
     }
 
     #[test]
