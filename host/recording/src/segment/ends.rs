@@ -16,6 +16,10 @@ use std::ops::Range;
 /// Turning points between the fitted half swings and the end that is doubted. Half and twice were not tried.
 const DOUBTED: usize = 2;
 
+/// Of so few steps of the sensor nobody can tell a hand from the dry friction that ends a swing. Half of it would do for the
+/// recording that comes to rest in steps of 0.1° for which it was made; twice was not tried.
+const FEWEST_STEPS: f64 = 10.0;
+
 /// A hand moves it off by so many times what is usual at most as far outside of other half swings: with half of it 33 ends are cut,
 /// eight of them at a wrong place, and 21 of strangers; with twice of it 14 and 3 …
 const OFF_TIMES: f64 = 3.0;
@@ -58,6 +62,10 @@ impl Cut<'_> {
     /// The last sample on the way to an end before something moves it, if something does; turning points from the end inward.
     fn left_at(&self, turned: &[usize], end: usize) -> Option<usize> {
         let origin = *turned.get(DOUBTED)?;
+        let step_rad = self.whole_noise.lsb.unwrap_or(0.0);
+        if self.amplitude_rad(self.times_s()[origin]) < FEWEST_STEPS * step_rad {
+            return None;
+        }
         let reach_s = self.times_s()[end] - self.times_s()[origin];
         let off = self.off_from(origin, *turned.get(DOUBTED + FITTED)?, end)?;
         let as_far = |look: usize| {
