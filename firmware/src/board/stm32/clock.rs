@@ -58,7 +58,7 @@ pub fn clocks(outside: Hse, to_1_mhz: PllPreDiv) -> Config {
 }
 
 /// Call it between turning on a peripheral's clock and writing to its registers: the first writes may be lost otherwise
-/// (errata ES0182 and ES0298, "Delay after an RCC peripheral clock enabling").
+/// (errata of the F405, ES0182, "Delay after an RCC peripheral clock enabling").
 pub fn wait_for_clock() {
     cortex_m::asm::dsb();
 }
