@@ -430,10 +430,12 @@ impl Rig {
     }
 
     fn set_settings(&mut self, number: u16, settings: Settings) -> Outcome {
-        let is_for_converter = settings.sensor.span().is_some() || settings.sensor.full_scale() == self.full_scale;
-        let checked = check_settings(&settings).and_then(|()| if is_for_converter { Ok(()) } else { Err(SENSOR) });
-        if let Err(index) = checked {
+        if let Err(index) = check_settings(&settings) {
             return refuse(number, Refusal::Setting { index });
+        }
+        // A sensor with ends is read by the rig's own converter.
+        if settings.sensor.span().is_none() && settings.sensor.full_scale() != self.full_scale {
+            return refuse(number, Refusal::Setting { index: SENSOR });
         }
         let is_new = settings.rate_hz != self.settings.rate_hz || !settings.sensor.is_like(&self.settings.sensor);
         self.use_settings(settings);
