@@ -302,7 +302,7 @@ impl Cut<'_> {
         // All readings at a turn are rounded alike.
         let spread_rad = median(&mut half_swings.iter().map(|[from, _]| from.spread_rad).collect::<Vec<f64>>())
             .hypot(self.whole_noise.quantisation_rms);
-        // Of more neighbours where there are many, which scatter less together.
+        // Of more neighbours where there are many, which scatter less together; of hours of swings no more than it takes.
         let median_at = |idx: usize, n_beside: usize| median(&mut sizes[idx - n_beside..=idx + n_beside].to_vec());
         let time_s = |idx: usize| half_swings[idx][0].time_s;
         let larger = |largest: &mut f64, size: &f64| {
@@ -312,7 +312,7 @@ impl Cut<'_> {
         let largest_before: Vec<f64> = sizes.iter().scan(0.0, larger).collect();
         let knee = |idx: usize| {
             let n_to_end = idx.min(sizes.len() - 1 - idx);
-            let n_beside = (n_to_end / (STEADY_SWINGS + 1)).max(1);
+            let n_beside = (n_to_end / (STEADY_SWINGS + 1)).clamp(1, 4 * STEADY_SWINGS);
             let n = n_to_end - n_beside;
             let size_at = |idx: usize| median_at(idx, n_beside);
             let (lost_before, lost_after) = (size_at(idx - n) - size_at(idx), size_at(idx) - size_at(idx + n));
