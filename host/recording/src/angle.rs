@@ -10,6 +10,7 @@ use super::plausible::{self, Scale, Swings};
 use super::ticks;
 use super::told::Told;
 use super::units::AngleUnit;
+use super::whole_turns;
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
@@ -63,7 +64,8 @@ impl Angles<'_> {
         let unit = if unit.is_none() { self.judge_unstated_unit(name, &angles, zero)? } else { unit };
         let mut angles_rad = in_unit(&angles, unit);
         self.unwrap(&mut angles_rad);
-        let swings = Swings::of(self.times_s, &angles_rad);
+        self.take_off_whole_turns(&mut angles_rad);
+        let swings = self.swings(&angles_rad);
         if let Some(swings) = &swings {
             swings.judge_period(self.told, self.options)?;
             self.judge_unit(swings, unit)?;
@@ -82,7 +84,7 @@ impl Angles<'_> {
         plausible::unwrap(&mut angles_rad);
         let zero_rad = self.options.zero.unwrap_or(0.0).to_radians();
         angles_rad.iter_mut().for_each(|angle| *angle -= zero_rad);
-        let swings = Swings::of(self.times_s, &angles_rad);
+        let swings = self.swings(&angles_rad);
         self.notes.push(match &swings {
             Some(swings) => circle.unless_period_tells(swings.small_period_s()).in_words(),
             None => circle.in_words(),
@@ -92,6 +94,13 @@ impl Angles<'_> {
             self.set_zero(&swings, Some("the picture is turned"), &mut angles_rad);
         }
         Ok(angles_rad)
+    }
+
+    /// How it swings where the user asks, or in the whole recording where that is too little.
+    fn swings(&self, angles_rad: &[f64]) -> Option<Swings> {
+        let within = self.within();
+        let asked = Swings::of(&self.times_s[within.clone()], &angles_rad[within]);
+        asked.or_else(|| Swings::of(self.times_s, angles_rad))
     }
 
     /// The samples that the user asks for; all of them where there are none.
@@ -167,6 +176,15 @@ impl Angles<'_> {
         }
     }
 
+    fn take_off_whole_turns(&mut self, angles_rad: &mut [f64]) {
+        let n_runs = whole_turns::take_off(self.times_s, angles_rad);
+        if n_runs > 0 {
+            let behind = if n_runs == 1 { "a hole".to_owned() } else { format!("{n_runs} holes") };
+            self.notes
+                .push(format!("behind {behind} in the rows it hangs whole turns away: these are taken off there"));
+        }
+    }
+
     /// By how the period grows with the amplitude; what the user told is only doubted.
     fn judge_unit(&mut self, swings: &Swings, unit: Option<AngleUnit>) -> Result<(), Fault> {
         let is_told = self.options.angle_unit.is_some()
@@ -232,18 +250,18 @@ impl Angles<'_> {
             return;
         }
         let middle_deg = middle_rad.to_degrees();
-        if self.options.zero.is_some() {
+        let is_near = |rad: f64| rad != 0.0 && (middle_rad - rad).abs() < NEAR_QUARTER_RAD;
+        let [turns_rad, quarters_rad] = [TAU, FRAC_PI_2].map(|unit_rad| (middle_rad / unit_rad).round() * unit_rad);
+        if self.options.zero.is_some() && !is_near(turns_rad) {
             self.notes.push(format!(
                 "doubtful: with --zero it swings about {middle_rad:.3} rad ({middle_deg:.1}°), but should hang at 0"
             ));
             return;
         }
-        let quarters = (middle_rad / FRAC_PI_2).round();
-        let is_quarter =
-            quarter.is_some() && quarters != 0.0 && (middle_rad - quarters * FRAC_PI_2).abs() < NEAR_QUARTER_RAD;
-        let off_rad = if is_quarter { quarters * FRAC_PI_2 } else { middle_rad };
+        let is_quarter = is_near(quarters_rad) && (quarter.is_some() || is_near(turns_rad));
+        let off_rad = if is_quarter { quarters_rad } else { middle_rad };
         angles_rad.iter_mut().for_each(|angle| *angle -= off_rad);
-        let from = match quarters.rem_euclid(4.0) as u8 {
+        let from = match (quarters_rad / FRAC_PI_2).rem_euclid(4.0) as u8 {
             0 => "whole turns",
             2 => "it is measured from upright",
             _ => quarter.unwrap_or_default(),

@@ -5,6 +5,7 @@ mod names;
 mod parted;
 mod rivals;
 mod standing;
+mod tilt;
 mod time;
 
 use super::angle::Angles;
@@ -87,6 +88,7 @@ impl Sources {
         if let (ReadingSource::Angle { idx, .. }, None) = (&reading, &asked.angle) {
             note_rivals(table, "angle", *idx, as_angle, notes);
             if header.version.is_none() {
+                tilt::fault(table, *idx, time.column()).map_or(Ok(()), Err)?;
                 note_unnamed(table, *idx, time.column(), notes);
             }
             if table.n_columns > 1 && mute_column(table) == Some(*idx) {

@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod angle;
+mod bare_g;
 mod carrier;
 mod cell;
 mod chance;
@@ -32,7 +33,6 @@ mod labels;
 mod limits;
 mod look;
 mod lost;
-mod milli_g;
 mod monitor;
 pub mod noise;
 pub mod number;
@@ -64,6 +64,7 @@ mod trail;
 pub mod turning;
 mod unit;
 mod units;
+mod whole_turns;
 mod words;
 mod write;
 mod zero_step;

@@ -9,13 +9,13 @@ use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::Recording;
+use super::bare_g;
 use super::chosen::Sources;
 use super::error::{Fault, ReadError};
 use super::grid;
 use super::header::{Header, HeaderReader};
 use super::limits::LARGEST_UNSTATED_RAD;
 use super::lost;
-use super::milli_g;
 use super::on_change;
 use super::options::ReadOptions;
 use super::runs::{self, Runs};
@@ -158,9 +158,10 @@ fn parse(reader: impl BufRead, name: &str, options: &ReadOptions) -> Result<Vec<
         notes.push("it has a quantity a line: each is read as a column".to_owned());
     }
     table.is_of_gyroscope |= words::is_gyroscope(name);
-    let axis = milli_g::first_axis(&table).filter(|_| options.columns.is_none());
-    let runs = of_table(table, options, notes);
-    runs.map_err(|faulty| axis.map_or(faulty, |first| Faulty::from(Fault::MilliG { first })))
+    match bare_g::fault(&table).filter(|_| options.columns.is_none()) {
+        Some(fault) => Err(Faulty::from(fault)),
+        None => of_table(table, options, notes),
+    }
 }
 
 fn of_table(mut table: Table, options: &ReadOptions, mut notes: Vec<String>) -> Result<Vec<Run>, Faulty> {

@@ -9,6 +9,7 @@
 //! If the pendulum was held still before, the release is placed to a few ms by fitting the start of the fall; the free
 //! range begins shortly after it, never before.
 
+mod anew;
 mod backwards;
 mod ends;
 mod interrupted;

@@ -23,5 +23,5 @@ pub(super) use meaning::{Meaning, is_named_angle, is_unit, meaning};
 pub(super) use rotary::{beside_alpha, beside_theta, is_rate_of_alpha, is_speed};
 pub(super) use sensors::{
     is_acceleration, is_distance, is_duration, is_gyroscope, is_length, is_orientation, is_quaternion, is_raw,
-    is_turn_of_body,
+    is_turn_of_body, may_be_acceleration,
 };

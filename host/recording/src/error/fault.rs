@@ -143,14 +143,31 @@ pub enum Fault {
     },
     /// Nothing but accelerations, and no names.
     #[error(
-        "columns {}, {} and {} are in steps of 4 and together about 1000 long, as accelerations in thousandths of g are (a \
+        "columns {columns} are in steps of {step} and together about as long as gravity, as accelerations in {unit} are (a \
          micro:bit's): they can't be fitted, because they hold motion and gravity at once; record an angle or a gyroscope \
-         (angular velocity), or film it. If another column is the angle, name it with --columns theta=...",
-        first, first + 1, first + 2
+         (angular velocity), or film it. If another column is the angle, name it with --columns theta=..."
     )]
-    MilliG {
-        /// The first of them.
-        first: usize,
+    BareAccelerations {
+        /// Their places.
+        columns: String,
+        /// What all of them are multiples of.
+        step: f64,
+        /// Of the step.
+        unit: &'static str,
+    },
+    /// An angle that is none of the pendulum.
+    #[error(
+        "column {angle} is the direction of {a} and {b}, as computed from accelerations: on a pendulum that swings freely these \
+         show the pull in its rod and hardly turn, however far it swings, so that this is not its angle; record a gyroscope \
+         (angular velocity) or an angle, or film it. If it is the angle all the same, name it with --columns theta=..."
+    )]
+    Tilt {
+        /// What messages call its column.
+        angle: String,
+        /// The one of the two.
+        a: String,
+        /// The other.
+        b: String,
     },
     /// Nothing but periods and the like.
     #[error(

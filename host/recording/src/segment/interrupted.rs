@@ -28,6 +28,16 @@ const OFF_TIMES: f64 = 1.5;
 /// 76, and 3 of 20 that were pushed by 0.08 rad/s.
 const OFF_SHARE: f64 = 0.04;
 
+/// How a law of one side does on the other one.
+pub(super) struct Across {
+    /// How far the half swing there is off it, rms, rad.
+    pub(super) rms_rad: f64,
+    /// How far it is off at most over as long a time where nothing is lost, rad, if that can be told.
+    pub(super) usual_rad: Option<f64>,
+    /// Of that half swing.
+    pub(super) amplitude_rad: f64,
+}
+
 impl Cut<'_> {
     /// Takes back the disturbances behind which the same swing goes on, and says which samples they spoil.
     pub(super) fn forgive_interruptions(&mut self) -> Vec<Range<usize>> {
@@ -72,9 +82,17 @@ impl Cut<'_> {
         told.contains(&Some(true)) && !told.contains(&Some(false))
     }
 
-    /// Whether a law of the turning points on the one side tells the nearest half swing on the other one, both as they follow
-    /// from the disturbance on; `None` where there is too little to tell.
+    /// Whether a law of the turning points on the one side tells the nearest half swing on the other one; `None` where there is
+    /// too little to tell.
     fn goes_on(&self, known: &[usize], asked: &[usize], lost: &Range<usize>) -> Option<bool> {
+        let across = self.off_across(known, asked, lost)?;
+        let most_rad = OFF_TIMES * across.usual_rad?;
+        Some(across.rms_rad < most_rad && across.rms_rad < OFF_SHARE * across.amplitude_rad)
+    }
+
+    /// How far the nearest half swing on one side is off a law of the turning points on the other one, both as they follow from
+    /// what is lost on; `None` where there is too little to tell.
+    pub(super) fn off_across(&self, known: &[usize], asked: &[usize], lost: &Range<usize>) -> Option<Across> {
         let [near, far] = *asked.get(..2)? else { return None };
         let first = *known.first()?;
         let between = |a: usize, b: usize| a.min(b)..a.max(b);
@@ -86,15 +104,15 @@ impl Cut<'_> {
             let looked = between(self.index_within(from_s + off_s(near))?, self.index_within(from_s + off_s(far))?);
             (look == 0 || is_apart(&looked)).then(|| self.off_beside(looked, fitted))
         };
-        let off = off_of(0).filter(|off| off.is_finite())?;
+        let rms_rad = off_of(0).filter(|off| off.is_finite())?;
         let usual: Vec<f64> =
             (1..known.len()).filter_map(off_of).filter(|off| off.is_finite()).take(MOST_USUAL).collect();
-        if usual.len() < FEWEST_USUAL {
-            return None;
-        }
-        let most = usual.into_iter().fold(0.0, f64::max);
-        let amplitude_rad = (self.angles_rad()[far] - self.angles_rad()[near]).abs() / 2.0;
-        Some(off < OFF_TIMES * most && off < OFF_SHARE * amplitude_rad)
+        let is_known = usual.len() >= FEWEST_USUAL;
+        Some(Across {
+            rms_rad,
+            usual_rad: is_known.then(|| usual.into_iter().fold(0.0, f64::max)),
+            amplitude_rad: (self.angles_rad()[far] - self.angles_rad()[near]).abs() / 2.0,
+        })
     }
 
     pub(super) fn index_within(&self, time_s: f64) -> Option<usize> {

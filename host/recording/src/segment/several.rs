@@ -53,9 +53,12 @@ fn several<'a>(recording: &'a Recording, whole: &Segments) -> Option<Vec<FreeSwi
     let period_s = period_s(recording, &whole.free)?;
     let mut ranges = [&whole.others[..], std::slice::from_ref(&whole.free)].concat();
     ranges.sort_by_key(|range| range.start);
-    // What is behind a swing, a rest perhaps, belongs to it, and what is before the next one to that.
-    let ends = ranges.iter().take(ranges.len() - 1).map(|range| range.end).chain([recording.len()]);
-    let begins = std::iter::once(0).chain(ranges.iter().map(|range| range.end));
+    // What is behind a swing, a rest perhaps, belongs to it, and what is before the next one to that, but for what lies behind a
+    // hole in the rows that the next one begins with.
+    let is_behind_hole = |idx: usize| recording.gaps().iter().any(|gap| gap.after_idx + 1 == idx);
+    let parted = ranges.windows(2).map(|pair| if is_behind_hole(pair[1].start) { pair[1].start } else { pair[0].end });
+    let ends = parted.clone().chain([recording.len()]);
+    let begins = std::iter::once(0).chain(parted);
     let swing = |(begin, end): (usize, usize), wanted: &Range<usize>| {
         free_swing(recording, &(begin..end), wanted).filter(|swing| is_alike(swing, period_s))
     };

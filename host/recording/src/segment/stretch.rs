@@ -107,7 +107,7 @@ impl Cut<'_> {
     /// Of these stretches what lies between growths and behind a motor.
     fn parts_of(&self, stretches: Vec<Range<usize>>) -> impl Iterator<Item = Range<usize>> {
         let hanging = stretches.into_iter().flat_map(|range| self.hanging_parts(range));
-        let parts = hanging.flat_map(|range| self.fading_parts(range));
+        let parts = hanging.flat_map(|range| self.releases_in(range)).flat_map(|range| self.fading_parts(range));
         parts.map(|part| self.left_alone(&part)).map(|part| part.start..self.taken_from_rest(&part).unwrap_or(part.end))
     }
 
@@ -264,7 +264,7 @@ impl Cut<'_> {
     }
 
     /// From each turning point to the next where both are seen and it turns to the other side.
-    fn half_swings_in(&self, range: &Range<usize>) -> Vec<HalfSwing<'_>> {
+    pub(super) fn half_swings_in(&self, range: &Range<usize>) -> Vec<HalfSwing<'_>> {
         let inside = self.turns_in(range);
         let half_swings = inside.windows(2).map(|pair| [pair[0], pair[1]]);
         let is_whole =
@@ -277,12 +277,16 @@ impl Cut<'_> {
         let times_s = &self.times_s()[self.asked.start..];
         let first = times_s.partition_point(|time_s| *time_s < turn.time_s - self.width_s).saturating_sub(1);
         let last = times_s.partition_point(|time_s| *time_s <= turn.time_s + self.width_s).min(times_s.len() - 1);
-        let hole_s = self.width_s.max(GAP_STEPS * self.recording.step_s());
-        times_s[first..=last].windows(2).all(|pair| pair[1] - pair[0] < hole_s)
+        times_s[first..=last].windows(2).all(|pair| pair[1] - pair[0] < self.hole_s())
+    }
+
+    /// In a hole in the rows as long as this a turn may be hidden.
+    pub(super) fn hole_s(&self) -> f64 {
+        self.width_s.max(GAP_STEPS * self.recording.step_s())
     }
 
     /// How far from where the second of two half swings begins a free swing reaches at most (rad), where it ends beyond.
-    fn growth(&self, before: &HalfSwing, after: &HalfSwing) -> Option<f64> {
+    pub(super) fn growth(&self, before: &HalfSwing, after: &HalfSwing) -> Option<f64> {
         let limit_rad = self.limit_of_growth(size_rad(before), [before[0], after[1]]);
         let after_rad = size_rad(after);
         (after_rad > GROWTH_NOISE * self.noise_rms_rad && after_rad > limit_rad).then_some(limit_rad)
@@ -493,7 +497,7 @@ pub(super) fn shown(number: f64) -> String {
 }
 
 /// From one turning point to the next.
-type HalfSwing<'a> = [&'a TurningPoint; 2];
+pub(super) type HalfSwing<'a> = [&'a TurningPoint; 2];
 
 fn size_rad([from, to]: &HalfSwing) -> f64 {
     (to.angle_rad - from.angle_rad).abs()

@@ -168,6 +168,11 @@ pub(crate) fn is_acceleration(name: &str) -> bool {
     (in_metres || in_g || has(ACCELERATION)) && !is_angular
 }
 
+/// Is it that by its name or by its letters alone? `ax`, beside an angle, is no rate of a turn about x.
+pub(crate) fn may_be_acceleration(name: &str) -> bool {
+    is_acceleration(name) || matches!(words(name).as_slice(), [word] if ["ax", "ay", "az"].contains(&word.as_str()))
+}
+
 /// Is it an acceleration of whatever kind by its words? `Winkelbeschleunigung`, `Accélération angulaire`.
 pub(super) fn says_acceleration(words: &[String]) -> bool {
     let is_one = |word: &String| {
