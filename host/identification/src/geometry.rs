@@ -26,6 +26,10 @@ const GRAMS: std::ops::Range<f64> = 300.0..3000.0;
 /// Who has less than a gram on the shaft does not mean grams.
 const LEAST_KG_IN_GRAMS: f64 = 1.0;
 
+/// A length beyond what the period allows by this share is doubted: periods of real pendulums are found within half a percent, and
+/// lengths go with their square.
+const LONGER: f64 = 1.01;
+
 /// An inertia that is a smaller share of m·l² than this is hardly seen in the period.
 const SEEN_SHARE: f64 = 0.05;
 
@@ -123,6 +127,27 @@ pub fn check(parameters: &Parameters<f64>, swings: &[Swing]) -> Result<Vec<Strin
         doubts.extend(doubt_of_unit(&swing.name, &seen, &parameters.pendulum));
     }
     Ok(doubts)
+}
+
+/// The first swing, by its place, that gravity alone can't make so fast with the centre of mass as far away as given, with what is
+/// doubtful of that in words. [`check`] refuses what is further off.
+pub fn too_long(parameters: &Parameters<f64>, swings: &[Swing]) -> Option<(usize, String)> {
+    let Pendulum { length_m, gravity_m_s2, .. } = parameters.pendulum;
+    if is_unknown(&parameters.pendulum) || has_drive(parameters) {
+        return None;
+    }
+    let contradicts = |(idx, swing): (usize, &Swing)| {
+        let period_s = seen(swing)?.small_period_s();
+        let most_m = gravity_m_s2 * (period_s / TAU).powi(2);
+        (length_m > LONGER * most_m).then_some((idx, period_s, most_m))
+    };
+    let (idx, period_s, most_m) = swings.iter().enumerate().find_map(contradicts)?;
+    let words = format!(
+        "with the period of {period_s:.3} s the centre of mass is at most {most_m:.3} m from the pivot where gravity alone swings \
+         it, and the model has length = {length_m} m: measure that again before you believe that a spring or anything else is \
+         missing"
+    );
+    Some((idx, words))
 }
 
 /// Swings among others of another period, by their place, with what is doubtful of them in words. A drive of the model may
@@ -324,6 +349,19 @@ mod tests {
         let drive = Effect::<f64>::ALL.iter().find(|effect| matches!(effect.action, Action::Drive(_))).unwrap();
         sprung.set(drive.id, &vec![0.0; drive.parameters.len()]).unwrap();
         assert_eq!(check(&sprung, &swings(0.1, period_s)), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn a_length_that_the_period_does_not_allow_is_doubted_unless_a_drive_may_shorten_it() {
+        let period_s = small_period_s(&Pendulum::paper());
+        let most_m = 9.81 * (period_s / TAU).powi(2);
+        let of = |length_m: f64| too_long(&paper_but(|pendulum| pendulum.length_m = length_m), &swings(0.1, period_s));
+        assert_eq!(of(1.005 * most_m), None);
+        let (idx, words) = of(1.02 * most_m).unwrap();
+        assert!(idx == 0 && words.contains(&format!("at most {most_m:.3} m")), "{words}");
+        let mut sprung = paper_but(|pendulum| pendulum.length_m = 1.02 * most_m);
+        sprung.set(Effect::<f64>::by_name("torsional-spring").unwrap().id, &[0.0]).unwrap();
+        assert_eq!(too_long(&sprung, &swings(0.1, period_s)), None);
     }
 
     #[test]

@@ -13,6 +13,7 @@ use crate::plot::svg::svg;
 use crate::report::diagnosis::report;
 use clap::Args;
 use shared::effect::Effect;
+use shared::parameters::Parameters;
 use std::path::{Path, PathBuf};
 
 /// Find out which physical effect is missing: fit the base model, then try every effect there is.
@@ -62,6 +63,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if diagnosis.contradicts_its_first_look() {
         output::say("the thorough search says otherwise, and it counts:");
     }
+    already_there(&diagnosis, model.parameters()).iter().for_each(|words| output::warn(words));
     if options.given.json {
         output::json(
             "diagnose",
@@ -74,6 +76,21 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let Some(path) = &options.report else { return Ok(()) };
     let page = report(&diagnosis, &evidence::sentences(&diagnosis), &evidence::treads(&diagnosis));
     output::write(path, &page, options.force)
+}
+
+/// Of what the base model lacks the given one may have some already, as after `host improve`.
+fn already_there(diagnosis: &Diagnosis, parameters: &Parameters<f64>) -> Option<String> {
+    let is_there = |name: &&&str| {
+        let id = Effect::<f64>::by_name(name).map(|effect| effect.id);
+        parameters.effects.iter().any(|effect| Some(effect.id) == id)
+    };
+    let there: Vec<&str> = diagnosis.verdict.iter().filter(is_there).copied().collect();
+    let (what, is) = (there.join(" and "), if there.len() == 1 { "is" } else { "are" });
+    (!there.is_empty()).then(|| {
+        format!(
+            "{what} {is} in this model already: what is missing is told of the base model; host compare tells what this one leaves"
+        )
+    })
 }
 
 fn first_look(look: &Look) {

@@ -12,6 +12,7 @@ use super::values::{Range, custom_effect};
 use super::{output, port, rig};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit};
+use crate::geometry::too_long;
 use crate::link::Session;
 use crate::operations::fit::{self, Check, Outcome};
 use crate::operations::geometry;
@@ -141,7 +142,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut swings = reading.swings(&recordings)?;
     let (held_out, _) = reading.swings_quietly(&options.hold_out)?;
     refuse_doubles(&swings, &held_out)?;
-    let explained = |failure| geometry::explained(failure, doubt.as_deref());
+    let too_long = too_long(model.parameters(), &swings).map(|(_, words)| words);
+    let explained = |failure| geometry::explained(failure, doubt.as_deref().or(too_long.as_deref()));
     check_geometry(model.parameters(), &mut swings).map_err(explained)?;
     check_held_out(model.parameters(), &swings, &held_out);
 

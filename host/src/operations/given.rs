@@ -12,7 +12,8 @@ use shared::parameters::Parameters;
 /// They can't be.
 pub fn doubts(parameters: &Parameters<f64>, swings: &mut [Swing]) -> Result<Vec<String>, Failure> {
     let mut doubts = geometry::check(parameters, swings).map_err(Failure::failed)?;
-    for (idx, words) in geometry::other_periods(parameters, swings) {
+    let too_long = geometry::too_long(parameters, swings);
+    for (idx, words) in too_long.into_iter().chain(geometry::other_periods(parameters, swings)) {
         doubts.push(format!("doubtful: {}: {words}", swings[idx].name));
         swings[idx].doubts.push(words);
     }

@@ -3,6 +3,7 @@
 use super::tables::LONGEST_NAME;
 use super::{figure, page};
 use crate::compare::pictures::short_name;
+use crate::diagnose::holds::Part;
 use crate::diagnose::levels::Levels;
 use crate::diagnose::{Candidate, Diagnosis, Holding, Suggestion, Value};
 use crate::formula::effect_of;
@@ -63,10 +64,11 @@ fn number(value: &Value) -> Markup {
 }
 
 fn holds_on(claim: &Holding) -> Markup {
-    let seen = |seen: Option<bool>| match seen {
-        Some(true) => "seen",
-        Some(false) => "not seen",
-        None => "can't be told",
+    let seen = |part: &Part| match (part.seen, part.std) {
+        (Some(true), _) => "seen",
+        (Some(false), _) => "not seen",
+        (None, Some(_)) => "can't be told",
+        (None, None) => "too few windows alone",
     };
     let p = claim.p.map(|p| format!("; chance alone looks like this in {p:.0e} of the cases"));
     html! {
@@ -74,7 +76,7 @@ fn holds_on(claim: &Holding) -> Markup {
         table {
             tr { th { "part of the swings" } th { "strength there" } th { } }
             @for part in &claim.parts {
-                tr { td { (shortened(short_name(&part.name), LONGEST_NAME)) } td { (with_spread(part.value, part.std)) } td { (seen(part.seen)) } }
+                tr { td { (shortened(short_name(&part.name), LONGEST_NAME)) } td { (with_spread(part.value, part.std)) } td { (seen(part)) } }
             }
         }
     }
@@ -142,7 +144,6 @@ fn milli(value: f64) -> String {
 mod tests {
     use super::*;
     use crate::diagnose::Standing;
-    use crate::diagnose::holds::Part;
     use crate::examples::{claim, diagnosis};
 
     #[test]
@@ -161,5 +162,8 @@ mod tests {
         for (name, seen) in [("early", "seen"), ("late", "not seen"), ("left", "can't be told")] {
             assert!(table.contains(&format!("<td>{name}</td><td>2.00 ± 0.50</td><td>{seen}</td>")), "{table}");
         }
+        let parts = vec![Part { std: None, ..part("late", None) }];
+        let table = holds_on(&Holding { parts, ..claim(Standing::Holds, None) }).into_string();
+        assert!(table.contains("<td>too few windows alone</td>"), "{table}");
     }
 }

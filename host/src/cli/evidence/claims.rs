@@ -2,7 +2,7 @@
 
 use crate::cli::table::wrapped;
 use crate::compare::pictures::short_name;
-use crate::diagnose::holds::ALPHA;
+use crate::diagnose::holds::{ALPHA, Part};
 use crate::diagnose::{Diagnosis, Holding, Standing};
 
 /// Why what stands beside a law that explains much more is not claimed.
@@ -95,17 +95,19 @@ fn probability(p: f64) -> String {
 
 /// On which parts a claimed effect is seen.
 pub(super) fn seen_on(claim: &Holding) -> String {
-    let named = |seen: Option<bool>| {
+    let named = |is_meant: &dyn Fn(&Part) -> bool| {
         let names: Vec<&str> =
-            claim.parts.iter().filter(|part| part.seen == seen).map(|part| short_name(&part.name)).collect();
+            claim.parts.iter().filter(|part| is_meant(part)).map(|part| short_name(&part.name)).collect();
         (!names.is_empty()).then(|| names.join(", "))
     };
-    let mut words = match named(Some(true)) {
+    let mut words = match named(&|part| part.seen == Some(true)) {
         Some(parts) => format!("seen {parts}"),
         None => "on no part alone".to_owned(),
     };
-    words += &named(None).map_or(String::new(), |parts| format!("; can't be told {parts}"));
-    words += &named(Some(false)).map_or(String::new(), |parts| format!("; not seen {parts}"));
+    let undecided = |is_measured: bool| move |part: &Part| part.seen.is_none() && part.std.is_some() == is_measured;
+    words += &named(&undecided(true)).map_or(String::new(), |parts| format!("; can't be told {parts}"));
+    words += &named(&undecided(false)).map_or(String::new(), |parts| format!("; too few windows alone {parts}"));
+    words += &named(&|part| part.seen == Some(false)).map_or(String::new(), |parts| format!("; not seen {parts}"));
     words
 }
 
