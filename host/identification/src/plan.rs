@@ -30,6 +30,9 @@ const CHANGES: [(f64, f64); 4] = [(1.5, 1.0), (0.67, 1.0), (1.0, 1.25), (1.0, 0.
 const LENGTH_S: f64 = 30.0;
 const RATE_HZ: f64 = 100.0;
 
+/// What a model is called that has no effect beyond those of the file.
+pub const NOTHING: &str = "nothing";
+
 /// Added to a normal matrix, as a share of its diagonal.
 const RIDGE: f64 = 1e-9;
 
@@ -60,7 +63,7 @@ pub struct Separation {
 pub struct Prospect {
     /// What to do.
     pub experiment: Experiment,
-    /// Every pair of models.
+    /// The first model and each of the others.
     pub separations: Vec<Separation>,
     /// Δχ² of the pair that is hardest to tell apart.
     pub worst: f64,
@@ -73,16 +76,15 @@ struct Known<'a> {
     precision: DMatrix<f64>,
 }
 
-/// Experiments by what they would tell about fitted models, the best first. With `changes` the pendulum itself may be
+/// Experiments by what they would tell the first of these fitted models from the others, the best first. With `changes` the pendulum itself may be
 /// changed too.
 pub fn plan(swings: &[Swing], models: &[Fitted], changes: bool) -> Vec<Prospect> {
     let count = Tally::default();
     let known: Vec<Known> = models.iter().map(|fitted| Known::new(swings, fitted, &count)).collect();
     let noise_rad = problem(swings, &models[0].unknowns, &models[0].parameters, &count).noise_rad();
     let prospect = |experiment: Experiment| {
-        let pairs = (0..known.len()).flat_map(|i| (0..i).map(move |j| (j, i)));
-        let separation = |(i, j): (usize, usize)| separation(&known[i], &known[j], experiment, noise_rad, &count);
-        let separations: Vec<Separation> = pairs.map(separation).collect();
+        let separation = |other: &Known| separation(&known[0], other, experiment, noise_rad, &count);
+        let separations: Vec<Separation> = known[1..].iter().map(separation).collect();
         let worst = separations.iter().map(|s| s.delta_chi_square).fold(f64::INFINITY, f64::min);
         Prospect { experiment, separations, worst }
     };
@@ -117,7 +119,7 @@ impl<'a> Known<'a> {
         let variance = (linear.equations.cost / linear.equations.n_samples as f64).max(problem.noise_rad().powi(2));
         Self {
             fitted,
-            name: fitted.name(),
+            name: if fitted.effects.is_empty() { NOTHING.to_owned() } else { fitted.name() },
             precision: of_unknowns(&linear.equations.normal.dense(), fitted.unknowns.len()) / variance,
         }
     }
@@ -208,7 +210,7 @@ mod tests {
     use shared::effect::Effect;
 
     #[test]
-    fn the_pair_that_is_hardest_to_separate_decides_and_the_order_of_the_models_does_not() {
+    fn the_rival_that_is_hardest_to_tell_from_the_first_decides_and_their_order_does_not() {
         let (swings, count) = (with_drag(), Tally::default());
         let problem = problem_of(&swings, &rig(), &count);
         let base = fitted(&problem, &rig());
@@ -218,12 +220,13 @@ mod tests {
         };
         let models = [base.clone(), with("quadratic-drag"), with("torsional-spring")];
         let found = plan(&swings, &models, false);
-        let reversed: Vec<Fitted> = models.iter().rev().cloned().collect();
-        let other = plan(&swings, &reversed, false);
+        let [first, one, another] = models.clone();
+        let other = plan(&swings, &[first, another, one], false);
         // Six angles to either side.
         assert_eq!(found.len(), 12);
         for prospect in &found {
-            assert_eq!(prospect.separations.len(), 3);
+            assert_eq!(prospect.separations.len(), 2);
+            assert!(prospect.separations.iter().all(|one| one.models[0] == NOTHING), "{prospect:?}");
             let least = prospect.separations.iter().map(|one| one.delta_chi_square).fold(f64::INFINITY, f64::min);
             assert_eq!(prospect.worst, least);
             for one in &prospect.separations {

@@ -6,8 +6,8 @@ use super::table::table;
 use crate::diagnose::INDISTINGUISHABLE;
 use crate::error::Failure;
 use crate::operations::json::all_named;
-use crate::operations::plan::{NOTHING, Planned};
-use crate::plan::{Experiment, Prospect};
+use crate::operations::plan::Planned;
+use crate::plan::{Experiment, NOTHING, Prospect};
 use crate::verdict::Left;
 use clap::Args;
 

@@ -1,14 +1,11 @@
 //! Which experiment would tell the leading explanations apart.
 
 use crate::diagnose::diagnose;
-use crate::plan::{Prospect, plan};
+use crate::plan::{NOTHING, Prospect, plan};
 use crate::rigfile::RigFile;
 use crate::swing::Swing;
 use crate::verdict::Left;
 use serde::Serialize;
-
-/// What a model is called that has no effect beyond those of the file.
-pub const NOTHING: &str = "nothing";
 
 /// Experiments for a rig, as `--json` shows them.
 #[derive(Clone, Debug, Serialize)]

@@ -24,7 +24,7 @@ use crate::swing::{Swing, Window};
 use crate::verdict::{Left, hardly_follows};
 use serde::Serialize;
 use shared::bank::findings::Reason;
-use shared::effect::CUSTOM_FORMULA_NAME;
+use shared::effect::{CUSTOM_FORMULA_NAME, Effect};
 use shared::parameters::Parameters;
 use std::time::Instant;
 
@@ -270,6 +270,20 @@ pub(super) struct Summary<'a, 'b, 'c> {
 }
 
 impl Summary<'_, '_, '_> {
+    /// Of these models, the best one first, the ones that may be true in place of the claimed one: those with what it can't be told
+    /// from first. A wider form of a claimed law holds that law, so that no swing would ever refute it.
+    fn rivals<'f>(&self, models: &[&'f Fitted]) -> Vec<&'f Fitted> {
+        let is_wider = |effect: &&Effect<f64>| effect.generalises.is_some_and(|special| self.claimed.has(special));
+        let is_rival = |model: &&&Fitted| {
+            model.names() != self.claimed.names() && !model.effects.iter().any(|effect| is_wider(&&**effect))
+        };
+        let is_undecided = |model: &&Fitted| model.names().iter().any(|name| self.undecided.contains(name));
+        let mut rivals: Vec<&Fitted> = models.iter().filter(is_rival).copied().collect();
+        rivals.sort_by_key(|model| !is_undecided(model));
+        rivals.truncate(MAX_RIVALS);
+        rivals
+    }
+
     pub(super) fn build(self, with_formulas: bool) -> Diagnosis {
         let problem = self.judge.problem;
         let n_samples = problem.n_samples(Window::Whole) as f64;
@@ -300,8 +314,7 @@ impl Summary<'_, '_, '_> {
             self.judge.found.levels.iter().flatten().chain([&self.judge.found.base]).filter(|model| !is_claimed(model)),
         );
         models.sort_by(|a, b| self.judge.criterion(a).total_cmp(&self.judge.criterion(b)));
-        let rivals = models.iter().copied().filter(|model| !is_claimed(model)).take(MAX_RIVALS);
-        let leading = std::iter::once(&self.claimed).chain(rivals).cloned().collect();
+        let leading = std::iter::once(&self.claimed).chain(self.rivals(&models)).cloned().collect();
         models.truncate(MAX_LISTED);
         let staircase = self.staircase(rmse_before, &held_out);
         let left = problem.chi_square(self.claimed.cost).left();
