@@ -178,7 +178,7 @@ fn hand_over(
     }
     if let Some(session) = session.filter(|_| !options.no_push) {
         let before = session.parameters()?.map(f64::from);
-        session.push(&fit.parameters)?;
+        session.push(&fit.parameters)?.iter().for_each(|note| output::warn(note));
         done.is_pushed = true;
         output::say(&format!("saved in {} and read back the same; a second swing shows the gain", session.firmware()));
         done.check = check(session, options, &before, fit)?;
