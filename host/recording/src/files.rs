@@ -20,6 +20,8 @@ pub enum Existing {
     Keep,
     /// Replace it.
     Overwrite,
+    /// Keep it, and take the next name with a number: two programs may choose a name in the same second.
+    Number,
 }
 
 impl Existing {
@@ -207,7 +209,7 @@ impl NewFile {
     /// # Errors
     /// As [`write()`].
     pub fn growing(path: &Path, existing: Existing) -> Result<Self, FileError> {
-        if existing == Existing::Keep || is_device(path) || !path.exists() {
+        if existing != Existing::Overwrite || is_device(path) || !path.exists() {
             return Self::in_its_place(path, existing);
         }
         let mut file = Self::beside(path, existing)?;
@@ -221,11 +223,15 @@ impl NewFile {
         let mut options = OpenOptions::new();
         options.write(true);
         match existing {
-            Existing::Keep => options.create_new(true),
+            Existing::Keep | Existing::Number => options.create_new(true),
             Existing::Overwrite => options.create(true).truncate(true),
         };
-        let file = options.open(path).map_err(|source| why(path, source))?;
-        Ok(Self { path: path.to_owned(), existing, place: Place::Itself(BufWriter::new(file)) })
+        let opened = match existing {
+            Existing::Number => open_numbered(&options, path),
+            _ => options.open(path).map(|file| (path.to_owned(), file)),
+        };
+        let (path, file) = opened.map_err(|source| why(path, source))?;
+        Ok(Self { path, existing, place: Place::Itself(BufWriter::new(file)) })
     }
 
     fn beside(path: &Path, existing: Existing) -> Result<Self, FileError> {
@@ -280,6 +286,11 @@ impl NewFile {
         }
     }
 
+    /// Where it belongs.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Where it is now: in its place, or beside it.
     pub fn lies_at(&self) -> &Path {
         match &self.place {
@@ -308,6 +319,23 @@ impl Write for NewFile {
             Place::Beside(file) => file.flush(),
         }
     }
+}
+
+/// Opens the first of `NAME`, `NAME-2`, `NAME-3`, … that no file has.
+fn open_numbered(options: &OpenOptions, path: &Path) -> io::Result<(PathBuf, File)> {
+    let (mut free, mut number) = (path.to_owned(), 1);
+    loop {
+        match options.open(&free) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
+            opened => return opened.map(|file| (free, file)),
+        }
+        free = numbered(path, number);
+    }
+}
+
+fn numbered(path: &Path, number: u32) -> PathBuf {
+    let ending = path.extension().map_or(String::new(), |ending| format!(".{}", ending.display()));
+    path.with_file_name(format!("{}-{number}{ending}", path.file_stem().unwrap_or_default().display()))
 }
 
 /// An empty file beside the place of another; taken away again when it is dropped.
@@ -465,6 +493,16 @@ mod tests {
         new.write_all(b"new").unwrap();
         assert_eq!(new.leave().unwrap(), at("new.csv"));
         assert_eq!(std::fs::read_to_string(at("new.csv")).unwrap(), "new");
+    }
+
+    #[test]
+    fn two_that_choose_one_name_get_two() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("swing-1.csv");
+        check(&[&path], &[], Existing::Number).unwrap();
+        let files: Vec<_> = (0..3).map(|_| NewFile::growing(&path, Existing::Number).unwrap()).collect();
+        assert!(files.iter().all(|file| file.path() == file.lies_at()));
+        assert_eq!(listing(folder.path()), ["swing-1-2.csv", "swing-1-3.csv", "swing-1.csv"]);
     }
 
     #[cfg(unix)]

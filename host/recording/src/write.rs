@@ -90,6 +90,11 @@ impl Writer {
         self.n_handed_over
     }
 
+    /// Where the file belongs.
+    pub fn path(&self) -> &Path {
+        self.file.path()
+    }
+
     /// Where the file is now.
     pub fn lies_at(&self) -> &Path {
         self.file.lies_at()

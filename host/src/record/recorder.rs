@@ -196,7 +196,7 @@ impl<'a> Recorder<'a> {
         let writer = self.writer.take();
         let tally = session.tally();
         let mut taken = Taken {
-            path: self.plan.path.to_owned(),
+            path: writer.as_ref().map_or(self.plan.path, Writer::path).to_owned(),
             n_samples: writer.as_ref().map_or(0, Writer::n_samples),
             release_rad: self.detector.release_rad(),
             n_passages: self.detector.n_passages(),
