@@ -298,7 +298,7 @@ fn torque(seen: &Seen) -> Option<String> {
     let map = seen.torque.filter(|map| map.is_significant)?;
     let bin = map.strongest()?;
     let compared = match map.coulomb_nm {
-        coulomb_nm if coulomb_nm > 0.0 => format!(" ({:.1} times Mc)", bin.torque_nm.abs() / coulomb_nm),
+        coulomb_nm if coulomb_nm > 0.0 => format!(" ({} times Mc)", significant(bin.torque_nm.abs() / coulomb_nm, 2)),
         _ => String::new(),
     };
     Some(format!(
