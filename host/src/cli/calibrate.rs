@@ -338,3 +338,35 @@ impl From<CalibrationError> for Failure {
         Self::failed(&error).next(error.next_step())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::connect;
+
+    #[test]
+    fn a_hold_that_fails_leaves_the_sensor_that_was_read_before() {
+        let options = Options {
+            port: Some("sim:encoder".to_owned()),
+            rig: None,
+            angles: Vec::new(),
+            recording: Vec::new(),
+            encoder: Some(Encoder::new(2000).into()),
+            wait: 0.1,
+            json: false,
+        };
+        let mut session = connect("sim:encoder").unwrap();
+        let before = session.settings().unwrap();
+        let failure = at_rig(&options, &mut session).map(|done| done.after).unwrap_err();
+        assert!(failure.what().contains("not still"), "{failure}");
+        assert_eq!(session.settings().unwrap(), before);
+    }
+
+    #[test]
+    fn gains_that_differ_are_none_in_any_order() {
+        assert_eq!(one_gain(&[1.5e-3, 1.5e-3 * (1.0 + 1e-8)]).unwrap(), 1.5e-3);
+        for gains in [[1.5e-3, 1.4e-3], [1.4e-3, 1.5e-3], [1.5e-3, -1.5e-3]] {
+            assert!(one_gain(&gains).unwrap_err().what().contains("different gains"), "{gains:?}");
+        }
+    }
+}
