@@ -4,8 +4,7 @@
 //! belong to the program, `main.rs`; everything here also runs in the tests on the PC.
 #![no_std]
 #![forbid(unsafe_code)]
-// Nobody else implements these traits, so nobody needs bounds on their futures.
-#![allow(async_fn_in_trait)]
+#![allow(async_fn_in_trait, reason = "nobody else implements these traits, so nobody needs bounds on their futures")]
 
 pub mod app;
 

@@ -1,8 +1,7 @@
 //! The firmware: starts the chosen board and runs the application on it.
 #![no_std]
 #![no_main]
-// A program has no users: `pub` in its modules means for the other modules.
-#![allow(unreachable_pub)]
+#![allow(unreachable_pub, reason = "a program has no users: `pub` in its modules means for the other modules")]
 
 mod board;
 mod crash;

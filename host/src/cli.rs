@@ -1,7 +1,7 @@
 //! The command line: one file a command, and the conventions they share.
 //!
 //! Results go to stdout, progress and questions to stderr. With `--json` stdout is exactly one object in SI units.
-//! Exit codes: 0 a result was produced, whatever it says; 2 wrong use; 1 failed.
+//! Exit codes: 0 a result was produced, whatever it says; 2 wrong use; 1 failed; 130 stopped by Ctrl-C.
 
 mod calibrate;
 mod columns;

@@ -6,6 +6,9 @@
 use crate::files::FileError;
 use std::fmt;
 
+/// Exit code of a program that was interrupted: 128 + SIGINT.
+pub const INTERRUPTED: u8 = 130;
+
 /// Whose mistake it is decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -13,6 +16,8 @@ pub enum Kind {
     WrongUse,
     /// It was meant well and did not work: exit code 1.
     Failed,
+    /// Ctrl-C came before there was a result: exit code 130.
+    Interrupted,
 }
 
 /// What the program says before it ends without a result.
@@ -34,16 +39,22 @@ impl Failure {
         Self { kind: Kind::WrongUse, ..Self::failed(what) }
     }
 
+    /// Ctrl-C came before there was a result: exit code 130.
+    pub fn interrupted(what: impl fmt::Display) -> Self {
+        Self { kind: Kind::Interrupted, ..Self::failed(what) }
+    }
+
     /// Adds what to do next.
     pub fn next(self, hint: impl fmt::Display) -> Self {
         Self { next: Some(hint.to_string()), ..self }
     }
 
-    /// 2 for wrong use, 1 otherwise; 0 is for results.
+    /// 2 for wrong use, 130 after Ctrl-C as in other programs (128 + SIGINT), 1 otherwise; 0 is for results.
     pub fn exit_code(&self) -> u8 {
         match self.kind {
             Kind::WrongUse => 2,
             Kind::Failed => 1,
+            Kind::Interrupted => INTERRUPTED,
         }
     }
 
@@ -87,5 +98,6 @@ mod tests {
         assert_eq!(failure.to_string(), "the mass is -1 kg\nnext: give a positive mass");
         assert_eq!(failure.exit_code(), 2);
         assert_eq!(Failure::failed("no").exit_code(), 1);
+        assert_eq!(Failure::interrupted("stopped").exit_code(), 130);
     }
 }

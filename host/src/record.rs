@@ -136,6 +136,11 @@ impl Taken {
     pub fn is_usable(&self) -> bool {
         self.n_passages >= USABLE_PASSAGES
     }
+
+    /// Is it worth more than an older recording of the same name?
+    fn may_replace(&self) -> bool {
+        self.is_usable() && matches!(self.end, End::AtRest | End::TimeLimit | End::Stopped)
+    }
 }
 
 /// Records one swing.
@@ -156,7 +161,10 @@ pub fn record(
     let end = recorder.run(session, watch, stop);
     // The link may be what broke, and then it can't be told to stop either.
     let _ = session.stop();
-    recorder.finish(session, end?)
+    match end {
+        Ok(end) => recorder.finish(session, end),
+        Err(error) => Err(recorder.given_up(error)),
+    }
 }
 
 fn refuse_existing(plan: &Plan) -> Result<(), WriteError> {

@@ -40,8 +40,8 @@ pub struct Number {
     pub key: &'static str,
     /// What it is, with its unit.
     pub meaning: &'static str,
-    /// Is it a whole number?
-    pub is_whole: bool,
+    /// The least and the largest that there is, of a whole number.
+    pub whole: Option<[i32; 2]>,
 }
 
 /// Why a known angle gives no gain.

@@ -59,6 +59,7 @@ impl Server {
             .args(arguments.split_whitespace())
             .current_dir(folder)
             .env(PATIENT.0, PATIENT.1)
+            .env("XDG_STATE_HOME", program::state_of(folder))
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()

@@ -44,7 +44,7 @@ pub fn host(folder: &Path, arguments: &str) -> Run {
 }
 
 /// What the program keeps of its rigs: beside the program, not among what the person at this computer did with theirs.
-fn state_of(folder: &Path) -> PathBuf {
+pub(crate) fn state_of(folder: &Path) -> PathBuf {
     let beside = path().parent().expect("a program lies in a folder").join("test-state");
     beside.join(folder.file_name().unwrap_or_default())
 }

@@ -60,6 +60,20 @@ fn no_drawing_and_no_report_replaces_a_file_unasked() {
     assert!(fs::read_to_string(path.join("pages/host-fit.1")).unwrap().contains("host"));
 }
 
+#[cfg(unix)]
+#[test]
+fn a_link_to_nothing_is_a_file_that_exists() {
+    let folder = folder();
+    let path = folder.path();
+    std::os::unix::fs::symlink("there.svg", path.join("link.svg")).unwrap();
+    let refused = host(path, "fit swing.csv --plot link.svg");
+    refused.failed(2, &["link.svg exists already"]);
+    assert!(!refused.stderr.contains("fitting"), "{refused:?}");
+    host(path, "fit swing.csv --method least-squares --plot link.svg --force").succeeded();
+    assert!(path.join("link.svg").is_symlink());
+    assert!(fs::read_to_string(path.join("there.svg")).unwrap().contains("<svg"));
+}
+
 /// The swing would be recorded and fitted for nothing.
 #[test]
 fn a_place_where_nothing_can_be_written_is_told_before_anything_is_done() {

@@ -74,8 +74,30 @@ fn a_swing_gives_back_the_gain() {
 }
 
 #[test]
+fn swings_of_different_gains_are_refused_in_any_order() {
+    let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "calibrate --port sim").succeeded();
+    host(folder.path(), "record --port sim -o a.csv").succeeded();
+    let text = std::fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    let line = text.lines().find(|line| line.starts_with("# radians_per_code")).unwrap();
+    std::fs::write(folder.path().join("b.csv"), text.replace(line, "# radians_per_code: 0.0014")).unwrap();
+    for order in ["--recording a.csv --recording b.csv", "--recording b.csv --recording a.csv"] {
+        host(folder.path(), &format!("calibrate {order}")).failed(2, &["different gains", "one calibration"]);
+    }
+}
+
+#[test]
+fn a_file_that_can_not_be_written_is_told_before_the_rig_is_changed() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = host(folder.path(), "calibrate --port sim --rig none/rig.toml");
+    run.failed(1, &["could not write none/rig.toml", "a folder that exists"]);
+    assert!(!run.stderr.contains("hang still"), "{run:?}");
+}
+
+#[test]
 fn impossible_calibrations_are_refused() {
     let folder = tempfile::tempdir().unwrap();
+    host(folder.path(), "calibrate --port sim --wait 1e300").failed(2, &["expected above 0 to 86400 s"]);
     host(folder.path(), "calibrate --port sim --angles 4").failed(2, &["between 5 and 180"]);
     host(folder.path(), "calibrate --port sim --angles 30").failed(1, &["twice off", "in the order"]);
     host(folder.path(), "calibrate --port sim:broken-wire").failed(1, &["an end of its range", "three wires"]);

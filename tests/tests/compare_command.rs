@@ -60,6 +60,17 @@ fn numbers_of_another_pendulum_are_not_called_missing_physics() {
 }
 
 #[test]
+fn what_a_person_should_know_beside_the_result_goes_to_stderr() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    host(path, INIT).succeeded();
+    host(path, "simulate --seconds 8 --rate 200 -o swing.csv").succeeded();
+    let run = host(path, "compare swing.csv");
+    assert!(!run.succeeded().contains("note:"), "{}", run.stdout);
+    assert!(run.stderr.contains("note: cut") && run.stderr.contains("note: No recording comes to rest"), "{run:?}");
+}
+
+#[test]
 fn a_folder_that_cannot_be_written_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

@@ -31,8 +31,13 @@ struct Recording {
 
 impl Recording {
     fn start(folder: &Path, device: &Device) -> Self {
+        Self::start_with(folder, device, &[])
+    }
+
+    fn start_with(folder: &Path, device: &Device, more: &[&str]) -> Self {
         let child = Command::new(path())
             .args(["record", "--port", &device.port, "-o", "swing.csv"])
+            .args(more)
             .current_dir(folder)
             .env(PATIENT.0, PATIENT.1)
             .stdout(Stdio::piped())
@@ -328,12 +333,15 @@ fn ctrl_c_while_recording_keeps_a_usable_file() {
 }
 
 #[test]
-fn ctrl_c_before_the_release_is_a_failure() {
+fn ctrl_c_before_the_release_is_a_failure_and_costs_no_older_recording() {
     let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("swing.csv"), "precious").unwrap();
     // It hangs still for a second before it is lifted, but is not let go.
     let device = Device::rig_until("plain", 1.5);
-    let mut recording = Recording::start(folder.path(), &device);
+    let mut recording = Recording::start_with(folder.path(), &device, &["--force"]);
     recording.wait_for("still: lift it");
     recording.interrupt();
-    recording.end().failed(1, &["stopped before", "next:"]);
+    recording.end().failed(130, &["stopped before", "next:"]);
+    assert_eq!(std::fs::read_to_string(folder.path().join("swing.csv")).unwrap(), "precious");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }

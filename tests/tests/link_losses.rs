@@ -53,7 +53,7 @@ impl Port for BadCable {
 
 #[test]
 fn commands_get_through_a_cable_that_garbles_one_byte_in_a_thousand() {
-    let mut session = Session::open(BadCable::new(997)).unwrap();
+    let mut session = Session::open(BadCable::new(997)).unwrap().keeping_in(None);
     let parameters = Parameters::paper();
     for _ in 0..20 {
         session.push(&parameters).unwrap();

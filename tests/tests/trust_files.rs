@@ -89,6 +89,22 @@ fn a_recording_killed_over_an_old_file_leaves_that_and_its_own_beginning() {
     assert!(n_whole > 1000 && rows_kept[..n_whole] == rows_old[..n_whole], "{n_whole} rows");
 }
 
+#[test]
+fn an_old_recording_stays_until_there_is_a_better_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("o.csv");
+    std::fs::write(&path, "precious").unwrap();
+    let n_files = || std::fs::read_dir(folder.path()).unwrap().count();
+    let record = |more: &str| host(folder.path(), &format!("record --port sim -o o.csv --force {more}"));
+    record("--wait 0.8").failed(1, &["within 0.8 s"]);
+    record("--wait 1").failed(1, &["no release was seen within 1 s"]);
+    assert_eq!((std::fs::read_to_string(&path).unwrap().as_str(), n_files()), ("precious", 1));
+    record("--limit 0.5").failed(1, &["the time was up", "samples are kept in", ".new", "--limit"]);
+    assert_eq!((std::fs::read_to_string(&path).unwrap().as_str(), n_files()), ("precious", 2));
+    record("--limit 5").succeeded();
+    assert!(rows(&std::fs::read_to_string(&path).unwrap()).len() > 5000 && n_files() == 2);
+}
+
 /// The simulated rig, with a look at the file on the disk before every read: what is there then, a kill would leave.
 struct Watched {
     rig: SimulatedRig,
@@ -226,7 +242,6 @@ fn a_file_that_is_replaced_while_it_is_read_is_read_whole_before_or_after() {
     });
 }
 
-/// Written over in its place, as an editor or a second recording may do it.
 /// Ends the other thread however this one ends.
 struct AtLast<'a>(&'a AtomicBool);
 
@@ -236,6 +251,7 @@ impl Drop for AtLast<'_> {
     }
 }
 
+/// Written over in its place, as an editor or a second recording may do it.
 #[test]
 fn a_file_that_is_cut_while_it_is_read_is_its_beginning_or_an_error() {
     let folder = tempfile::tempdir().unwrap();

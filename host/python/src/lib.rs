@@ -1,6 +1,8 @@
 //! The program's operations as a Python module. What can be said in Python is said there (`python/pendulum_rig`): this
 //! part turns arrays, files and options into what the library takes, and hands its results out as the text of `--json`.
 
+#![forbid(unsafe_code)]
+
 mod commands;
 mod connection;
 mod errors;

@@ -10,6 +10,9 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 use thiserror::Error;
 
+/// Links in a row, more than the system itself follows.
+const MOST_LINKS: usize = 50;
+
 /// What to do when the file is there already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Existing {
@@ -17,6 +20,8 @@ pub enum Existing {
     Keep,
     /// Replace it.
     Overwrite,
+    /// Keep it, and take the next name with a number: two programs may choose a name in the same second.
+    Number,
 }
 
 impl Existing {
@@ -99,7 +104,8 @@ pub fn check_folder(path: &Path) -> Result<(), FileError> {
 }
 
 fn refuse_existing(path: &Path, existing: Existing) -> Result<(), FileError> {
-    if existing == Existing::Keep && path.exists() {
+    // A link that leads to nothing is there, too.
+    if existing == Existing::Keep && path.symlink_metadata().is_ok() {
         return Err(FileError::Exists { path: path.to_owned() });
     }
     Ok(())
@@ -127,12 +133,24 @@ pub fn are_one(a: &Path, b: &Path) -> bool {
 
 /// The path without links and dots, also of a file that is not there yet.
 fn whole_path(path: &Path) -> Option<PathBuf> {
-    let there = || path.canonicalize().ok();
-    let beside = || {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Some(folder.canonicalize().ok()?.join(path.file_name()?))
-    };
+    let target = target(path);
+    let there = || target.canonicalize().ok();
+    let beside = || Some(folder_of(&target).canonicalize().ok()?.join(target.file_name()?));
     there().or_else(beside)
+}
+
+/// Where a file of this name lies or would lie: what links lead to, also if it is not there.
+fn target(path: &Path) -> PathBuf {
+    let mut target = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = target.read_link() else { break };
+        target = folder_of(&target).join(next);
+    }
+    target
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 #[cfg(unix)]
@@ -191,7 +209,7 @@ impl NewFile {
     /// # Errors
     /// As [`write()`].
     pub fn growing(path: &Path, existing: Existing) -> Result<Self, FileError> {
-        if existing == Existing::Keep || is_device(path) || !path.exists() {
+        if existing != Existing::Overwrite || is_device(path) || !path.exists() {
             return Self::in_its_place(path, existing);
         }
         let mut file = Self::beside(path, existing)?;
@@ -205,11 +223,15 @@ impl NewFile {
         let mut options = OpenOptions::new();
         options.write(true);
         match existing {
-            Existing::Keep => options.create_new(true),
+            Existing::Keep | Existing::Number => options.create_new(true),
             Existing::Overwrite => options.create(true).truncate(true),
         };
-        let file = options.open(path).map_err(|source| why(path, source))?;
-        Ok(Self { path: path.to_owned(), existing, place: Place::Itself(BufWriter::new(file)) })
+        let opened = match existing {
+            Existing::Number => open_numbered(&options, path),
+            _ => options.open(path).map(|file| (path.to_owned(), file)),
+        };
+        let (path, file) = opened.map_err(|source| why(path, source))?;
+        Ok(Self { path, existing, place: Place::Itself(BufWriter::new(file)) })
     }
 
     fn beside(path: &Path, existing: Existing) -> Result<Self, FileError> {
@@ -236,6 +258,47 @@ impl NewFile {
         Ok(())
     }
 
+    /// Hands everything to the disk and leaves an older file in its place; gives where the new one is.
+    ///
+    /// # Errors
+    /// The system refuses (disk full).
+    pub fn leave(mut self) -> Result<PathBuf, FileError> {
+        let path = self.lies_at().to_owned();
+        self.flush().map_err(|source| why(&path, source))?;
+        match self.place {
+            Place::Itself(_) => self.finish()?,
+            Place::Beside(file) => {
+                let file = file.into_inner().map_err(|error| why(&path, error.into_error()))?;
+                file.as_file().sync_all().map_err(|source| why(&path, source))?;
+                file.keep().map_err(|error| why(&path, error.error))?;
+            }
+        }
+        Ok(path)
+    }
+
+    /// Takes away what was made, and nothing else: an older file stays, and so does a device.
+    pub fn discard(self) {
+        match self.place {
+            Place::Itself(_) if is_device(&self.path) => {}
+            // What can't be taken away does no harm.
+            Place::Itself(_) => drop(std::fs::remove_file(target(&self.path))),
+            Place::Beside(file) => drop(file.into_parts().0.close()),
+        }
+    }
+
+    /// Where it belongs.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where it is now: in its place, or beside it.
+    pub fn lies_at(&self) -> &Path {
+        match &self.place {
+            Place::Itself(_) => &self.path,
+            Place::Beside(file) => file.get_ref().path(),
+        }
+    }
+
     /// An error of the system with the file's name.
     pub fn failed(&self, source: io::Error) -> FileError {
         why(&self.path, source)
@@ -258,11 +321,28 @@ impl Write for NewFile {
     }
 }
 
+/// Opens the first of `NAME`, `NAME-2`, `NAME-3`, … that no file has.
+fn open_numbered(options: &OpenOptions, path: &Path) -> io::Result<(PathBuf, File)> {
+    let (mut free, mut number) = (path.to_owned(), 1);
+    loop {
+        match options.open(&free) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
+            opened => return opened.map(|file| (free, file)),
+        }
+        free = numbered(path, number);
+    }
+}
+
+fn numbered(path: &Path, number: u32) -> PathBuf {
+    let ending = path.extension().map_or(String::new(), |ending| format!(".{}", ending.display()));
+    path.with_file_name(format!("{}-{number}{ending}", path.file_stem().unwrap_or_default().display()))
+}
+
 /// An empty file beside the place of another; taken away again when it is dropped.
 fn file_beside(path: &Path) -> Result<NamedTempFile, FileError> {
     // A link stays a link: what it leads to is replaced.
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let target = target(path);
+    let folder = folder_of(&target);
     let mut name = target.file_name().unwrap_or_default().to_owned();
     name.push(".");
     let mut builder = tempfile::Builder::new();
@@ -277,7 +357,7 @@ fn is_device(path: &Path) -> bool {
 }
 
 fn put(file: NamedTempFile, path: &Path, existing: Existing) -> io::Result<()> {
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let target = target(path);
     if existing == Existing::Overwrite {
         return file.persist(target).map(drop).map_err(|error| error.error);
     }
@@ -394,6 +474,49 @@ mod tests {
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
         let names = listing(folder.path());
         assert!(names.len() == 2 && names[1].starts_with("a.csv.") && names[1].ends_with(".new"), "{names:?}");
+    }
+
+    #[test]
+    fn what_is_discarded_or_left_takes_no_other_file_with_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("old.csv"), "old").unwrap();
+        NewFile::growing(&at("old.csv"), Existing::Overwrite).unwrap().discard();
+        NewFile::growing(&at("new.csv"), Existing::Keep).unwrap().discard();
+        assert_eq!(listing(folder.path()), ["old.csv"]);
+        let mut new = NewFile::growing(&at("old.csv"), Existing::Overwrite).unwrap();
+        new.write_all(b"new").unwrap();
+        let beside = new.leave().unwrap();
+        assert_eq!(std::fs::read_to_string(beside).unwrap(), "new");
+        assert_eq!(std::fs::read_to_string(at("old.csv")).unwrap(), "old");
+        let mut new = NewFile::growing(&at("new.csv"), Existing::Keep).unwrap();
+        new.write_all(b"new").unwrap();
+        assert_eq!(new.leave().unwrap(), at("new.csv"));
+        assert_eq!(std::fs::read_to_string(at("new.csv")).unwrap(), "new");
+    }
+
+    #[test]
+    fn two_that_choose_one_name_get_two() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("swing-1.csv");
+        check(&[&path], &[], Existing::Number).unwrap();
+        let files: Vec<_> = (0..3).map(|_| NewFile::growing(&path, Existing::Number).unwrap()).collect();
+        assert!(files.iter().all(|file| file.path() == file.lies_at()));
+        assert_eq!(listing(folder.path()), ["swing-1-2.csv", "swing-1-3.csv", "swing-1.csv"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_nothing_is_refused_before_and_with_force_what_it_leads_to_is_made() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::os::unix::fs::symlink("there.svg", at("link.svg")).unwrap();
+        assert!(matches!(check(&[&at("link.svg")], &[], Existing::Keep), Err(FileError::Exists { .. })));
+        let twice = check(&[&at("link.svg"), &at("there.svg")], &[], Existing::Overwrite);
+        assert!(matches!(twice, Err(FileError::Twice { .. })), "{twice:?}");
+        write(&at("link.svg"), "new", Existing::Overwrite).unwrap();
+        assert!(at("link.svg").is_symlink());
+        assert_eq!(std::fs::read_to_string(at("there.svg")).unwrap(), "new");
     }
 
     #[cfg(unix)]

@@ -73,7 +73,7 @@ pub use columns::{ColumnRef, Columns, ColumnsError};
 pub use error::{Fault, ReadError, WriteError};
 pub use files::Existing;
 pub use header::{Calibration, Header, clock_name, sensor_name};
-pub use limits::{FORMAT_NAME, FORMAT_VERSION, MIN_SAMPLES};
+pub use limits::{FORMAT_NAME, FORMAT_VERSION, MIN_SAMPLES, MOST_SAMPLES};
 pub use look::{Look, look};
 pub use options::ReadOptions;
 pub use read::{Run, check_readable, read, read_bytes, read_runs, read_runs_of_bytes};

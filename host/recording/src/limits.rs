@@ -7,7 +7,7 @@ pub const MIN_SAMPLES: usize = 16;
 pub(super) const LARGEST_RAD: f64 = 1e4;
 
 /// More samples than a day's at 200 Hz, or ten hours' at 480 Hz, are not one swing.
-pub(super) const MOST_SAMPLES: usize = 17_280_000;
+pub const MOST_SAMPLES: usize = 17_280_000;
 
 /// What must be in memory as a whole (archives, MATLAB files, UTF-16) has at most so many bytes.
 pub(super) const MOST_BYTES_WHOLE: u64 = 256 << 20;

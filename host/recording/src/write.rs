@@ -4,7 +4,7 @@
 //! program killed in the middle leaves a file that reads back up to its last second.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::Recording;
 use super::error::WriteError;
@@ -25,6 +25,7 @@ pub struct Writer {
     file: NewFile,
     has_codes: bool,
     n_samples: usize,
+    n_handed_over: usize,
     last_tick: Option<i64>,
     flushed_s: f64,
 }
@@ -48,7 +49,8 @@ impl Writer {
 
     fn begin(file: NewFile, header: &Header) -> Result<Self, WriteError> {
         let has_codes = header.calibration.is_some() && header.measured != Some(Measured::Rate);
-        let mut writer = Self { file, has_codes, n_samples: 0, last_tick: None, flushed_s: f64::NEG_INFINITY };
+        let mut writer =
+            Self { file, has_codes, n_samples: 0, n_handed_over: 0, last_tick: None, flushed_s: f64::NEG_INFINITY };
         let names = match (header.measured.unwrap_or_default(), has_codes) {
             (Measured::Rate, _) => "t,rate",
             (_, true) => "t,theta,code",
@@ -83,6 +85,34 @@ impl Writer {
         self.n_samples
     }
 
+    /// How many of them are in the file for sure, whatever the system refuses from now on.
+    pub fn n_handed_over(&self) -> usize {
+        self.n_handed_over
+    }
+
+    /// Where the file belongs.
+    pub fn path(&self) -> &Path {
+        self.file.path()
+    }
+
+    /// Where the file is now.
+    pub fn lies_at(&self) -> &Path {
+        self.file.lies_at()
+    }
+
+    /// Closes the file without giving it the place of an older one; gives where it is.
+    ///
+    /// # Errors
+    /// The system refuses (disk full).
+    pub fn leave(self) -> Result<PathBuf, WriteError> {
+        Ok(self.file.leave()?)
+    }
+
+    /// Takes the file away again.
+    pub fn discard(self) {
+        self.file.discard();
+    }
+
     /// Hands everything to the disk and closes the file.
     ///
     /// # Errors
@@ -106,7 +136,9 @@ impl Writer {
             return Ok(());
         }
         self.flushed_s = time_s;
-        self.file.flush().map_err(|source| self.io(source))
+        self.file.flush().map_err(|source| self.io(source))?;
+        self.n_handed_over = self.n_samples;
+        Ok(())
     }
 
     fn line(&mut self, text: std::fmt::Arguments<'_>) -> Result<(), WriteError> {

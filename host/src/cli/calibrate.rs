@@ -1,7 +1,7 @@
 //! `host calibrate`: from codes to angles, measured instead of taken from the data sheet.
 
 use super::table::table;
-use super::values::positive;
+use super::values::patience;
 use super::{output, port, rig};
 use crate::calibrate::{self, CalibrationError, HoldError, Known, Line, check_gain, gain_of_swings, hold, line};
 use crate::error::Failure;
@@ -16,11 +16,14 @@ use clap::Args;
 use serde::Serialize;
 use shared::potentiometer::{ELECTRICAL_TRAVEL_RAD, LINEARITY};
 use shared::sensor::{Encoder, Sensor};
-use shared::wire::Stream;
+use shared::wire::{Command, Stream};
 use std::path::{Path, PathBuf};
 
 /// The data sheet's linearity, percent of the travel.
 const LINEARITY_PERCENT: f32 = 100.0 * LINEARITY;
+
+/// Gains that differ by less are one: a file has them as text.
+const SAME_GAIN: f64 = 1e-6;
 
 /// Measure the sensor's zero and gain, check that its track is even, and save both in the rig and in rig.toml.
 #[derive(Debug, Args)]
@@ -44,7 +47,7 @@ pub(super) struct Options {
         allow_negative_numbers = true, value_parser = encoder)]
     encoder: Option<Sensor>,
     /// Give up if the pendulum is not still within so many seconds
-    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value = "120")]
+    #[arg(long, value_name = "S", value_parser = patience, allow_negative_numbers = true, default_value = "120")]
     wait: f64,
     /// Print one JSON object instead of text
     #[arg(long)]
@@ -99,6 +102,8 @@ struct Calibrated {
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let path = rig::chosen_path(options.rig.as_deref()).unwrap_or_else(|| USUAL_NAME.into());
+    // Before the rig gets anything that no file tells of.
+    output::check(&[&path], &options.recording.iter().map(PathBuf::as_path).collect::<Vec<_>>(), true)?;
     let mut session = options.port.as_deref().map(port::connect).transpose()?;
     let mut file = model(&path, session.as_mut())?;
     let mut done = match &mut session {
@@ -153,15 +158,25 @@ fn nothing_done(before: Sensor) -> Calibrated {
     }
 }
 
-/// Zero, and the gain if there are angles.
+/// Zero, and the gain if there are angles; without them the rig reads the sensor that it read before.
 fn at_rig(options: &Options, session: &mut Session) -> Result<Calibrated, Failure> {
-    let before = session.settings()?.sensor;
+    let before = session.settings()?;
     if !options.angles.is_empty() {
-        check_gain(&before)?;
+        check_gain(&before.sensor)?;
     }
     if let Some(encoder) = &options.encoder {
         session.use_sensor(encoder)?;
     }
+    let measured = measure(options, session, before.sensor);
+    if measured.is_err() && options.encoder.is_some() {
+        // The link may be what broke.
+        let _ = session.stop();
+        let _ = session.tell(&Command::SetSettings(before));
+    }
+    measured
+}
+
+fn measure(options: &Options, session: &mut Session, before: Sensor) -> Result<Calibrated, Failure> {
     let settings = session.settings()?;
     let mut done = Calibrated { port: options.port.clone(), after: settings.sensor, ..nothing_done(before) };
     let stream = Stream { raw: true, live_every: 0 };
@@ -208,11 +223,12 @@ fn recordings(paths: &[PathBuf]) -> Result<Vec<(String, Recording)>, Failure> {
     Ok(all)
 }
 
-/// The gain from swings; each is measured with the gain that its file names, or else the one in use.
+/// The gain from swings, all measured with the one that their files name, or else with the one in use.
 fn by_swings(options: &Options, file: &RigFile, done: &mut Calibrated) -> Result<(), Failure> {
     check_gain(&done.before)?;
     let mut swings = Vec::new();
-    let mut gain = f64::from(done.before.line().radian_per_code);
+    let in_use = f64::from(done.before.line().radian_per_code);
+    let mut gains = Vec::new();
     for (name, recording) in recordings(&options.recording)? {
         let of_another =
             recording.header().sensor.clone().filter(|_| recording.header().sensor != sensor_name(&done.before));
@@ -220,17 +236,30 @@ fn by_swings(options: &Options, file: &RigFile, done: &mut Calibrated) -> Result
             let what = format!("{name} was recorded from a sensor of kind {sensor}, the model file means another");
             return Err(Failure::wrong_use(what).next("use recordings of the sensor to be calibrated"));
         }
-        gain = recording.header().calibration.as_ref().map_or(gain, |calibration| calibration.radians_per_code);
+        gains.push(recording.header().calibration.map_or(in_use, |calibration| calibration.radians_per_code));
         let (swing, _) = Swing::from_recording(&name, &recording, &SegmentOptions::default())
             .map_err(|error| Failure::failed(format!("{name}: {error}")))?;
         swings.push(swing);
     }
+    let gain = one_gain(&gains)?;
     output::say("fitting the swings with the gain among the unknowns …");
     let (factor, std) = gain_of_swings(&swings, file.parameters())?;
     done.after = with_gain(done.after, gain / factor)?;
     done.gain_std = Some(std);
     done.doubts = calibrate::doubts(&done.before, &done.after, calibrate::From::Swings);
     Ok(())
+}
+
+/// One factor corrects one gain.
+fn one_gain(gains: &[f64]) -> Result<f64, Failure> {
+    let gain = gains.first().copied().unwrap_or_default();
+    match gains.iter().find(|other| (*other / gain - 1.0).abs() > SAME_GAIN) {
+        None => Ok(gain),
+        Some(other) => {
+            let what = format!("the recordings were taken with different gains: {gain} and {other} radians_per_code");
+            Err(Failure::wrong_use(what).next("use those of one calibration only"))
+        }
+    }
 }
 
 /// The same sensor with a gain that was measured.
@@ -307,5 +336,37 @@ impl From<HoldError> for Failure {
 impl From<CalibrationError> for Failure {
     fn from(error: CalibrationError) -> Self {
         Self::failed(&error).next(error.next_step())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::connect;
+
+    #[test]
+    fn a_hold_that_fails_leaves_the_sensor_that_was_read_before() {
+        let options = Options {
+            port: Some("sim:encoder".to_owned()),
+            rig: None,
+            angles: Vec::new(),
+            recording: Vec::new(),
+            encoder: Some(Encoder::new(2000).into()),
+            wait: 0.1,
+            json: false,
+        };
+        let mut session = connect("sim:encoder").unwrap();
+        let before = session.settings().unwrap();
+        let failure = at_rig(&options, &mut session).map(|done| done.after).unwrap_err();
+        assert!(failure.what().contains("not still"), "{failure}");
+        assert_eq!(session.settings().unwrap(), before);
+    }
+
+    #[test]
+    fn gains_that_differ_are_none_in_any_order() {
+        assert_eq!(one_gain(&[1.5e-3, 1.5e-3 * (1.0 + 1e-8)]).unwrap(), 1.5e-3);
+        for gains in [[1.5e-3, 1.4e-3], [1.4e-3, 1.5e-3], [1.5e-3, -1.5e-3]] {
+            assert!(one_gain(&gains).unwrap_err().what().contains("different gains"), "{gains:?}");
+        }
     }
 }

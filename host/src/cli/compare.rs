@@ -1,6 +1,6 @@
 //! `host compare`: show where a fitted model fails.
 
-use super::comparison::text;
+use super::comparison::{notes, text};
 use super::given::{Given, check_geometry, check_held_out};
 use super::output;
 use crate::compare::recording::Curves;
@@ -56,6 +56,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if options.given.json {
         output::json("compare", &comparison)
     } else {
+        notes(&comparison).iter().for_each(|note| output::warn(note));
         output::result(&text(&comparison))
     }
     write(options, &comparison)

@@ -26,14 +26,11 @@ pub(super) fn text(comparison: &Comparison) -> String {
     if is_unknown(&comparison.parameters.pendulum) {
         parts.push(wrapped(PER_GRAVITY, 2));
     }
-    let notes: Vec<String> = notes(comparison).iter().map(|note| format!("note: {note}")).collect();
-    if !notes.is_empty() {
-        parts.push(sentences(&notes));
-    }
     parts.join("\n\n")
 }
 
-fn notes(comparison: &Comparison) -> Vec<String> {
+/// What a person should know beside the result.
+pub(super) fn notes(comparison: &Comparison) -> Vec<String> {
     let all: Vec<&Judged> = comparison.recordings.iter().chain(&comparison.held_out).collect();
     let of_one = |judged: &&Judged| {
         let whose = if all.len() > 1 { format!("{}: ", short_name(&judged.name)) } else { String::new() };

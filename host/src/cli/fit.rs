@@ -180,7 +180,7 @@ fn hand_over(
     }
     if let Some(session) = session.filter(|_| !options.no_push) {
         let before = session.parameters()?.map(f64::from);
-        session.push(&fit.parameters)?;
+        session.push(&fit.parameters)?.iter().for_each(|note| output::warn(note));
         done.is_pushed = true;
         output::say(&format!("saved in {} and read back the same; a second swing shows the gain", session.firmware()));
         done.check = check(session, options, &before, fit)?;
@@ -231,9 +231,9 @@ fn check_outputs(options: &Options) -> Result<(), Failure> {
 
 fn record(session: &mut Session, options: &Options) -> Result<PathBuf, Failure> {
     let path = unused_path(Path::new(""), "");
-    let taken = take(session, &path, Existing::Keep, &options.patience)?;
+    let taken = take(session, &path, Existing::Number, &options.patience)?;
     output::say(&in_words(&taken));
-    Ok(path)
+    Ok(taken.path)
 }
 
 /// The fit itself, and what is told meanwhile.
@@ -253,14 +253,16 @@ fn check(
     before: &Parameters<f64>,
     fit: &Fit,
 ) -> Result<Option<Check>, Failure> {
-    let recording = unused_path(Path::new(""), "-check");
-    match attempt(session, &recording, Existing::Keep, &options.patience) {
+    let path = unused_path(Path::new(""), "-check");
+    let recording = match attempt(session, &path, Existing::Number, &options.patience) {
         Err(error) if error.is_nobody_there() => {
             output::warn(&format!("the second swing was not made, so that the gain is not shown: {error}"));
             return Ok(None);
         }
-        taken => output::say(&in_words(&only_usable(taken?)?)),
-    }
+        taken => only_usable(taken?)?,
+    };
+    output::say(&in_words(&recording));
+    let recording = recording.path;
     let (swings, _) = options.reading.swings_quietly(std::slice::from_ref(&recording))?;
     let bandwidth_rad_s = f64::from(session.settings()?.bandwidth_rad_s);
     let innovation = |parameters| innovation_rms_rad(parameters, bandwidth_rad_s, &swings[0]);

@@ -1,7 +1,7 @@
 //! `host serve`: the page.
 
 use super::columns::Reading;
-use super::values::positive;
+use super::values::speed;
 use super::{output, rig};
 use crate::error::Failure;
 use crate::recording::check_readable;
@@ -32,7 +32,7 @@ pub(super) struct Options {
     #[arg(long)]
     no_open: bool,
     /// The simulated rig runs so many times faster than real time
-    #[arg(long, value_name = "TIMES", value_parser = positive, allow_negative_numbers = true, default_value = "1")]
+    #[arg(long, value_name = "TIMES", value_parser = speed, allow_negative_numbers = true, default_value = "1")]
     sim_speed: f64,
     #[command(flatten)]
     reading: Reading,

@@ -35,7 +35,7 @@ struct Undone {
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut session = port::connect(&options.port)?;
     let before = session.previous()?;
-    session.push(before.parameters())?;
+    session.push(before.parameters())?.iter().for_each(|note| output::warn(note));
     let (port, firmware) = (options.port.clone(), session.firmware());
     let undone = Undone { port, firmware, parameters: values(&before) };
     if options.json {

@@ -149,7 +149,7 @@ fn back(port: &str) -> Result<Session, Failure> {
             Ok(session) => return Ok(session),
             Err(error) if Instant::now() > end => {
                 return Err(Failure::failed(format!("the rig does not answer after its update: {error}")).next(
-                    "press its reset; if it stays silent, its bootloader takes the image again (docs/wiring.md)",
+                    "press its reset; if it stays silent, its bootloader takes the image again (docs/board-checks.md)",
                 ));
             }
             Err(_) => std::thread::sleep(LOOK_EVERY),

@@ -4,11 +4,33 @@ use crate::formula;
 use crate::operations::simulate::{Assignment, quantity};
 use crate::rigfile::Quantity;
 use shared::effect::Effect;
+use std::ops::RangeInclusive;
+
+/// Nobody stands longer at a rig, s.
+const LONGEST_PATIENCE_S: f64 = 86_400.0;
+
+/// Beyond them a rig's clock stands still, or no computer keeps up.
+const SPEEDS: RangeInclusive<f64> = 1e-3..=1e6;
 
 /// A finite number above zero.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     let value = finite(text)?;
     if value > 0.0 { Ok(value) } else { Err("expected a number above zero, in SI units".into()) }
+}
+
+/// Seconds to wait: above zero, a day at most.
+pub(super) fn patience(text: &str) -> Result<f64, String> {
+    within(text, f64::MIN_POSITIVE..=LONGEST_PATIENCE_S).ok_or(format!("expected above 0 to {LONGEST_PATIENCE_S} s"))
+}
+
+/// How many times faster than real time.
+pub(super) fn speed(text: &str) -> Result<f64, String> {
+    let (least, most) = (SPEEDS.start(), SPEEDS.end());
+    within(text, SPEEDS).ok_or_else(|| format!("expected {least} to {most}"))
+}
+
+fn within(text: &str, range: RangeInclusive<f64>) -> Option<f64> {
+    finite(text).ok().filter(|value| range.contains(value))
 }
 
 /// A finite number, zero or above.
@@ -77,6 +99,16 @@ impl std::str::FromStr for Range {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_no_clock_can_count_is_turned_down() {
+        assert_eq!((patience("0.5"), speed("0.1")), (Ok(0.5), Ok(0.1)));
+        for text in ["0", "-1", "1e300", "inf", "nan", "x"] {
+            assert!(patience(text).unwrap_err().contains("86400 s"), "{text}");
+            assert!(speed(text).unwrap_err().contains("0.001 to 1000000"), "{text}");
+        }
+        assert!(speed("1e-300").is_err());
+    }
 
     #[test]
     fn ranges_are_read_and_reversed_ones_turned_down() {

@@ -17,7 +17,7 @@ struct Changed<F> {
 /// A session with the rig of `sim`, each of whose frames arrives as `change` has it.
 pub(crate) fn session(change: impl FnMut(Frame) -> Vec<Frame> + Send + 'static) -> Result<Session, LinkError> {
     let (rig, deframer, unread) = (open("sim")?, Deframer::new(), VecDeque::new());
-    Session::open(Box::new(Changed { rig, deframer, unread, change }))
+    Ok(Session::open(Box::new(Changed { rig, deframer, unread, change }))?.keeping_in(None))
 }
 
 impl<F: FnMut(Frame) -> Vec<Frame>> Changed<F> {

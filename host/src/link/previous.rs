@@ -25,33 +25,31 @@ impl Session {
     }
 
     /// Keeps what the rig has, unless that is what it is about to get. A computer that cannot keep it is told so, and
-    /// the rig gets its parameters all the same.
-    pub(super) fn keep_before(&mut self, sent: &Parameters<f32>) -> Result<(), LinkError> {
+    /// the rig gets its parameters all the same: gives why.
+    pub(super) fn keep_before(&mut self, sent: &Parameters<f32>) -> Result<Option<String>, LinkError> {
         let before = match self.parameters() {
             Ok(before) => before,
             // Another program's formula: nothing that this one could bring back.
-            Err(LinkError::UnknownFormula) => return Ok(()),
+            Err(LinkError::UnknownFormula) => return Ok(None),
             Err(error) => return Err(error),
         };
         if before == *sent {
-            return Ok(());
+            return Ok(None);
         }
         let source = Source::read_from(&self.rig().name);
         let kept = self.kept_at().ok_or("there is no home folder".to_owned()).and_then(|path| {
             let file = RigFile::of_rig(&before, &source).map_err(|error| error.to_string())?;
             save(&file, &path).map_err(|error| format!("{}: {error}", path.display()))
         });
-        if let Err(why) = kept {
-            log::warn!("what the rig had before is not kept, `host undo` will not bring it back: {why}");
-        }
-        Ok(())
+        let lost = |why| format!("what the rig had before is not kept, `host undo` will not bring it back: {why}");
+        Ok(kept.err().map(lost))
     }
 
     /// One file for each name of a rig on each port.
     fn kept_at(&self) -> Option<PathBuf> {
         let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
         let name: String = format!("{} {}", self.rig().name, self.port()).chars().map(plain).collect();
-        Some(state_folder()?.join(format!("before-{name}.toml")))
+        Some(self.state.as_ref()?.join(format!("before-{name}.toml")))
     }
 }
 
@@ -62,9 +60,34 @@ fn save(file: &RigFile, path: &Path) -> Result<(), Box<dyn std::error::Error>> {
     Ok(file.save(path)?)
 }
 
-fn state_folder() -> Option<PathBuf> {
+pub(super) fn state_folder() -> Option<PathBuf> {
     let given = std::env::var_os("XDG_STATE_HOME").or_else(|| std::env::var_os("LOCALAPPDATA"));
     let given = given.map(PathBuf::from).filter(|folder| folder.is_absolute());
     let folder = given.or_else(|| std::env::home_dir().map(|home| home.join(".local/state")))?;
     Some(folder.join("pendulum-rig"))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::link::connect;
+    use shared::parameters::Parameters;
+
+    #[test]
+    fn what_is_not_kept_is_told_and_what_is_comes_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        std::fs::write(&file, "no folder").unwrap();
+        let mut model = Parameters::paper();
+        model.pendulum.mass_kg = 0.2;
+        for nowhere in [None, Some(file.as_path())] {
+            let mut session = connect("sim").unwrap().keeping_in(nowhere);
+            let told = session.push(&model).unwrap().unwrap();
+            assert!(told.contains("`host undo` will not bring it back"), "{told}");
+            assert!(session.previous().is_err());
+        }
+        let mut session = connect("sim").unwrap().keeping_in(Some(folder.path()));
+        let before = session.parameters().unwrap();
+        assert_eq!(session.push(&model).unwrap(), None);
+        assert_eq!(session.previous().unwrap().parameters().map(|value| value as f32), before);
+    }
 }

@@ -1,11 +1,13 @@
 //! A conversation with one rig.
 
 use super::hello::{Heard, OWN_NAME, is_of_rig, version};
+use super::previous::state_folder;
 use super::recent::Recent;
 use super::{LinkError, Port, Tally, patient};
 use shared::curve::Knot;
 use shared::wire::{self, Answer, Command, Deframer, Frame, Hello, MAX_FRAME, Refusal, Stream};
 use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// A rig that has just started needs a moment; after so long it is none.
@@ -43,6 +45,8 @@ pub struct Session {
     rig: Hello,
     next_number: u16,
     streaming: bool,
+    /// Where what rigs had before is kept, if anywhere.
+    pub(super) state: Option<PathBuf>,
 }
 
 impl Session {
@@ -61,12 +65,20 @@ impl Session {
             rig: Hello::new(OWN_NAME),
             next_number: 1,
             streaming: false,
+            state: state_folder(),
         };
         // A lone delimiter ends whatever an earlier program left unfinished.
         session.write(&[0])?;
         session.greet()?;
         session.tally = Tally::default();
         Ok(session)
+    }
+
+    /// From now on what the rig had before is kept in this folder, or nowhere.
+    #[must_use]
+    pub fn keeping_in(mut self, folder: Option<&Path>) -> Self {
+        self.state = folder.map(Path::to_owned);
+        self
     }
 
     fn greet(&mut self) -> Result<(), LinkError> {

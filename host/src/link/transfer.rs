@@ -128,13 +128,13 @@ impl Session {
     }
 
     /// Sets the parameters, saves them to flash, loads them from there and compares. What the rig had is kept on this
-    /// computer, for [`Session::previous`].
+    /// computer, for [`Session::previous`]; if it can't be, that is given, for a person.
     ///
     /// # Errors
     /// A refusal, no answer, or a value that came back different.
-    pub fn push(&mut self, parameters: &Parameters<f64>) -> Result<(), LinkError> {
+    pub fn push(&mut self, parameters: &Parameters<f64>) -> Result<Option<String>, LinkError> {
         let sent = parameters.map(|value| value as f32);
-        self.keep_before(&sent)?;
+        let lost = self.keep_before(&sent)?;
         if let Some(formula) = &sent.formula {
             // First a question: firmware that knows no formulas can say so.
             self.exchange_formula(&[])?;
@@ -147,7 +147,7 @@ impl Session {
         self.save(MODEL)?;
         self.tell(&Command::Load)?;
         let got = self.parameters()?;
-        compare(&sent, &got)
+        compare(&sent, &got).map(|()| lost)
     }
 
     /// Keeps what is in use, which is news to flash.

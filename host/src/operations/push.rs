@@ -23,7 +23,7 @@ pub struct Pushed {
 pub fn push(session: &mut Session, file: &RigFile, calibration: bool, warn: &dyn Fn(&str)) -> Result<Pushed, Failure> {
     file.check_sensor()?;
     let calibration = calibrate(session, file, calibration, warn)?;
-    session.push(file.parameters())?;
+    session.push(file.parameters())?.iter().for_each(|note| warn(note));
     let (port, firmware) = (session.port().to_owned(), session.firmware());
     Ok(Pushed { port, firmware, calibration, parameters: values(file) })
 }

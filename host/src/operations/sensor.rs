@@ -18,7 +18,7 @@ pub fn as_json<S: Serializer>(sensor: &Sensor, serializer: S) -> Result<S::Ok, S
     if !matches!(sensor, Sensor::Potentiometer(_)) {
         map.serialize_entry("kind", sensor.name())?;
         for (known, value) in sensor.numbers() {
-            match known.is_whole {
+            match known.whole.is_some() {
                 true => map.serialize_entry(known.key, &(value as i64))?,
                 false => map.serialize_entry(known.key, &value)?,
             }

@@ -4,7 +4,7 @@ use crate::error::Failure;
 use crate::formula::{self, effect_of};
 use crate::number::significant;
 use crate::random::Noise;
-use crate::recording::{Calibration, Header, sensor_name};
+use crate::recording::{Calibration, Header, MOST_SAMPLES, sensor_name};
 use crate::rigfile::Quantity;
 use crate::sim::Scenario;
 use crate::swing::step::longest_step_of;
@@ -94,11 +94,13 @@ impl Simulation {
 /// Refuses what makes files nobody wants.
 ///
 /// # Errors
-/// Too long, or too many samples a second.
+/// Too long, too many samples a second, or more in all than are read again.
 pub fn check_size(seconds: f64, rate_hz: f64) -> Result<(), Failure> {
-    if rate_hz > HIGHEST_RATE_HZ || seconds > LONGEST_S {
+    let n_samples = (HELD_S + seconds) * rate_hz + 1.0;
+    if rate_hz > HIGHEST_RATE_HZ || seconds > LONGEST_S || n_samples > MOST_SAMPLES as f64 {
         let what = format!("{seconds} s at {rate_hz} Hz is too much");
-        return Err(Failure::wrong_use(what).next(format!("stay within {LONGEST_S} s and {HIGHEST_RATE_HZ} Hz")));
+        let most = format!("stay within {LONGEST_S} s, {HIGHEST_RATE_HZ} Hz and {MOST_SAMPLES} samples");
+        return Err(Failure::wrong_use(what).next(most));
     }
     Ok(())
 }
@@ -239,7 +241,8 @@ mod tests {
 
     #[test]
     fn what_makes_files_that_nobody_wants_is_refused() {
-        assert!(check_size(LONGEST_S, HIGHEST_RATE_HZ).is_ok());
+        assert!(check_size(LONGEST_S, 400.0).is_ok() && check_size(100.0, HIGHEST_RATE_HZ).is_ok());
+        assert!(check_size(LONGEST_S, HIGHEST_RATE_HZ).is_err() && check_size(172.9, HIGHEST_RATE_HZ).is_err());
         assert!(check_size(LONGEST_S + 0.5, 100.0).is_err());
         let refused = check_size(10.0, 200_000.0).unwrap_err();
         assert_eq!(refused.what(), "10 s at 200000 Hz is too much");

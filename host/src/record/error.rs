@@ -5,6 +5,7 @@ use crate::files::FileError;
 use crate::link::LinkError;
 use crate::recording::WriteError;
 use shared::sensor::Sensor;
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// Nothing was recorded, and why.
@@ -16,6 +17,16 @@ pub enum RecordError {
     /// The file could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The disk took a part of the swing only.
+    #[error("{source}; the first {n_samples} samples are kept in {}", path.display())]
+    CutShort {
+        /// The reason.
+        source: WriteError,
+        /// So many are in the file.
+        n_samples: usize,
+        /// The file.
+        path: PathBuf,
+    },
     /// The sensor reads an end of its range.
     #[error("the {} reads code {code} of 0 … {}: an end of its range", sensor.name(), sensor.full_scale())]
     Disconnected {
@@ -25,7 +36,7 @@ pub enum RecordError {
         sensor: Sensor,
     },
     /// Never still.
-    #[error("the pendulum did not come to rest within {seconds:.0} s; its angle still varies by {spread_rad:.3} rad")]
+    #[error("the pendulum did not come to rest within {seconds} s; its angle still varies by {spread_rad:.3} rad")]
     NeverStill {
         /// How long it was waited for.
         seconds: f64,
@@ -33,7 +44,7 @@ pub enum RecordError {
         spread_rad: f64,
     },
     /// Nobody let it go.
-    #[error("no release was seen within {seconds:.0} s")]
+    #[error("no release was seen within {seconds} s")]
     NoRelease {
         /// How long it was waited for.
         seconds: f64,
@@ -56,6 +67,7 @@ impl From<RecordError> for Failure {
             RecordError::Link(error) => return error.into(),
             RecordError::Write(WriteError::Exists { path }) => return FileError::Exists { path }.into(),
             RecordError::Write(_) => return Self::failed(error),
+            RecordError::CutShort { .. } => "make space, or name a file on another disk, and record again",
             RecordError::Disconnected { sensor, .. } => {
                 let hint = format!("{}, and that the pendulum hangs in the middle of its travel", sensor.wires());
                 return Self::failed(error).next(hint);
@@ -64,7 +76,7 @@ impl From<RecordError> for Failure {
             RecordError::NoRelease { .. } => {
                 "lift the pendulum by 0.5 rad (30°) or more, hold it still, let it go; --wait SECONDS gives more time"
             }
-            RecordError::StoppedEarly => "repeat the command",
+            RecordError::StoppedEarly => return Self::interrupted(error).next("repeat the command"),
         };
         Self::failed(error).next(hint)
     }

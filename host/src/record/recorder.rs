@@ -99,14 +99,11 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// From the moment the release is awaited, what was seen so far is kept.
-    fn ended_early(&mut self, end: End) -> Result<End, RecordError> {
-        if self.writer.is_some() {
-            self.write_lead_in()?;
-            return Ok(end);
-        }
-        match end {
-            End::Lost(error) => Err(error.into()),
+    /// From the release on, what was seen so far is kept.
+    fn ended_early(&self, end: End) -> Result<End, RecordError> {
+        match (self.detector.stage(), end) {
+            (Stage::Swinging | Stage::AtRest, end) => Ok(end),
+            (_, End::Lost(error)) => Err(error.into()),
             _ => Err(RecordError::StoppedEarly),
         }
     }
@@ -196,33 +193,50 @@ impl<'a> Recorder<'a> {
     }
 
     pub(super) fn finish(mut self, session: &Session, end: End) -> Result<Taken, RecordError> {
-        let n_samples = self.writer.as_ref().map_or(0, Writer::n_samples);
-        if let Some(writer) = self.writer.take() {
-            writer.finish()?;
-        }
+        let writer = self.writer.take();
         let tally = session.tally();
-        Ok(Taken {
-            path: self.plan.path.to_owned(),
-            n_samples,
+        let mut taken = Taken {
+            path: writer.as_ref().map_or(self.plan.path, Writer::path).to_owned(),
+            n_samples: writer.as_ref().map_or(0, Writer::n_samples),
             release_rad: self.detector.release_rad(),
             n_passages: self.detector.n_passages(),
             swing_s: self.released_s.map_or(0.0, |released_s| self.now_s - released_s),
             frames_lost: tally.frames_lost,
             samples_lost: tally.samples_lost + self.left_out,
             end,
-        })
+        };
+        if let Some(writer) = writer {
+            close(writer, &mut taken)?;
+        }
+        Ok(taken)
+    }
+
+    /// A file in which nothing was recorded is taken away again; of a swing, what reached the disk is kept.
+    pub(super) fn given_up(mut self, error: RecordError) -> RecordError {
+        match (error, self.writer.take()) {
+            (RecordError::Write(source), Some(writer)) if writer.n_handed_over() > 0 => cut_short(source, &writer),
+            (error, Some(writer)) => {
+                writer.discard();
+                error
+            }
+            (error, None) => error,
+        }
     }
 }
 
-/// A file in which nothing was recorded is taken away again.
-impl Drop for Recorder<'_> {
-    fn drop(&mut self) {
-        let is_empty = self.writer.take().is_some_and(|writer| writer.n_samples() == 0);
-        // Never a device or a pipe that somebody named as the file.
-        if is_empty && self.plan.path.symlink_metadata().is_ok_and(|file| file.is_file()) {
-            let _ = std::fs::remove_file(self.plan.path);
-        }
-    }
+/// An older recording gives its place to a usable one only.
+fn close(writer: Writer, taken: &mut Taken) -> Result<(), RecordError> {
+    let kept = (writer.n_handed_over(), writer.lies_at().to_owned());
+    let closed = match taken.may_replace() {
+        true => writer.finish(),
+        false => writer.leave().map(|path| taken.path = path),
+    };
+    let (n_samples, path) = kept;
+    closed.map_err(|source| RecordError::CutShort { source, n_samples, path })
+}
+
+fn cut_short(source: WriteError, writer: &Writer) -> RecordError {
+    RecordError::CutShort { source, n_samples: writer.n_handed_over(), path: writer.lies_at().to_owned() }
 }
 
 /// What a file says of a recording that was begun at this date and time.

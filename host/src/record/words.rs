@@ -11,15 +11,15 @@ pub fn usable(taken: &Taken) -> Result<Option<String>, Failure> {
     let kept = format!("{} samples are kept in {}", taken.n_samples, taken.path.display());
     match &taken.end {
         End::AtRest | End::TimeLimit if taken.is_usable() => Ok(None),
-        End::AtRest | End::TimeLimit => {
-            Err(Failure::failed(format!("the pendulum came to rest before it had swung twice; {kept}"))
-                .next("release it from a larger angle, and let it swing freely"))
-        }
+        End::AtRest => Err(Failure::failed(format!("the pendulum came to rest before it had swung twice; {kept}"))
+            .next("release it from a larger angle, let it swing freely, and record it under another name")),
+        End::TimeLimit => Err(Failure::failed(format!("the time was up before the pendulum had swung twice; {kept}"))
+            .next("record again under another name, and longer: --limit SECONDS gives more time")),
         End::Stopped if taken.is_usable() => {
             Ok(Some(format!("stopped before the pendulum came to rest; the file is usable: {kept}")))
         }
-        End::Stopped => Err(Failure::failed(format!("stopped before the pendulum had swung twice; {kept}"))
-            .next("record again and let it swing to rest")),
+        End::Stopped => Err(Failure::interrupted(format!("stopped before the pendulum had swung twice; {kept}"))
+            .next("record again under another name, and let it swing to rest")),
         End::Disconnected { code, sensor } => Err(Failure::failed(format!(
             "the {} reads code {code}, an end of its range, since {:.1} s after the release; {kept}",
             sensor.name(),
@@ -68,6 +68,11 @@ mod tests {
             let refused = usable(&taken(3, end)).unwrap_err();
             assert!(refused.what().contains("swung twice; 1234 samples are kept in swing.csv"), "{}", refused.what());
         }
+        let [at_rest, time_limit, stopped] =
+            [End::AtRest, End::TimeLimit, End::Stopped].map(|end| usable(&taken(3, end)).unwrap_err());
+        assert!(at_rest.what().starts_with("the pendulum came to rest"), "{}", at_rest.what());
+        assert!(time_limit.what().starts_with("the time was up") && time_limit.to_string().contains("--limit"));
+        assert_eq!([at_rest, time_limit, stopped].map(|failure| failure.exit_code()), [1, 1, 130]);
         let lost = usable(&taken(9, End::Lost(LinkError::StreamStopped { port: "COM3".to_owned() }))).unwrap_err();
         assert!(lost.what().contains("COM3") && lost.what().contains("are kept"), "{}", lost.what());
     }

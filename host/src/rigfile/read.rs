@@ -201,10 +201,15 @@ impl Reader<'_> {
         let name = joined("sensor", wanted.key);
         let item = table.get(wanted.key).ok_or_else(|| self.missing(&name, wanted.meaning.to_owned()))?;
         let value = self.number(item, &name)?;
-        if wanted.is_whole && value.fract() != 0.0 {
-            return Err(self.bad(item.span(), &name, format!("{value} is not a whole number")));
+        match wanted.whole.map(|ends| ends.map(f64::from)) {
+            Some(_) if value.fract() != 0.0 => {
+                Err(self.bad(item.span(), &name, format!("{value} is not a whole number")))
+            }
+            Some([least, most]) if !(least..=most).contains(&value) => {
+                Err(self.bad(item.span(), &name, format!("{value} cannot be; expected {least} to {most}")))
+            }
+            _ => Ok(value),
         }
-        Ok(value)
     }
 
     /// The model's own check, told with the line of the value it complains of.

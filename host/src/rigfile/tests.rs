@@ -141,6 +141,10 @@ fn mistakes_are_told_with_line_and_key() {
             format!("{pendulum}[sensor]\nkind = \"encoder\"\n"),
             "sensor.counts_per_turn is missing; expected counts a turn",
         ),
+        (
+            format!("{pendulum}[sensor]\nzero_code = 1\nradians_per_code = 1e-3\nfull_scale = 70000\n"),
+            "line 10: sensor.full_scale: 70000 cannot be; expected 1 to 65535",
+        ),
         (format!("{pendulum}[sensor]\nkind = \"encoder\"\ncounts_per_turn = 3\n"), "expected counts_per_turn of 16 to"),
         (format!("{pendulum}[sensor]\nkind = \"encoder\"\ncounts_per_turn = 99.5\n"), "99.5 is not a whole number"),
         (

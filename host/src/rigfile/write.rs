@@ -147,7 +147,7 @@ pub(super) fn set_sensor(document: &mut DocumentMut, sensor: &Sensor) {
         table["kind"] = Item::Value(Value::from(sensor.name()));
     }
     for (known, value) in sensor.numbers() {
-        let value = if known.is_whole { Value::from(value as i64) } else { number(super::exactly(value)) };
+        let value = if known.whole.is_some() { Value::from(value as i64) } else { number(super::exactly(value)) };
         table[known.key] = Item::Value(value);
     }
 }

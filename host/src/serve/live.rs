@@ -310,9 +310,9 @@ impl Owner<'_> {
     fn push(&mut self, model: &RigFile) -> Result<(), Failure> {
         let was_listening = self.is_listening();
         let session = self.session()?;
-        session.push(model.parameters())?;
+        let lost = session.push(model.parameters())?.map_or(String::new(), |note| format!("; {note}"));
         let firmware = session.firmware();
-        self.show(|rig| rig.note = Some(format!("saved in {firmware} and read back the same")));
+        self.show(|rig| rig.note = Some(format!("saved in {firmware} and read back the same{lost}")));
         // What was found is of the model before; the rig looks at its releases anew.
         self.app.show_evidence(|evidence| {
             evidence.forget();

@@ -5,7 +5,7 @@ use shared::wire::{Frame, Stream};
 const RAW: Stream = Stream { raw: true, live_every: 0 };
 
 fn session(name: &str) -> Session {
-    crate::link::connect(name).unwrap()
+    crate::link::connect(name).unwrap().keeping_in(None)
 }
 
 fn codes(session: &mut Session, n_codes: usize) -> Vec<u16> {

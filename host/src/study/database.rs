@@ -98,6 +98,13 @@ pub struct RigRow {
     pub diagnosis: Option<Diagnosed>,
 }
 
+/// The file as an address that says that nobody writes to it. Source: "Uniform Resource Identifiers", sqlite.org/uri.html.
+fn unchanging(path: &Path) -> String {
+    let escapes = [('%', "%25"), ('?', "%3f"), ('#', "%23")];
+    let name = escapes.iter().fold(path.display().to_string(), |name, (sign, escape)| name.replace(*sign, escape));
+    format!("file:{name}?immutable=1")
+}
+
 /// A diagnosis of a rig.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Diagnosed {
@@ -153,9 +160,9 @@ impl Database {
             return Ok(database);
         }
         // Beside a file in a read-only folder SQLite can't keep its log; nobody can write there either.
-        let name = format!("file:{}?immutable=1", path.display().to_string().replace('%', "%25").replace('?', "%3f"));
         let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI;
-        let connection = Connection::open_with_flags(name, flags).map_err(|source| refused(path, source))?;
+        let connection =
+            Connection::open_with_flags(unchanging(path), flags).map_err(|source| refused(path, source))?;
         let database = Self { connection, path: path.to_owned() };
         database.check()?;
         Ok(database)
@@ -467,6 +474,19 @@ mod tests {
         assert!(database.has(&written[0].key, &written[0].origin).unwrap());
         let changed = Origin { file_hash: "other".to_owned(), ..written[0].origin.clone() };
         assert!(!database.has(&written[0].key, &changed).unwrap());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn in_a_folder_of_any_name_one_is_looked_at_without_writing_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("100% #1?");
+        let mut database = Database::open(&path).unwrap();
+        database.put(&row("a.csv", "1", 1.0), None).unwrap();
+        drop(database);
+        let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI;
+        let connection = Connection::open_with_flags(unchanging(&path), flags).unwrap();
+        assert_eq!(Database { connection, path }.rows("a").unwrap().len(), 1);
     }
 
     #[test]

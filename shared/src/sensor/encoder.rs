@@ -51,7 +51,7 @@ impl Calibration for Encoder {
     const NUMBERS: &'static [Number] = &[Number {
         key: "counts_per_turn",
         meaning: "counts a turn, four times the lines; negative if it counts down counter-clockwise",
-        is_whole: true,
+        whole: Some([-(SPAN as i32 / 2), SPAN as i32 / 2]),
     }];
     const KEEPS_ZERO: bool = false;
     const IS_QUIET: bool = true;

@@ -79,9 +79,9 @@ impl Potentiometer {
 impl Calibration for Potentiometer {
     const NAME: &'static str = "potentiometer";
     const NUMBERS: &'static [Number] = &[
-        Number { key: "zero_code", meaning: "the code at which the pendulum hangs", is_whole: false },
-        Number { key: "radians_per_code", meaning: "the angle of one code in rad", is_whole: false },
-        Number { key: "full_scale", meaning: "the converter's largest code, such as 4095", is_whole: true },
+        Number { key: "zero_code", meaning: "the code at which the pendulum hangs", whole: None },
+        Number { key: "radians_per_code", meaning: "the angle of one code in rad", whole: None },
+        Number { key: "full_scale", meaning: "the converter's largest code, such as 4095", whole: Some([1, u16::MAX as i32]) },
     ];
     const KEEPS_ZERO: bool = true;
     const IS_QUIET: bool = false;

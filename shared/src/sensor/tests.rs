@@ -36,7 +36,7 @@ fn numbers_give_the_sensor_back() {
             found.map(|(_, value)| f64::from(*value)).ok_or(wanted.key)
         };
         assert_eq!(Sensor::read(sensor.name(), value), Ok(Some(sensor)));
-        assert!(numbers.iter().all(|(number, value)| !number.is_whole || value.fract() == 0.0));
+        assert!(numbers.iter().all(|(number, value)| number.whole.is_none() || value.fract() == 0.0));
         assert!(sensor.is_valid());
     }
     assert_eq!(Sensor::read("barometer", |_| Ok::<f64, ()>(1.0)), Ok(None));

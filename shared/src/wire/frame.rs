@@ -112,7 +112,8 @@ impl From<ForRig> for Frame {
             ForRig::Command(number, command) => Self::Command(number, command),
             ForRig::CustomFormula(program) => Self::CustomFormula(program),
             ForRig::FrictionCurve(knots) => Self::FrictionCurve(knots),
-            // Their content is missing, so they never pass the check for left-over bytes.
+            // With their content they never pass the check for left-over bytes; without it they change nothing, as a
+            // program of no length is the question whether this rig knows formulas.
             ForRig::Answer | ForRig::Samples | ForRig::Live => Self::CustomFormula(Vec::new()),
         }
     }

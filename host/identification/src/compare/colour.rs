@@ -1,5 +1,5 @@
 //! Is what remains white? Autocorrelation and spectrum; a slow remainder far below the noise is seen by means over blocks
-//! (`recording/noise/still.rs`).
+//! (`recording/src/noise/still.rs`).
 
 use serde::Serialize;
 

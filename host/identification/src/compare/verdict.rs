@@ -298,7 +298,7 @@ fn torque(seen: &Seen) -> Option<String> {
     let map = seen.torque.filter(|map| map.is_significant)?;
     let bin = map.strongest()?;
     let compared = match map.coulomb_nm {
-        coulomb_nm if coulomb_nm > 0.0 => format!(" ({:.1} times Mc)", bin.torque_nm.abs() / coulomb_nm),
+        coulomb_nm if coulomb_nm > 0.0 => format!(" ({} times Mc)", significant(bin.torque_nm.abs() / coulomb_nm, 2)),
         _ => String::new(),
     };
     Some(format!(
@@ -462,6 +462,9 @@ mod tests {
             torque(&Seen { torque: Some(&map), ..seen(&energy, &totals) }).as_deref(),
             Some("The torque map lacks most at 0.50 rad and 2.0 rad/s: -2.00 ± 0.10 mN·m (2.0 times Mc).")
         );
+        let map = TorqueMap { coulomb_nm: 0.05, ..map };
+        let told = torque(&Seen { torque: Some(&map), ..seen(&energy, &totals) }).unwrap();
+        assert!(told.ends_with("(0.040 times Mc)."), "{told}");
     }
 
     #[test]

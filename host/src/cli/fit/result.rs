@@ -231,6 +231,7 @@ fn ending(options: &Options, recordings: &[PathBuf], shown: &Shown) -> String {
 fn next(options: &Options, recordings: &[PathBuf], shown: &Shown) -> (Cow<'static, str>, String) {
     let names = output::recordings(recordings);
     let rig = options.rig.as_deref().map_or(String::new(), |path| format!(" --rig {}", output::file(path)));
+    let file = kept_in(options.rig.as_deref());
     let is_pushed = shown.done.is_pushed;
     let is_unasked = physics_is_missing(&shown.outcome.fit) && !options.discover;
     if !Swing::driven(shown.swings).is_empty() {
@@ -241,13 +242,13 @@ fn next(options: &Options, recordings: &[PathBuf], shown: &Shown) -> (Cow<'stati
         (_, Some(path)) if is_doubtful => {
             ("shows where the model fails".into(), format!("host compare {names} --rig {}", output::file(path)))
         }
-        (None, None) if is_doubtful => shows_the_swing(options.plot.is_some(), &names, &rig),
+        (None, None) if is_doubtful => shows_the_swing(options.plot.is_some(), &names, &rig, &file),
         (Some(port), None) if is_pushed && is_unasked => names_what_is_missing(port, &rig, &names, Path::new("")),
         (Some(port), None) if is_pushed => keeps_the_model(port, &rig, options.discover, Path::new("")),
         (_, None) if physics_is_missing(&shown.outcome.fit) => {
             ("names the effect that is missing".into(), format!("host diagnose {names}{rig}"))
         }
-        (_, None) => ("keeps the model in a file".into(), format!("host fit {names}{rig} -o {USUAL_NAME}")),
+        (_, None) => ("keeps the model in a file".into(), format!("host fit {names}{rig} -o {file}")),
         (_, Some(path)) if physics_is_missing(&shown.outcome.fit) => {
             ("names the effect that is missing".into(), format!("host diagnose {names} --rig {}", output::file(path)))
         }
@@ -260,6 +261,11 @@ fn next(options: &Options, recordings: &[PathBuf], shown: &Shown) -> (Cow<'stati
             ("draws measured against model".into(), command)
         }
     }
+}
+
+/// The model file that the fit begins with is the one that gets better.
+fn kept_in(rig: Option<&Path>) -> String {
+    rig.map_or_else(|| USUAL_NAME.to_owned(), output::file)
 }
 
 /// A rig has the model, but its swings ask for more than that has.
@@ -275,9 +281,9 @@ fn names_what_is_missing(port: &str, rig: &str, names: &str, folder: &Path) -> (
 }
 
 /// Whether it is a swing at all is seen by whoever looks at it.
-fn shows_the_swing(is_drawn: bool, names: &str, rig: &str) -> (Cow<'static, str>, String) {
+fn shows_the_swing(is_drawn: bool, names: &str, rig: &str, file: &str) -> (Cow<'static, str>, String) {
     if is_drawn {
-        return ("keeps the model, for host compare".into(), format!("host fit {names}{rig} -o {USUAL_NAME}"));
+        return ("keeps the model, for host compare".into(), format!("host fit {names}{rig} -o {file}"));
     }
     ("draws measured against model, to see what was recorded".into(), format!("host fit {names}{rig} --plot fit.svg"))
 }
@@ -384,9 +390,10 @@ mod tests {
 
     #[test]
     fn where_the_model_hardly_follows_the_next_step_is_to_look() {
-        let advised = |is_drawn| shows_the_swing(is_drawn, "swing.csv", " --rig my.toml").1;
+        let advised = |is_drawn| shows_the_swing(is_drawn, "swing.csv", " --rig my.toml", "my.toml").1;
         assert_eq!(advised(false), "host fit swing.csv --rig my.toml --plot fit.svg");
-        assert_eq!(advised(true), "host fit swing.csv --rig my.toml -o rig.toml");
+        assert_eq!(advised(true), "host fit swing.csv --rig my.toml -o my.toml");
+        assert_eq!([kept_in(None), kept_in(Some(Path::new("my.toml")))], ["rig.toml", "my.toml"]);
     }
 
     #[test]

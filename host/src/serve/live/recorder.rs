@@ -23,17 +23,17 @@ impl Owner<'_> {
         let live_every = (rate_hz / POINTS_PER_S).round().max(1.0) as u16;
         let started = Some(now::iso());
         let Limits { wait_s, limit_s } = Limits::USUAL;
-        let plan = Plan { path: &path, existing: Existing::Keep, wait_s, limit_s, started, live_every };
+        let plan = Plan { path: &path, existing: Existing::Number, wait_s, limit_s, started, live_every };
         self.is_watched(false)?;
         let mut watcher = Watcher { app: &app, points: Points::new(rate_hz), watching: self.watching.clone() };
         let session = self.session()?;
         let result = record(session, &plan, &mut watcher, &app.rig.stop_recording);
         self.show(|rig| rig.recording = None);
-        let note = match result {
-            Ok(taken) => usable(&taken).map(|note| note.unwrap_or_else(|| in_words(&taken))),
-            Err(error) => Err(Failure::from(error)),
-        };
-        match note.and_then(|note| Ok((note, recordings::of_file(&path, &app.settings)?))) {
+        let note = result.map_err(Failure::from).and_then(|taken| {
+            let note = usable(&taken)?.unwrap_or_else(|| in_words(&taken));
+            Ok((note, taken.path))
+        });
+        match note.and_then(|(note, path)| Ok((note, recordings::of_file(&path, &app.settings)?))) {
             Ok((note, loaded)) => {
                 self.show(|rig| rig.note = Some(note));
                 app.take_in(recordings::of_port(loaded, Some(&port)))?;
