@@ -36,6 +36,8 @@ pub(super) struct State {
     pub(super) staircase: Vec<Step>,
     pub(super) history: Vec<Snapshot>,
     pub(super) failure: Option<Failure>,
+    /// Why there is no comparison, if one was tried in vain.
+    pub(super) not_compared: Option<Failure>,
     pub(super) rig: RigView,
     pub(super) evidence: Evidence,
     /// Counts changes of what is drawn.

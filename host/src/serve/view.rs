@@ -1,6 +1,7 @@
 //! The state as the page sees it: small, and the same for every tab. Curves are asked for apart.
 
 use super::app::App;
+use super::edit::Geometry;
 use super::evidence::Evidence;
 use super::live::ports;
 use super::rig::RigView;
@@ -38,6 +39,8 @@ pub(super) struct View {
     doubts: Vec<String>,
     fit: Option<FitView>,
     failure: Option<FailureView>,
+    /// Why there is no comparison, if one was tried in vain.
+    not_compared: Option<FailureView>,
     rig: RigView,
     evidence: Evidence,
     ports: Vec<String>,
@@ -49,6 +52,8 @@ struct ModelView {
     origin: String,
     fresh: bool,
     normalised: bool,
+    /// None where it is unknown.
+    geometry: Option<Geometry>,
     effects: Vec<&'static str>,
     sliders: Vec<Slider>,
 }
@@ -112,6 +117,7 @@ pub(super) fn view(app: &App) -> View {
         doubts: doubts(state),
         fit: fit(state),
         failure: state.failure.as_ref().map(FailureView::from),
+        not_compared: state.not_compared.as_ref().map(FailureView::from),
         rig: state.rig.clone(),
         evidence: state.evidence.clone(),
         ports: ports(app.settings.port.as_deref()),
@@ -141,6 +147,7 @@ fn model_view(file: &RigFile, origin: &str) -> ModelView {
         origin: origin.to_owned(),
         fresh: file.is_fresh(),
         normalised: file.is_normalised(),
+        geometry: (!file.is_normalised()).then(|| Geometry::of(&parameters.pendulum)),
         effects: names.map(|effect| effect.name).chain(curve).collect(),
         sliders: sliders(parameters, |quantity| file.knowledge(quantity).and_then(|knowledge| knowledge.std)),
     }

@@ -63,7 +63,7 @@ export function show(now) {
   charts.residual.unit = `left, ${milliUnit()}`;
   const model = JSON.stringify(now.model);
   if (!before || JSON.stringify(before.model) !== model) { forget(); showSliders(); }
-  byId('geometry').hidden = now.model !== null && !(now.model.normalised && now.model.fresh);
+  showGeometry();
   byId('model-card').hidden = now.model === null;
   byId('origin').textContent = now.model ? `${now.model.origin}${now.model.normalised ? '; geometry unknown: torques are per m·g·l' : ''}` : '';
   byId('undo').disabled = now.undos === 0;
@@ -76,7 +76,25 @@ export function show(now) {
   byId('limits-list').replaceChildren(...(now.comparison?.limits ?? []).map((limit) => element('li', {}, limit)));
 }
 
-function showVerdict() {
+/** The form stays open until the recordings agree with what was typed; later it corrects. */
+let isGeometryWanted = false;
+let typedGeometry = '';
+
+function showGeometry() {
+  const { model, comparison } = state;
+  const isUnknown = model === null || (model.normalised && model.fresh);
+  const box = byId('geometry');
+  byId('geometry-title').textContent = isUnknown ? 'The pendulum' : 'Change mass, length, inertia';
+  const isWanted = isUnknown || state.not_compared !== null;
+  if (isWanted && !isGeometryWanted) box.open = isGeometryWanted = true;
+  if (!isWanted && isGeometryWanted && comparison) box.open = isGeometryWanted = false;
+  const made = JSON.stringify(model?.geometry ?? null);
+  if (!model?.geometry || typedGeometry === made) return;
+  typedGeometry = made;
+  for (const [name, value] of Object.entries(model.geometry)) byId('geometry-form').elements[name].value = Number(value.toPrecision(4));
+}
+
+export function showVerdict() {
   const box = byId('verdict');
   const { comparison } = state;
   box.className = answer ? '' : { 'nothing-missing': 'good', 'no-pattern': 'unsure', 'numbers-do-not-fit': 'unsure' }[comparison?.answer] ?? (comparison ? 'bad' : '');
@@ -115,7 +133,9 @@ function waitingFor() {
   if (state.model === null && !state.recordings.length) return 'Load recordings or connect a rig: then the model runs beside what was measured, and this line says where it fails.';
   if (state.model === null) return 'What is the pendulum like? Give mass, length and inertia, or load a rig.toml.';
   if (!state.recordings.length) return 'Load a recording, or record a swing on the live view.';
-  return 'Comparing …';
+  if (state.recordings.every((recording) => recording.held_out)) return 'All recordings are held out: let one take part, and the model is compared with it.';
+  const failure = document.body.dataset.busy === 'true' ? null : state.not_compared ?? state.failure;
+  return failure ? `Nothing is compared: ${failure.what}.${failure.next ? ` Next: ${failure.next}.` : ''}` : 'Comparing …';
 }
 
 /** Of a long name the middle is left out: files of one series differ at their ends, which always stay. */

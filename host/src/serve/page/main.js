@@ -49,7 +49,9 @@ function show() {
 
 function showJob(job) {
   byId('job').hidden = job === null;
+  const isNews = document.body.dataset.busy !== String(job !== null);
   document.body.dataset.busy = String(job !== null);
+  if (isNews && state) compare.showVerdict();
   if (!job) return;
   const bar = byId('job-bar');
   if (job.share === null) bar.removeAttribute('value'); else bar.value = Math.max(job.share, 0.02);
