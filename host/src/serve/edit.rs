@@ -5,7 +5,7 @@ use super::simulate::{Values, named, with};
 use super::state::{Numbers, State};
 use super::work;
 use crate::error::Failure;
-use crate::formula::{self, FRICTION_CURVE, effect_of};
+use crate::formula::{self, FRICTION_CURVE, FormulaError, effect_of};
 use crate::improve::Change;
 use crate::rigfile::{Knowledge, Quantity, RigFile, RigFileError, Source};
 use serde::{Deserialize, Serialize};
@@ -156,7 +156,11 @@ pub(super) fn formula(app: &App, text: &str) -> Result<(), Failure> {
         return Err(Failure::wrong_use(what).next("write it shorter"));
     }
     let hint = "write it like torque = -k*omega*abs(omega)^p; k in 0..1e-3 N·m; p in 0..3";
-    let effect = formula::read(text).map_err(|error| Failure::wrong_use(error).next(hint))?;
+    let refused = |error: FormulaError| {
+        let next = if error.place.is_some() { hint } else { "correct it and add it again" };
+        Failure::wrong_use(error).next(next)
+    };
+    let effect = formula::read(text).map_err(refused)?;
     app.jobs.ask("adding a formula", work::change_model(vec![Change::Add(effect)]))
 }
 

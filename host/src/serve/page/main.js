@@ -27,6 +27,8 @@ let toldHere = false;
 
 function fail(what, next) {
   byId('failure-what').textContent = what;
+  // A formula with a mark under the place that is wrong.
+  byId('failure-what').classList.toggle('marked', what.includes('\n'));
   byId('failure-next').textContent = next ? `Next: ${next}.` : '';
   byId('failure').hidden = false;
 }
