@@ -30,6 +30,8 @@ pub(super) struct State {
     pub(super) runs: HashMap<u32, Arc<Followed>>,
     pub(super) comparison: Option<Arc<Comparison>>,
     pub(super) diagnosis: Option<Arc<Diagnosis>>,
+    /// What the model had in it when that was made.
+    pub(super) diagnosed: Vec<&'static str>,
     pub(super) fit: Option<Arc<Fit>>,
     /// The fitted model from which changes go on; absent once recordings or values changed.
     pub(super) trial: Option<Fitted>,

@@ -6,7 +6,7 @@ use super::evidence::Evidence;
 use super::live::ports;
 use super::rig::RigView;
 use super::simulate::{Slider, sliders, sliders_of};
-use super::state::State;
+use super::state::{Named, State};
 use crate::compare::verdict::{Answer, Totals};
 use crate::diagnose::Diagnosis;
 use crate::error::Failure;
@@ -31,6 +31,8 @@ pub(super) struct View {
     staircase: Vec<Step>,
     undos: usize,
     diagnosis: Option<Diagnosis>,
+    /// Has the model other effects now than when that was made?
+    diagnosis_is_old: bool,
     /// What the diagnosis says of a friction curve, if it offers one.
     curve_words: Option<String>,
     /// What the diagnosis says of the sensor's zero, where it is off.
@@ -112,6 +114,7 @@ pub(super) fn view(app: &App) -> View {
         staircase: state.staircase.clone(),
         undos: state.history.len(),
         diagnosis: state.diagnosis.as_deref().cloned(),
+        diagnosis_is_old: is_diagnosis_old(state),
         curve_words: state.diagnosis.as_deref().and_then(curve_words),
         zero_words: state.diagnosis.as_deref().and_then(Diagnosis::zero_in_words),
         doubts: doubts(state),
@@ -123,6 +126,11 @@ pub(super) fn view(app: &App) -> View {
         ports: ports(app.settings.port.as_deref()),
         drawing: state.drawing,
     })
+}
+
+fn is_diagnosis_old(state: &State) -> bool {
+    let is_same = |named: &Named| names_of_effects(named.file.parameters()) == state.diagnosed;
+    state.diagnosis.is_some() && !state.model.as_ref().is_some_and(is_same)
 }
 
 fn curve_words(diagnosis: &Diagnosis) -> Option<String> {
@@ -141,16 +149,21 @@ fn doubts(state: &State) -> Vec<String> {
 
 fn model_view(file: &RigFile, origin: &str) -> ModelView {
     let parameters = file.parameters();
-    let names = parameters.effects.iter().filter_map(|effect| effect_of(parameters, effect.id));
-    let curve = parameters.curve.as_ref().map(|_| CURVE_NAME);
     ModelView {
         origin: origin.to_owned(),
         fresh: file.is_fresh(),
         normalised: file.is_normalised(),
         geometry: (!file.is_normalised()).then(|| Geometry::of(&parameters.pendulum)),
-        effects: names.map(|effect| effect.name).chain(curve).collect(),
+        effects: names_of_effects(parameters),
         sliders: sliders(parameters, |quantity| file.knowledge(quantity).and_then(|knowledge| knowledge.std)),
     }
+}
+
+/// What is in a model, its friction curve included.
+pub(super) fn names_of_effects(parameters: &Parameters<f64>) -> Vec<&'static str> {
+    let effects = parameters.effects.iter().filter_map(|effect| effect_of(parameters, effect.id));
+    let curve = parameters.curve.as_ref().map(|_| CURVE_NAME);
+    effects.map(|effect| effect.name).chain(curve).collect()
 }
 
 fn recordings(state: &State) -> Vec<RecordingView> {

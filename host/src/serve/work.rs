@@ -5,6 +5,7 @@ use super::jobs::Progress;
 use super::recordings::{self, Loaded};
 use super::releases::Releases;
 use super::state::{Named, Numbers, State};
+use super::view::names_of_effects;
 use crate::compare::follow::{Followed, follow};
 use crate::compare::measurement::Measurement;
 use crate::compare::verdict::Answer;
@@ -353,6 +354,7 @@ pub(super) fn find_missing(app: &Arc<App>, progress: &Progress) -> Result<(), Fa
     app.change(|state| {
         if data.is_current(state) {
             state.diagnosis = Some(Arc::new(found));
+            state.diagnosed = names_of_effects(data.parameters());
         }
     });
     Ok(())
