@@ -3,6 +3,7 @@
 
 import { byId, element, fillTable } from './numbers.js';
 import { post, remove, send } from './server.js';
+import { withoutOptions } from './words.js';
 
 const TIME_UNITS = ['as named', 's', 'ms', 'us', 'ns', 'min', 'day'];
 const UNITS = {
@@ -63,8 +64,7 @@ function chosenUnit() {
   return [role, isWorth ? (worth > 0 ? unit.replace('#', String(worth)) : '') : unit];
 }
 
-/** Messages are the same everywhere; what is an option of the command line is a field of the dialog. */
-const inFields = (words) => (/--[a-z]/.test(words) ? `${words} (Options such as --columns are those of the command line; the fields below do the same.)` : words);
+const inFields = (words) => withoutOptions(words, 'Say in the fields below what the columns hold.');
 
 function wish() {
   const [role, unit] = chosenUnit();
@@ -88,7 +88,7 @@ async function look() {
   showColumns(seen);
   byId('columns-fault').textContent = inFields(seen.fault ?? '');
   byId('columns-yes').disabled = seen.reading === null;
-  byId('columns-notes').replaceChildren(...(seen.reading?.notes ?? []).map((note) => element('li', {}, note)));
+  byId('columns-notes').replaceChildren(...(seen.reading?.notes ?? []).map((note) => element('li', {}, inFields(note))));
   draw(seen.reading);
   document.body.dataset.columns = seen.reading?.measured ?? 'none';
 }

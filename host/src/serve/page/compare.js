@@ -5,6 +5,7 @@ import { Chart } from './chart.js';
 import { byId, element, measuring, milliUnit, mrad, number, times } from './numbers.js';
 import { draw as plot, pictureOf } from './plots.js';
 import { get, post, remove } from './server.js';
+import { onPage, withoutOptions } from './words.js';
 
 /** Sentences of the verdict that are always in sight. */
 const SENTENCES = 3;
@@ -71,7 +72,7 @@ export function show(now) {
   if (drawing !== now.drawing) { drawing = now.drawing; answer = null; fetchTrace(); showPictures(); }
   showRecordings();
   showVerdict();
-  byId('doubts').replaceChildren(...now.doubts.map((doubt) => element('li', {}, doubt)));
+  byId('doubts').replaceChildren(...now.doubts.map((doubt) => element('li', {}, withoutOptions(doubt, 'The ⚙ beside it reads it otherwise.'))));
   byId('limits').hidden = !now.comparison?.limits.length;
   byId('limits-list').replaceChildren(...(now.comparison?.limits ?? []).map((limit) => element('li', {}, limit)));
 }
@@ -135,7 +136,7 @@ function waitingFor() {
   if (!state.recordings.length) return 'Load a recording, or record a swing on the live view.';
   if (state.recordings.every((recording) => recording.held_out)) return 'All recordings are held out: let one take part, and the model is compared with it.';
   const failure = document.body.dataset.busy === 'true' ? null : state.not_compared ?? state.failure;
-  return failure ? `Nothing is compared: ${failure.what}.${failure.next ? ` Next: ${failure.next}.` : ''}` : 'Comparing …';
+  return failure ? onPage(`Nothing is compared: ${failure.what}.${failure.next ? ` Next: ${failure.next}.` : ''}`) : 'Comparing …';
 }
 
 /** Of a long name the middle is left out: files of one series differ at their ends, which always stay. */

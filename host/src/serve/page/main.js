@@ -10,6 +10,7 @@ import * as rig from './rig.js';
 import { byId } from './numbers.js';
 import { redrawAll } from './plots.js';
 import { get, listen, post, send } from './server.js';
+import { onPage } from './words.js';
 
 const TABS = ['model', 'live', 'fit'];
 let state = null;
@@ -26,10 +27,10 @@ function done(promise) {
 let toldHere = false;
 
 function fail(what, next) {
-  byId('failure-what').textContent = what;
+  byId('failure-what').textContent = onPage(what);
   // A formula with a mark under the place that is wrong.
   byId('failure-what').classList.toggle('marked', what.includes('\n'));
-  byId('failure-next').textContent = next ? `Next: ${next}.` : '';
+  byId('failure-next').textContent = next ? `Next: ${onPage(next)}.` : '';
   byId('failure').hidden = false;
 }
 
