@@ -103,7 +103,7 @@ export function showVerdict() {
   const ratio = error && element('div', { class: 'ratio', id: 'ratio' }, `${times(error.rmse / error.noise)} ×`,
     element('small', {}, `the noise${answer ? ', what if' : ''}: ${mrad(error.rmse)}`));
   const words = answer ? [`What if? These numbers leave ${mrad(answer.rmse_rad)} on ${theChosen().name}.`, 'Keep them, or go back to the model.']
-    : resultFirst(comparison) ?? [waitingFor()];
+    : resultFirst(comparison) ?? waitingFor();
   const said = words.map((sentence) => element('p', {}, sentence));
   const rest = said.splice(SENTENCES);
   const wasOpen = box.querySelector('details')?.open ?? false;
@@ -131,12 +131,13 @@ function errorOf() {
 }
 
 function waitingFor() {
-  if (state.model === null && !state.recordings.length) return 'Load recordings or connect a rig: then the model runs beside what was measured, and this line says where it fails.';
-  if (state.model === null) return 'What is the pendulum like? Give mass, length and inertia, or load a rig.toml.';
-  if (!state.recordings.length) return 'Load a recording, or record a swing on the live view.';
-  if (state.recordings.every((recording) => recording.held_out)) return 'All recordings are held out: let one take part, and the model is compared with it.';
+  if (state.model === null && !state.recordings.length) return ['Load recordings or connect a rig: then the model runs beside what was measured, and this line says where it fails.'];
+  if (state.model === null) return ['What is the pendulum like? Give mass, length and inertia, or load a rig.toml.'];
+  if (!state.recordings.length) return ['Load a recording, or record a swing on the live view.'];
+  if (state.recordings.every((recording) => recording.held_out)) return ['All recordings are held out: let one take part, and the model is compared with it.'];
   const failure = document.body.dataset.busy === 'true' ? null : state.not_compared ?? state.failure;
-  return failure ? onPage(`Nothing is compared: ${failure.what}.${failure.next ? ` Next: ${failure.next}.` : ''}`) : 'Comparing …';
+  if (!failure) return ['Comparing …'];
+  return [`Nothing is compared: ${onPage(failure.what)}.`, ...(failure.next ? [`Next: ${onPage(failure.next)}.`] : [])];
 }
 
 /** Of a long name the middle is left out: files of one series differ at their ends, which always stay. */
@@ -201,6 +202,9 @@ function drawTrace() {
   charts.residual.show(residual, x, [2 * trace.noise_rad]);
   document.body.dataset.drawn = String(drawing);
 }
+
+/** At once: a printer does not wait for the next picture of the screen. */
+export function paint() { if (charts) Object.values(charts).forEach((chart) => chart.paint()); }
 
 export function redraw() { if (charts) Object.values(charts).forEach((chart) => chart.draw()); }
 

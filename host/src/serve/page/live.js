@@ -52,6 +52,9 @@ export function draw() {
   charts.friction.show([curve('friction', 'other')], x);
 }
 
+/** At once, for a printer. */
+export function paint() { if (charts) Object.values(charts).forEach((chart) => chart.paint()); }
+
 /** The rig's state. */
 export function show(state) {
   rig = state.rig;

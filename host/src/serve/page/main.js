@@ -8,7 +8,7 @@ import * as fit from './fit.js';
 import * as live from './live.js';
 import * as rig from './rig.js';
 import { byId } from './numbers.js';
-import { redrawAll } from './plots.js';
+import { fitToPaper, redrawAll } from './plots.js';
 import { get, listen, post, send } from './server.js';
 import { onPage } from './words.js';
 
@@ -27,9 +27,10 @@ function done(promise) {
 let toldHere = false;
 
 function fail(what, next) {
-  byId('failure-what').textContent = onPage(what);
-  // A formula with a mark under the place that is wrong.
-  byId('failure-what').classList.toggle('marked', what.includes('\n'));
+  // Below it may stand a formula with a mark under the place that is wrong.
+  const [first, ...place] = onPage(what).split('\n');
+  byId('failure-what').textContent = first;
+  byId('failure-place').textContent = place.join('\n');
   byId('failure-next').textContent = next ? `Next: ${onPage(next)}.` : '';
   byId('failure').hidden = false;
 }
@@ -103,6 +104,19 @@ function beginTheme() {
   });
 }
 
+/** On paper all is light, and as wide as the paper. */
+function beginPrinting() {
+  const root = document.documentElement;
+  let onScreen = null;
+  const use = (theme) => { root.dataset.theme = theme; redrawAll(); compare.paint(); live.paint(); };
+  window.addEventListener('beforeprint', () => {
+    onScreen = root.dataset.theme;
+    if (onScreen === 'dark') use('light');
+    fitToPaper();
+  });
+  window.addEventListener('afterprint', () => { if (onScreen === 'dark') use('dark'); });
+}
+
 async function upload(files) {
   for (const file of files) {
     if (file.name.endsWith('.toml')) await done(send('api/model', file));
@@ -133,6 +147,7 @@ async function begin() {
   beginUploads();
   byId('failure-close').addEventListener('click', () => { byId('failure').hidden = true; done(post('api/dismiss')); });
   beginTabs();
+  beginPrinting();
   listen((message) => { byId('failure').classList.remove('gone'); hear(message); }, () => fail('The connection to the program is gone', 'start it again; this page connects by itself'));
 }
 
