@@ -117,12 +117,21 @@ impl State {
         self.data_changed();
     }
 
-    /// Takes the recordings of a file in, all or none; what was seen before is looked at anew. Gives the first one's id.
+    /// Takes the recordings of a file in, all or none, perhaps in the place of one that was read otherwise; what was seen
+    /// before is looked at anew. Gives the first one's id.
     ///
     /// # Errors
-    /// There are too many already.
-    pub(super) fn add(&mut self, loaded: Vec<Loaded>) -> Result<u32, Failure> {
-        recordings::check_room(&self.recordings, &loaded)?;
+    /// One of them is there already, or there are too many.
+    pub(super) fn add(&mut self, loaded: Vec<Loaded>, replaced: Option<u32>) -> Result<u32, Failure> {
+        let is_kept = |recording: &&Arc<Loaded>| Some(recording.id) != replaced;
+        let kept: Vec<_> = self.recordings.iter().filter(is_kept).cloned().collect();
+        recordings::refuse_doubles(&kept, &loaded)?;
+        recordings::check_room(&kept, &loaded)?;
+        if let Some(id) = replaced {
+            self.recordings = kept;
+            self.runs.remove(&id);
+            self.comparison = None;
+        }
         let first_id = self.next_id + 1;
         for loaded in loaded {
             self.next_id += 1;

@@ -109,7 +109,7 @@ pub(super) fn read_first(app: &Arc<App>, progress: &Progress) -> Result<(), Fail
     let mut failed = None;
     app.change(|state| {
         for loaded in read {
-            failed = loaded.and_then(|loaded| state.add(loaded)).err().or(failed.take());
+            failed = loaded.and_then(|loaded| state.add(loaded, None)).err().or(failed.take());
         }
     });
     app.jobs.ask_for_a_look();
@@ -298,7 +298,7 @@ fn take_releases_in(app: &Arc<App>) -> Result<(), Failure> {
     for release in releases {
         let taken = release.file().and_then(|file| recordings::of_release(file, &app.settings));
         match taken {
-            Ok(loaded) => drop(app.change(|state| state.add(recordings::of_port(loaded, port.as_deref())))?),
+            Ok(loaded) => drop(app.change(|state| state.add(recordings::of_port(loaded, port.as_deref()), None))?),
             Err(failure) => fault = Some(failure),
         }
     }

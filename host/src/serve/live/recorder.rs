@@ -36,7 +36,7 @@ impl Owner<'_> {
         match note.and_then(|note| Ok((note, recordings::of_file(&path, &app.settings)?))) {
             Ok((note, loaded)) => {
                 self.show(|rig| rig.note = Some(note));
-                app.take_in(recordings::of_port(loaded, Some(&port)))?;
+                app.take_in(recordings::of_port(loaded, Some(&port)), None)?;
             }
             Err(failure) => app.change(|state| state.failure = Some(failure)),
         }

@@ -2,7 +2,7 @@
 // as it is, and for whoever wants it read otherwise.
 
 import { byId, element, fillTable } from './numbers.js';
-import { post, remove, send } from './server.js';
+import { post, send } from './server.js';
 import { withoutOptions } from './words.js';
 
 const TIME_UNITS = ['as named', 's', 'ms', 'us', 'ns', 'min', 'day'];
@@ -15,6 +15,9 @@ const UNITS = {
 
 const MOST_LOOKED_AT = 4e6;
 
+/** The server could read it, but has no place for it beside the others. */
+const CONFLICT = 409;
+
 let file = null;
 let replaced = null;
 let finished = () => {};
@@ -25,7 +28,7 @@ const kept = new Map();
 export async function load(chosen) {
   kept.set(chosen.name, chosen);
   try { await send('api/recordings', chosen); } catch (refusal) {
-    if (refusal.next === undefined || !(await isTable(chosen))) throw refusal;
+    if (refusal.next === undefined || refusal.status === CONFLICT || !(await isTable(chosen))) throw refusal;
     await open(chosen, null, refusal.message);
   }
 }
@@ -134,8 +137,7 @@ function draw(reading) {
 
 /** Takes the file in as it was wished; a recording that is read anew is replaced. */
 async function take() {
-  await send('api/recordings', file, wish());
-  if (replaced !== null) await remove(`api/recordings/${replaced}`);
+  await send('api/recordings', file, replaced === null ? wish() : { ...wish(), replaced });
   await post('api/dismiss');
   byId('columns-dialog').close();
 }
