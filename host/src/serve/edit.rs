@@ -149,7 +149,7 @@ pub(super) async fn suspect(app: &App, suspect: &Suspect) -> Result<(), Failure>
     receiver.await.map_err(ended)?
 }
 
-/// Adds a law that somebody typed.
+/// Adds a law that somebody typed; it takes the place of the one that was typed before.
 pub(super) fn formula(app: &App, text: &str) -> Result<(), Failure> {
     if text.len() > LONGEST_FORMULA {
         let what = format!("the formula has {} bytes, {LONGEST_FORMULA} are allowed", text.len());
@@ -161,7 +161,9 @@ pub(super) fn formula(app: &App, text: &str) -> Result<(), Failure> {
         Failure::wrong_use(error).next(next)
     };
     let effect = formula::read(text).map_err(refused)?;
-    app.jobs.ask("adding a formula", work::change_model(vec![Change::Add(effect)]))
+    let before = app.model().ok().and_then(|named| effect_of(named.file.parameters(), CUSTOM_FORMULA_ID));
+    let changes = before.map(Change::Remove).into_iter().chain([Change::Add(effect)]).collect();
+    app.jobs.ask("adding a formula", work::change_model(changes))
 }
 
 /// Takes a recording out of the list.

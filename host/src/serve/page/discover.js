@@ -32,6 +32,7 @@ export function show(now) {
   showWords();
   showCandidates();
   byId('formula-add').disabled = byId('diagnose').disabled;
+  byId('formula-add').textContent = now.model?.effects.includes('custom') ? 'Replace the law' : 'Add this law';
   showCurve();
   showSuggestions();
   showExplanation();
