@@ -46,6 +46,8 @@ pub(super) struct View {
     rig: RigView,
     evidence: Evidence,
     ports: Vec<String>,
+    /// Is a rig what the page is opened for?
+    begins_live: bool,
     drawing: u64,
 }
 
@@ -124,6 +126,7 @@ pub(super) fn view(app: &App) -> View {
         rig: state.rig.clone(),
         evidence: state.evidence.clone(),
         ports: ports(app.settings.port.as_deref()),
+        begins_live: app.settings.port.is_some() && app.settings.recordings.is_empty(),
         drawing: state.drawing,
     })
 }

@@ -70,7 +70,7 @@ export function show(state) {
     if (rig.port) ports.value = rig.port;
   }
   const note = rig.failure ? `${rig.failure[0]}. Next: ${rig.failure[1] ?? 'connect again'}.`
-    : rig.recording ?? rig.note ?? (connected ? '' : 'No rig is connected. Choose one and connect; sim:… needs no hardware.');
+    : rig.recording ?? rig.recorded ?? rig.note ?? (connected ? '' : 'No rig is connected. Choose one and connect; sim:… needs no hardware.');
   byId('live-note').textContent = onPage(note);
   byId('rig-state').textContent = rig.failure ? `rig lost: ${rig.port}`
     : connected ? `${rig.firmware} on ${rig.port}${rig.recording ? ', recording' : rig.listening ? ', live' : ', paused'}` : 'no rig connected';

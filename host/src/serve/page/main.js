@@ -38,7 +38,12 @@ function fail(what, next) {
 function hear(message) {
   if (message.type === 'live') live.take(message);
   else if (message.type === 'job') showJob(message.job);
-  else if (message.type === 'state') { state = message; show(); }
+  else if (message.type === 'state') {
+    const isFirst = state === null;
+    state = message;
+    // Without a name in the address the page opens with the rig, if there is nothing else.
+    if (isFirst && !namedTab()) openTab(state.begins_live ? 'live' : 'model'); else show();
+  }
 }
 
 let told = null;
@@ -63,6 +68,8 @@ function showJob(job) {
   byId('job-words').textContent = `${job.words || job.name} … ${job.seconds.toFixed(0)} s${count}`;
 }
 
+const namedTab = () => TABS.find((tab) => location.hash === `#${tab}`);
+
 function openTab(name) {
   for (const tab of TABS) {
     const here = tab === name;
@@ -70,7 +77,7 @@ function openTab(name) {
     byId(`tab-${tab}`).setAttribute('aria-selected', String(here));
     byId(`tab-${tab}`).tabIndex = here ? 0 : -1;
   }
-  history.replaceState(null, '', name === 'model' ? '/' : `#${name}`);
+  history.replaceState(null, '', `/#${name}`);
   if (state) show();
   live.draw();
   compare.redraw();
@@ -87,8 +94,7 @@ function beginTabs() {
       byId(`tab-${next}`).focus();
     });
   }
-  const named = location.hash.slice(1);
-  openTab(TABS.includes(named) ? named : 'model');
+  if (namedTab()) openTab(namedTab());
 }
 
 function beginTheme() {
@@ -148,7 +154,17 @@ async function begin() {
   byId('failure-close').addEventListener('click', () => { byId('failure').hidden = true; done(post('api/dismiss')); });
   beginTabs();
   beginPrinting();
-  listen((message) => { byId('failure').classList.remove('gone'); hear(message); }, () => fail('The connection to the program is gone', 'start it again; this page connects by itself'));
+  let isLost = false;
+  const heard = (message) => {
+    if (isLost) byId('failure').hidden = true;
+    isLost = false;
+    hear(message);
+  };
+  listen(heard, () => {
+    isLost = true;
+    byId('rig-state').textContent = 'no connection to the program';
+    fail('The connection to the program is gone', 'start it again; this page connects by itself');
+  });
 }
 
 done(begin());
