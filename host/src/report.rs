@@ -94,4 +94,5 @@ figure { margin: 2.5rem 0; } .plot { height: 440px; } figcaption { color: #444; 
 table { border-collapse: collapse; margin: 1rem 0; } th, td { padding: .2rem .7rem; text-align: right; border-bottom: 1px solid #ddd; }
 th:first-child, td:first-child { text-align: left; } .wide { overflow-x: auto; } .wide td { white-space: nowrap; } details { margin: 1rem 0; }
 p, li, summary { overflow-wrap: anywhere; }
+@media print { .modebar-container { display: none !important; } figure, tr, .verdict { break-inside: avoid; } h1, h2 { break-after: avoid; } * { print-color-adjust: exact; } }
 ";

@@ -84,6 +84,8 @@ fn a_hidden_effect_is_found_added_and_pushed_and_the_rig_follows_its_pendulum() 
     block_on(async {
         let browser = Browser::open(&server.url, 1440, 900).await;
         browser.wait_for("document.body.dataset.ready === 'true'").await;
+        assert_eq!(browser.run("return document.getElementById('view-live').hidden").await, false);
+        browser.click("#tab-model").await;
         for k in 1..=3 {
             browser.upload("#upload", &folder.path().join(format!("swing{k}.csv"))).await;
             browser.wait_for(&format!("document.querySelectorAll('#recordings li').length === {k}")).await;
@@ -112,6 +114,8 @@ fn a_hidden_effect_is_found_added_and_pushed_and_the_rig_follows_its_pendulum() 
         browser.wait_for(IDLE).await;
         let after = browser.number("#ratio").await.unwrap();
         assert!((0.95..1.05).contains(&after), "the error fell from {before} to {after} noises");
+        let found = browser.text("#discover").await;
+        assert!(found.contains("Outdated") && found.contains("Already in the model: quadratic-drag"), "{found}");
         browser.keep_picture("3-only-noise-is-left").await;
 
         browser.click("#tab-live").await;
@@ -326,6 +330,103 @@ fn a_wrong_file_is_named_and_the_page_goes_on() {
         browser.click("#failure-close").await;
         browser.upload("#upload", &folder.path().join("swing3.csv")).await;
         browser.wait_for("document.querySelectorAll('#recordings li').length === 1").await;
+        browser.wait_for(IDLE).await;
+        std::fs::copy(folder.path().join("swing3.csv"), folder.path().join("again.csv")).unwrap();
+        browser.upload("#upload", &folder.path().join("again.csv")).await;
+        browser.wait_for("!document.getElementById('failure').hidden").await;
+        let words = browser.text("#failure").await;
+        assert!(words.contains("again.csv holds the same recording as swing3.csv, which would count twice"), "{words}");
+        browser.close().await;
+    });
+}
+
+/// What a person does who types these into the form.
+fn geometry(mass_kg: &str, length_m: &str, inertia_kg_m2: &str) -> String {
+    let values = format!("{{ mass_kg: '{mass_kg}', length_m: '{length_m}', inertia_kg_m2: '{inertia_kg_m2}' }}");
+    format!(
+        "const form = document.getElementById('geometry-form');
+         for (const [name, value] of Object.entries({values})) form.elements[name].value = value;"
+    )
+}
+
+const VERDICT: &str = "document.getElementById('verdict').innerText";
+
+#[test]
+fn why_nothing_is_compared_is_said_and_can_be_put_right_on_the_page() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    prepare(folder.path());
+    // Otherwise the page begins with its model.
+    std::fs::remove_file(folder.path().join("rig.toml")).unwrap();
+    let server = Server::start(folder.path(), "swing1.csv");
+    block_on(async {
+        let browser = Browser::open(&server.url, 1280, 720).await;
+        browser.wait_for("document.querySelectorAll('#recordings li').length === 1").await;
+        browser.run(&geometry("14.7", "15.6", "28")).await;
+        browser.click("#geometry-form [type=submit]").await;
+        browser.wait_for(&format!("{VERDICT}.includes('Nothing is compared: swing1.csv')")).await;
+        browser.click("#failure-close").await;
+        browser.client.refresh().await.unwrap();
+        browser.wait_for(&format!("{VERDICT}.includes('Nothing is compared: swing1.csv')")).await;
+        browser.keep_picture("23-nothing-is-compared").await;
+        browser.run(&geometry("0.1466084", "0.1562177", "0.0027")).await;
+        browser.click("#geometry-form [type=submit]").await;
+        browser.wait_for("document.querySelector('#verdict.bad')").await;
+        browser.wait_for("!document.getElementById('geometry').open").await;
+        browser.click("#recordings input").await;
+        browser.wait_for(&format!("{VERDICT}.includes('All recordings are held out')")).await;
+        browser.click("#recordings input").await;
+        browser.wait_for("document.querySelector('#verdict.bad')").await;
+        browser.click("#geometry-title").await;
+        browser.run(&geometry("0.2", "0.1562177", "0.0027")).await;
+        browser.click("#geometry-form [type=submit]").await;
+        browser.wait_for(IDLE).await;
+        browser.wait_for("document.querySelector('#verdict.bad')").await;
+        let mass = browser.run("return document.getElementById('geometry-form').elements.mass_kg.value").await;
+        assert_eq!(mass, "0.2");
+        browser.close().await;
+    });
+}
+
+/// The message is within the window, below the header.
+const IN_SIGHT: &str = "(() => {
+  const box = document.getElementById('failure').getBoundingClientRect();
+  const header = document.querySelector('header').getBoundingClientRect();
+  return box.height > 0 && box.top >= Math.max(header.bottom - 1, 0) && box.bottom <= innerHeight;
+})()";
+
+#[test]
+fn what_went_wrong_is_in_sight_far_down_on_a_phone_with_a_mark_where_it_is_wrong() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    prepare(folder.path());
+    let server = Server::start(folder.path(), "--rig rig.toml swing1.csv");
+    block_on(async {
+        let browser = Browser::open(&server.url, 390, 844).await;
+        browser.wait_for("document.querySelector('#verdict.bad')").await;
+        browser.wait_for(IDLE).await;
+        let below_verdict = "document.getElementById('discover').getBoundingClientRect().top - document.getElementById('verdict').getBoundingClientRect().bottom < 30";
+        browser.wait_for(below_verdict).await;
+        browser.run("document.getElementById('formula').value = 'torque = -k*foo; k in 0..1'").await;
+        browser.click("#formula-add").await;
+        browser.run("scrollTo(0, document.body.scrollHeight)").await;
+        browser.wait_for(IN_SIGHT).await;
+        assert_eq!(
+            browser.run("return document.getElementById('failure-place').textContent").await,
+            "  torque = -k*foo; k in 0..1\n              ^^^"
+        );
+        let next = browser.text("#failure-next").await;
+        assert!(next.starts_with("Next: write it like"), "{next}");
+        browser.keep_picture("24-in-sight").await;
+        let long = format!(
+            "document.getElementById('formula').value = 'torque = -k*(omega{}); k in 0..1'",
+            "+omega".repeat(40)
+        );
+        browser.run(&long).await;
+        browser.click("#formula-add").await;
+        browser.wait_for("document.getElementById('failure-what').textContent.includes('room for 120')").await;
+        let next = browser.text("#failure-next").await;
+        assert!(!next.contains("write it like"), "{next}");
         browser.close().await;
     });
 }
@@ -498,7 +599,7 @@ fn counts_are_read_once_it_is_said_how_many_a_turn_has() {
     block_on(async {
         let browser = asked_for_columns(&server, &folder.path().join("counts.csv")).await;
         let fault = browser.text("#columns-fault").await;
-        assert!(fault.contains("4096/turn") && fault.contains("the fields below do the same"), "{fault}");
+        assert!(fault.contains("what one is worth. Say in the fields below") && !fault.contains("--"), "{fault}");
         browser.run(&choose("columns-reading", "1")).await;
         browser.run(&choose("columns-zero", "2048")).await;
         browser.run(&choose("columns-unit", "counts, of which a turn has")).await;

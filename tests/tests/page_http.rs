@@ -140,11 +140,14 @@ fn fifty_requests_at_once_are_all_answered() {
     server.post("/api/pendulum", "{\"mass_kg\":0.147,\"length_m\":0.156,\"inertia_kg_m2\":0.0028}");
     let id = server.upload("swing.csv", &bytes).json();
     let simulate = format!("{{\"recording\":{id},\"values\":{{\"viscous.Mw\":5e-4}}}}");
+    // The same recording would be refused: each is shorter by some rows.
+    let rows: Vec<&[u8]> = bytes.split_inclusive(|byte| *byte == b'\n').collect();
+    let shorter = |n_rows: usize| rows[..rows.len() - n_rows].concat();
     let ask = |k: usize| match k % 5 {
         0 => server.get("/").status,
         1 => server.get(&format!("/api/trace/{id}")).status,
         2 => server.post("/api/simulate", &simulate).status,
-        3 => server.upload(&format!("swing-{k}.csv"), &bytes).status,
+        3 => server.upload(&format!("swing-{k}.csv"), &shorter(k)).status,
         _ => server.get("/api/effects").status,
     };
     let statuses: Vec<u16> = thread::scope(|scope| {
@@ -171,6 +174,18 @@ fn a_file_of_several_runs_comes_in_as_several_recordings() {
     let kept = server.get(&format!("/download/recording/{id}"));
     assert!(kept.head.contains("swings.csv\""), "{}", kept.head);
     assert_eq!(kept.body, file.as_bytes());
+}
+
+#[test]
+fn the_same_recording_under_another_name_is_refused_unless_it_takes_the_first_ones_place() {
+    let (folder, server) = server("");
+    let bytes = swing(folder.path(), "");
+    let id = server.upload("swing.csv", &bytes).json();
+    let words = "copy.csv holds the same recording as swing.csv, which would count twice";
+    server.upload("copy.csv", &bytes).refused(409, words);
+    assert_eq!(server.upload(&format!("copy.csv&replaced={id}"), &bytes).status, 200);
+    let state = server.tab().wait_for(|state| state["recordings"][0]["name"] == "copy.csv");
+    assert_eq!(state["recordings"].as_array().unwrap().len(), 1);
 }
 
 #[test]

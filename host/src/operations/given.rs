@@ -42,15 +42,21 @@ pub fn refuse_doubles(fitted: &[Swing], held_out: &[Swing]) -> Result<(), Failur
             Failure::wrong_use(format!("{name} is fitted (as {other}) and held out at once, so it confirms nothing"))
                 .next("hold out another recording, or leave this one out of the fit")
         } else {
-            Failure::wrong_use(format!("{name} holds the same recording as {other}, which would count twice"))
-                .next("give each recording once")
+            double(name, other)
         };
         return Err(failure);
     }
     Ok(())
 }
 
-fn is_same(a: &Swing, b: &Swing) -> bool {
+/// Why a recording is not given twice.
+pub fn double(name: &str, other: &str) -> Failure {
+    Failure::wrong_use(format!("{name} holds the same recording as {other}, which would count twice"))
+        .next("give each recording once")
+}
+
+/// Are these readings the same, whatever their files are called?
+pub fn is_same(a: &Swing, b: &Swing) -> bool {
     a.len() == b.len() && a.angles_rad == b.angles_rad && a.times_s == b.times_s
 }
 

@@ -78,9 +78,10 @@ impl App {
         self.revision.subscribe()
     }
 
-    /// Takes the recordings of a file in and looks at everything anew; gives the first one's id.
-    pub(super) fn take_in(&self, loaded: Vec<Loaded>) -> Result<u32, Failure> {
-        let id = self.change(|state| state.add(loaded))?;
+    /// Takes the recordings of a file in, perhaps in another one's place, and looks at everything anew; gives the first
+    /// one's id.
+    pub(super) fn take_in(&self, loaded: Vec<Loaded>, replaced: Option<u32>) -> Result<u32, Failure> {
+        let id = self.change(|state| state.add(loaded, replaced))?;
         self.jobs.ask_for_a_look();
         Ok(id)
     }

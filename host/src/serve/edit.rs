@@ -5,10 +5,10 @@ use super::simulate::{Values, named, with};
 use super::state::{Numbers, State};
 use super::work;
 use crate::error::Failure;
-use crate::formula::{self, FRICTION_CURVE, effect_of};
+use crate::formula::{self, FRICTION_CURVE, FormulaError, effect_of};
 use crate::improve::Change;
-use crate::rigfile::{Knowledge, RigFile, Source};
-use serde::Deserialize;
+use crate::rigfile::{Knowledge, Quantity, RigFile, RigFileError, Source};
+use serde::{Deserialize, Serialize};
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::motion::Pendulum;
 use std::sync::Arc;
@@ -28,20 +28,27 @@ pub(super) fn model_file(app: &App, name: &str, bytes: &[u8]) -> Result<(), Fail
 }
 
 /// Geometry, or none.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 pub(super) struct Geometry {
     mass_kg: Option<f64>,
     length_m: Option<f64>,
     inertia_kg_m2: Option<f64>,
 }
 
+impl Geometry {
+    pub(super) fn of(pendulum: &Pendulum<f64>) -> Self {
+        let Pendulum { mass_kg, length_m, inertia_kg_m2, .. } = *pendulum;
+        Self { mass_kg: Some(mass_kg), length_m: Some(length_m), inertia_kg_m2: Some(inertia_kg_m2) }
+    }
+}
+
 /// A model of a pendulum with this geometry.
 pub(super) fn geometry(app: &App, geometry: &Geometry) -> Result<(), Failure> {
     let model = match (geometry.mass_kg, geometry.length_m, geometry.inertia_kg_m2) {
         (Some(mass_kg), Some(length_m), Some(inertia_kg_m2)) => {
-            let pendulum = Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2: GRAVITY_M_S2 };
             let next = "give kg, m and kg·m², such as 0.147, 0.156 and 0.0028";
-            RigFile::new(pendulum).map_err(|error| Failure::wrong_use(error).next(next))?
+            let pendulum = Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2: GRAVITY_M_S2 };
+            with_geometry(app, pendulum).map_err(|error| Failure::wrong_use(error).next(next))?
         }
         (None, None, None) => RigFile::normalised(GRAVITY_M_S2)?,
         _ => {
@@ -51,6 +58,28 @@ pub(super) fn geometry(app: &App, geometry: &Geometry) -> Result<(), Failure> {
     };
     work::set_model(app, model, "typed on this page", Numbers::Foreign);
     Ok(())
+}
+
+/// The model with another geometry: its effects and its sensor stay. Friction is a guess again, as what was fitted
+/// beside a wrong mass may be far off.
+fn with_geometry(app: &App, pendulum: Pendulum<f64>) -> Result<RigFile, RigFileError> {
+    let guess = RigFile::new(pendulum)?;
+    let named = app.read(|state| state.model.clone());
+    let Some(mut model) = named.map(|named| named.file).filter(|model| !model.is_normalised()) else {
+        return Ok(guess);
+    };
+    // Beside a curve no friction law of the base model may act.
+    let has_curve = model.parameters().curve.is_some();
+    let is_typed = |quantity: &Quantity| matches!(quantity, Quantity::Mass | Quantity::Length | Quantity::Inertia);
+    let is_guessed = |quantity: &Quantity| quantity.owner() != "pendulum" && !has_curve;
+    for quantity in Quantity::all(guess.parameters()) {
+        let is_here = quantity.get(model.parameters()).is_some();
+        let value = quantity.get(guess.parameters()).filter(|_| is_here);
+        if let Some(value) = value.filter(|_| is_typed(&quantity) || is_guessed(&quantity)) {
+            model.set(quantity, value, Knowledge { std: None, source: None })?;
+        }
+    }
+    Ok(model)
 }
 
 /// Sets values by name.
@@ -120,15 +149,21 @@ pub(super) async fn suspect(app: &App, suspect: &Suspect) -> Result<(), Failure>
     receiver.await.map_err(ended)?
 }
 
-/// Adds a law that somebody typed.
+/// Adds a law that somebody typed; it takes the place of the one that was typed before.
 pub(super) fn formula(app: &App, text: &str) -> Result<(), Failure> {
     if text.len() > LONGEST_FORMULA {
         let what = format!("the formula has {} bytes, {LONGEST_FORMULA} are allowed", text.len());
         return Err(Failure::wrong_use(what).next("write it shorter"));
     }
     let hint = "write it like torque = -k*omega*abs(omega)^p; k in 0..1e-3 N·m; p in 0..3";
-    let effect = formula::read(text).map_err(|error| Failure::wrong_use(error).next(hint))?;
-    app.jobs.ask("adding a formula", work::change_model(vec![Change::Add(effect)]))
+    let refused = |error: FormulaError| {
+        let next = if error.place.is_some() { hint } else { "correct it and add it again" };
+        Failure::wrong_use(error).next(next)
+    };
+    let effect = formula::read(text).map_err(refused)?;
+    let before = app.model().ok().and_then(|named| effect_of(named.file.parameters(), CUSTOM_FORMULA_ID));
+    let changes = before.map(Change::Remove).into_iter().chain([Change::Add(effect)]).collect();
+    app.jobs.ask("adding a formula", work::change_model(changes))
 }
 
 /// Takes a recording out of the list.

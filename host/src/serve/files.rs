@@ -4,12 +4,13 @@ use crate::web;
 use std::sync::OnceLock;
 
 /// Name, type and text of every file.
-const FILES: [(&str, &str, &str); 14] = [
+const FILES: [(&str, &str, &str); 15] = [
     ("", HTML, include_str!("page/index.html")),
     ("style.css", CSS, include_str!("page/style.css")),
     ("main.js", JS, include_str!("page/main.js")),
     ("server.js", JS, include_str!("page/server.js")),
     ("numbers.js", JS, include_str!("page/numbers.js")),
+    ("words.js", JS, include_str!("page/words.js")),
     ("chart.js", JS, include_str!("page/chart.js")),
     ("plots.js", JS, include_str!("page/plots.js")),
     ("live.js", JS, include_str!("page/live.js")),

@@ -112,7 +112,10 @@ impl Owner<'_> {
     fn fulfil(&mut self, wish: Wish) -> Result<(), Failure> {
         match wish {
             Wish::Connect(port) => self.connect(&port),
-            Wish::Listen => self.start(),
+            Wish::Listen => {
+                self.show(|rig| rig.recorded = None);
+                self.start()
+            }
             Wish::Pause => self.pause(),
             Wish::Record => self.record(),
             Wish::Read(answer) => {

@@ -3,6 +3,7 @@
 use super::settings::Settings;
 use crate::compare::measurement::Measurement;
 use crate::error::Failure;
+use crate::operations::given::{double, is_same};
 use crate::recording::{self, Columns, Fault, ReadError, ReadOptions, Run};
 use crate::shorten::shortened;
 use serde::Deserialize;
@@ -83,6 +84,8 @@ pub(super) struct LoadingWish {
     /// As `--mirror`.
     #[serde(default)]
     mirrored: bool,
+    /// The recording of the list that this one is to replace.
+    pub(super) replaced: Option<u32>,
 }
 
 impl LoadingWish {
@@ -168,6 +171,17 @@ pub(super) fn unused_name(others: &[Arc<Loaded>], name: &str) -> String {
     let is_free = |name: &str| others.iter().all(|other| other.name != name);
     let numbered = (2..).map(|number| format!("{name} ({number})"));
     std::iter::once(name.to_owned()).chain(numbered).find(|name| is_free(name)).unwrap_or_default()
+}
+
+/// Refuses what would count twice.
+pub(super) fn refuse_doubles(others: &[Arc<Loaded>], new: &[Loaded]) -> Result<(), Failure> {
+    for loaded in new {
+        let is_double = |other: &&Arc<Loaded>| is_same(&loaded.measurement.swing, &other.measurement.swing);
+        if let Some(other) = others.iter().find(is_double) {
+            return Err(double(&loaded.name, &other.name));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses what would fill the memory.

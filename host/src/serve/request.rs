@@ -27,6 +27,11 @@ impl Refused {
     pub(super) fn new(status: StatusCode, what: impl ToString, next: impl ToString) -> Self {
         Self { status, what: what.to_string(), next: Some(next.to_string()) }
     }
+
+    /// Nothing is wrong with what was sent, but it can't be had beside what is there.
+    pub(super) fn beside_others(failure: Failure) -> Self {
+        Self { status: StatusCode::CONFLICT, ..Self::from(failure) }
+    }
 }
 
 impl IntoResponse for Refused {

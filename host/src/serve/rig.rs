@@ -50,6 +50,8 @@ pub(super) struct RigView {
     pub(super) listening: bool,
     /// The stage of a recording.
     pub(super) recording: Option<&'static str>,
+    /// How the last recording ended, until the next swing.
+    pub(super) recorded: Option<String>,
     /// The last thing worth telling.
     pub(super) note: Option<String>,
     pub(super) failure: Option<(String, Option<String>)>,

@@ -113,7 +113,9 @@ struct Name {
 }
 
 async fn upload(State(app): Shared, Query(wish): Query<LoadingWish>, file: OnDisk) -> Answered<u32> {
-    blocking(move || app.take_in(of_upload(&wish, file.0, &app.settings)?)).await
+    let (reader, replaced) = (app.clone(), wish.replaced);
+    let Json(loaded) = blocking(move || of_upload(&wish, file.0, &reader.settings)).await?;
+    app.take_in(loaded, replaced).map(Json).map_err(Refused::beside_others)
 }
 
 async fn preview(State(app): Shared, Query(wish): Query<LoadingWish>, file: OnDisk) -> Answered<Preview> {

@@ -30,12 +30,16 @@ pub(super) struct State {
     pub(super) runs: HashMap<u32, Arc<Followed>>,
     pub(super) comparison: Option<Arc<Comparison>>,
     pub(super) diagnosis: Option<Arc<Diagnosis>>,
+    /// What the model had in it when that was made.
+    pub(super) diagnosed: Vec<&'static str>,
     pub(super) fit: Option<Arc<Fit>>,
     /// The fitted model from which changes go on; absent once recordings or values changed.
     pub(super) trial: Option<Fitted>,
     pub(super) staircase: Vec<Step>,
     pub(super) history: Vec<Snapshot>,
     pub(super) failure: Option<Failure>,
+    /// Why there is no comparison, if one was tried in vain.
+    pub(super) not_compared: Option<Failure>,
     pub(super) rig: RigView,
     pub(super) evidence: Evidence,
     /// Counts changes of what is drawn.
@@ -113,12 +117,21 @@ impl State {
         self.data_changed();
     }
 
-    /// Takes the recordings of a file in, all or none; what was seen before is looked at anew. Gives the first one's id.
+    /// Takes the recordings of a file in, all or none, perhaps in the place of one that was read otherwise; what was seen
+    /// before is looked at anew. Gives the first one's id.
     ///
     /// # Errors
-    /// There are too many already.
-    pub(super) fn add(&mut self, loaded: Vec<Loaded>) -> Result<u32, Failure> {
-        recordings::check_room(&self.recordings, &loaded)?;
+    /// One of them is there already, or there are too many.
+    pub(super) fn add(&mut self, loaded: Vec<Loaded>, replaced: Option<u32>) -> Result<u32, Failure> {
+        let is_kept = |recording: &&Arc<Loaded>| Some(recording.id) != replaced;
+        let kept: Vec<_> = self.recordings.iter().filter(is_kept).cloned().collect();
+        recordings::refuse_doubles(&kept, &loaded)?;
+        recordings::check_room(&kept, &loaded)?;
+        if let Some(id) = replaced {
+            self.recordings = kept;
+            self.runs.remove(&id);
+            self.comparison = None;
+        }
         let first_id = self.next_id + 1;
         for loaded in loaded {
             self.next_id += 1;

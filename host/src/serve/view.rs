@@ -1,11 +1,12 @@
 //! The state as the page sees it: small, and the same for every tab. Curves are asked for apart.
 
 use super::app::App;
+use super::edit::Geometry;
 use super::evidence::Evidence;
 use super::live::ports;
 use super::rig::RigView;
 use super::simulate::{Slider, sliders, sliders_of};
-use super::state::State;
+use super::state::{Named, State};
 use crate::compare::verdict::{Answer, Totals};
 use crate::diagnose::Diagnosis;
 use crate::error::Failure;
@@ -30,6 +31,8 @@ pub(super) struct View {
     staircase: Vec<Step>,
     undos: usize,
     diagnosis: Option<Diagnosis>,
+    /// Has the model other effects now than when that was made?
+    diagnosis_is_old: bool,
     /// What the diagnosis says of a friction curve, if it offers one.
     curve_words: Option<String>,
     /// What the diagnosis says of the sensor's zero, where it is off.
@@ -38,9 +41,13 @@ pub(super) struct View {
     doubts: Vec<String>,
     fit: Option<FitView>,
     failure: Option<FailureView>,
+    /// Why there is no comparison, if one was tried in vain.
+    not_compared: Option<FailureView>,
     rig: RigView,
     evidence: Evidence,
     ports: Vec<String>,
+    /// Is a rig what the page is opened for?
+    begins_live: bool,
     drawing: u64,
 }
 
@@ -49,6 +56,8 @@ struct ModelView {
     origin: String,
     fresh: bool,
     normalised: bool,
+    /// None where it is unknown.
+    geometry: Option<Geometry>,
     effects: Vec<&'static str>,
     sliders: Vec<Slider>,
 }
@@ -107,16 +116,24 @@ pub(super) fn view(app: &App) -> View {
         staircase: state.staircase.clone(),
         undos: state.history.len(),
         diagnosis: state.diagnosis.as_deref().cloned(),
+        diagnosis_is_old: is_diagnosis_old(state),
         curve_words: state.diagnosis.as_deref().and_then(curve_words),
         zero_words: state.diagnosis.as_deref().and_then(Diagnosis::zero_in_words),
         doubts: doubts(state),
         fit: fit(state),
         failure: state.failure.as_ref().map(FailureView::from),
+        not_compared: state.not_compared.as_ref().map(FailureView::from),
         rig: state.rig.clone(),
         evidence: state.evidence.clone(),
         ports: ports(app.settings.port.as_deref()),
+        begins_live: app.settings.port.is_some() && app.settings.recordings.is_empty(),
         drawing: state.drawing,
     })
+}
+
+fn is_diagnosis_old(state: &State) -> bool {
+    let is_same = |named: &Named| names_of_effects(named.file.parameters()) == state.diagnosed;
+    state.diagnosis.is_some() && !state.model.as_ref().is_some_and(is_same)
 }
 
 fn curve_words(diagnosis: &Diagnosis) -> Option<String> {
@@ -135,15 +152,21 @@ fn doubts(state: &State) -> Vec<String> {
 
 fn model_view(file: &RigFile, origin: &str) -> ModelView {
     let parameters = file.parameters();
-    let names = parameters.effects.iter().filter_map(|effect| effect_of(parameters, effect.id));
-    let curve = parameters.curve.as_ref().map(|_| CURVE_NAME);
     ModelView {
         origin: origin.to_owned(),
         fresh: file.is_fresh(),
         normalised: file.is_normalised(),
-        effects: names.map(|effect| effect.name).chain(curve).collect(),
+        geometry: (!file.is_normalised()).then(|| Geometry::of(&parameters.pendulum)),
+        effects: names_of_effects(parameters),
         sliders: sliders(parameters, |quantity| file.knowledge(quantity).and_then(|knowledge| knowledge.std)),
     }
+}
+
+/// What is in a model, its friction curve included.
+pub(super) fn names_of_effects(parameters: &Parameters<f64>) -> Vec<&'static str> {
+    let effects = parameters.effects.iter().filter_map(|effect| effect_of(parameters, effect.id));
+    let curve = parameters.curve.as_ref().map(|_| CURVE_NAME);
+    effects.map(|effect| effect.name).chain(curve).collect()
 }
 
 fn recordings(state: &State) -> Vec<RecordingView> {

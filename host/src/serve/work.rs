@@ -5,6 +5,7 @@ use super::jobs::Progress;
 use super::recordings::{self, Loaded};
 use super::releases::Releases;
 use super::state::{Named, Numbers, State};
+use super::view::names_of_effects;
 use crate::compare::follow::{Followed, follow};
 use crate::compare::measurement::Measurement;
 use crate::compare::verdict::Answer;
@@ -57,7 +58,7 @@ impl Data {
     fn check(&mut self, app: &App) -> Result<(), Failure> {
         let next = "take one kind out of the list";
         one_kind(self.swings.iter().chain(&self.held_out)).map_err(|error| Failure::failed(error).next(next))?;
-        let next = "correct the value in the model";
+        let next = "correct it under “Change mass, length, inertia”";
         let mut doubts = doubts(self.model.parameters(), &mut self.swings).map_err(|failure| failure.next(next))?;
         doubts.extend(doubts_of_held_out(self.model.parameters(), &self.swings, &self.held_out));
         if app.read(|state| self.is_current(state) && state.doubts != doubts) {
@@ -108,7 +109,7 @@ pub(super) fn read_first(app: &Arc<App>, progress: &Progress) -> Result<(), Fail
     let mut failed = None;
     app.change(|state| {
         for loaded in read {
-            failed = loaded.and_then(|loaded| state.add(loaded)).err().or(failed.take());
+            failed = loaded.and_then(|loaded| state.add(loaded, None)).err().or(failed.take());
         }
     });
     app.jobs.ask_for_a_look();
@@ -118,6 +119,19 @@ pub(super) fn read_first(app: &Arc<App>, progress: &Progress) -> Result<(), Fail
 /// The model beside its recordings: first the curves, then the verdict. A model that is still a guess, or that comes
 /// from elsewhere and does not fit, is fitted first.
 pub(super) fn look(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
+    app.change(begin_look);
+    compare_all(app, progress).inspect_err(|failure| app.change(|state| state.not_compared = Some(failure.clone())))
+}
+
+/// Why the last comparison failed need not be true of this one.
+fn begin_look(state: &mut State) {
+    let last = state.not_compared.take();
+    if last.is_some() && last == state.failure {
+        state.failure = None;
+    }
+}
+
+fn compare_all(app: &Arc<App>, progress: &Progress) -> Result<(), Failure> {
     let Ok(mut data) = Data::of(app) else {
         app.change(forget_comparison);
         return Ok(());
@@ -284,7 +298,7 @@ fn take_releases_in(app: &Arc<App>) -> Result<(), Failure> {
     for release in releases {
         let taken = release.file().and_then(|file| recordings::of_release(file, &app.settings));
         match taken {
-            Ok(loaded) => drop(app.change(|state| state.add(recordings::of_port(loaded, port.as_deref())))?),
+            Ok(loaded) => drop(app.change(|state| state.add(recordings::of_port(loaded, port.as_deref()), None))?),
             Err(failure) => fault = Some(failure),
         }
     }
@@ -340,6 +354,7 @@ pub(super) fn find_missing(app: &Arc<App>, progress: &Progress) -> Result<(), Fa
     app.change(|state| {
         if data.is_current(state) {
             state.diagnosis = Some(Arc::new(found));
+            state.diagnosed = names_of_effects(data.parameters());
         }
     });
     Ok(())

@@ -24,6 +24,7 @@ impl Owner<'_> {
         let started = Some(now::iso());
         let Limits { wait_s, limit_s } = Limits::USUAL;
         let plan = Plan { path: &path, existing: Existing::Number, wait_s, limit_s, started, live_every };
+        self.show(|rig| rig.recorded = None);
         self.is_watched(false)?;
         let mut watcher = Watcher { app: &app, points: Points::new(rate_hz), watching: self.watching.clone() };
         let session = self.session()?;
@@ -35,8 +36,8 @@ impl Owner<'_> {
         });
         match note.and_then(|(note, path)| Ok((note, recordings::of_file(&path, &app.settings)?))) {
             Ok((note, loaded)) => {
-                self.show(|rig| rig.note = Some(note));
-                app.take_in(recordings::of_port(loaded, Some(&port)))?;
+                self.show(|rig| rig.recorded = Some(note));
+                app.take_in(recordings::of_port(loaded, Some(&port)), None)?;
             }
             Err(failure) => app.change(|state| state.failure = Some(failure)),
         }

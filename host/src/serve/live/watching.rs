@@ -167,6 +167,9 @@ impl Watching<'_> {
 
 impl Listener for Watching<'_> {
     fn stage(&mut self, stage: Stage) {
+        if stage == Stage::Swinging && self.app.read(|state| state.rig.recorded.is_some()) {
+            self.app.change(|state| state.rig.recorded = None);
+        }
         if stage == Stage::Swinging && self.stream.is_kept {
             let header = header(&self.stream.settings, &self.stream.firmware, self.stream.clock, Some(now::iso()));
             self.app.with_releases(|releases| releases.begin(header, f64::from(self.stream.settings.rate_hz)));

@@ -2,7 +2,8 @@
 // as it is, and for whoever wants it read otherwise.
 
 import { byId, element, fillTable } from './numbers.js';
-import { post, remove, send } from './server.js';
+import { post, send } from './server.js';
+import { withoutOptions } from './words.js';
 
 const TIME_UNITS = ['as named', 's', 'ms', 'us', 'ns', 'min', 'day'];
 const UNITS = {
@@ -14,6 +15,9 @@ const UNITS = {
 
 const MOST_LOOKED_AT = 4e6;
 
+/** The server could read it, but has no place for it beside the others. */
+const CONFLICT = 409;
+
 let file = null;
 let replaced = null;
 let finished = () => {};
@@ -24,7 +28,7 @@ const kept = new Map();
 export async function load(chosen) {
   kept.set(chosen.name, chosen);
   try { await send('api/recordings', chosen); } catch (refusal) {
-    if (refusal.next === undefined || !(await isTable(chosen))) throw refusal;
+    if (refusal.next === undefined || refusal.status === CONFLICT || !(await isTable(chosen))) throw refusal;
     await open(chosen, null, refusal.message);
   }
 }
@@ -63,8 +67,7 @@ function chosenUnit() {
   return [role, isWorth ? (worth > 0 ? unit.replace('#', String(worth)) : '') : unit];
 }
 
-/** Messages are the same everywhere; what is an option of the command line is a field of the dialog. */
-const inFields = (words) => (/--[a-z]/.test(words) ? `${words} (Options such as --columns are those of the command line; the fields below do the same.)` : words);
+const inFields = (words) => withoutOptions(words, 'Say in the fields below what the columns hold.');
 
 function wish() {
   const [role, unit] = chosenUnit();
@@ -88,7 +91,7 @@ async function look() {
   showColumns(seen);
   byId('columns-fault').textContent = inFields(seen.fault ?? '');
   byId('columns-yes').disabled = seen.reading === null;
-  byId('columns-notes').replaceChildren(...(seen.reading?.notes ?? []).map((note) => element('li', {}, note)));
+  byId('columns-notes').replaceChildren(...(seen.reading?.notes ?? []).map((note) => element('li', {}, inFields(note))));
   draw(seen.reading);
   document.body.dataset.columns = seen.reading?.measured ?? 'none';
 }
@@ -134,8 +137,7 @@ function draw(reading) {
 
 /** Takes the file in as it was wished; a recording that is read anew is replaced. */
 async function take() {
-  await send('api/recordings', file, wish());
-  if (replaced !== null) await remove(`api/recordings/${replaced}`);
+  await send('api/recordings', file, replaced === null ? wish() : { ...wish(), replaced });
   await post('api/dismiss');
   byId('columns-dialog').close();
 }

@@ -5,6 +5,7 @@ import { Chart } from './chart.js';
 import { byId, element, measuring, milliUnit, mrad, number, times } from './numbers.js';
 import { draw as plot, pictureOf } from './plots.js';
 import { get, post, remove } from './server.js';
+import { onPage, withoutOptions } from './words.js';
 
 /** Sentences of the verdict that are always in sight. */
 const SENTENCES = 3;
@@ -63,7 +64,7 @@ export function show(now) {
   charts.residual.unit = `left, ${milliUnit()}`;
   const model = JSON.stringify(now.model);
   if (!before || JSON.stringify(before.model) !== model) { forget(); showSliders(); }
-  byId('geometry').hidden = now.model !== null && !(now.model.normalised && now.model.fresh);
+  showGeometry();
   byId('model-card').hidden = now.model === null;
   byId('origin').textContent = now.model ? `${now.model.origin}${now.model.normalised ? '; geometry unknown: torques are per m·g·l' : ''}` : '';
   byId('undo').disabled = now.undos === 0;
@@ -71,12 +72,30 @@ export function show(now) {
   if (drawing !== now.drawing) { drawing = now.drawing; answer = null; fetchTrace(); showPictures(); }
   showRecordings();
   showVerdict();
-  byId('doubts').replaceChildren(...now.doubts.map((doubt) => element('li', {}, doubt)));
+  byId('doubts').replaceChildren(...now.doubts.map((doubt) => element('li', {}, withoutOptions(doubt, 'The ⚙ beside it reads it otherwise.'))));
   byId('limits').hidden = !now.comparison?.limits.length;
   byId('limits-list').replaceChildren(...(now.comparison?.limits ?? []).map((limit) => element('li', {}, limit)));
 }
 
-function showVerdict() {
+/** The form stays open until the recordings agree with what was typed; later it corrects. */
+let isGeometryWanted = false;
+let typedGeometry = '';
+
+function showGeometry() {
+  const { model, comparison } = state;
+  const isUnknown = model === null || (model.normalised && model.fresh);
+  const box = byId('geometry');
+  byId('geometry-title').textContent = isUnknown ? 'The pendulum' : 'Change mass, length, inertia';
+  const isWanted = isUnknown || state.not_compared !== null;
+  if (isWanted && !isGeometryWanted) box.open = isGeometryWanted = true;
+  if (!isWanted && isGeometryWanted && comparison) box.open = isGeometryWanted = false;
+  const made = JSON.stringify(model?.geometry ?? null);
+  if (!model?.geometry || typedGeometry === made) return;
+  typedGeometry = made;
+  for (const [name, value] of Object.entries(model.geometry)) byId('geometry-form').elements[name].value = Number(value.toPrecision(4));
+}
+
+export function showVerdict() {
   const box = byId('verdict');
   const { comparison } = state;
   box.className = answer ? '' : { 'nothing-missing': 'good', 'no-pattern': 'unsure', 'numbers-do-not-fit': 'unsure' }[comparison?.answer] ?? (comparison ? 'bad' : '');
@@ -84,7 +103,7 @@ function showVerdict() {
   const ratio = error && element('div', { class: 'ratio', id: 'ratio' }, `${times(error.rmse / error.noise)} ×`,
     element('small', {}, `the noise${answer ? ', what if' : ''}: ${mrad(error.rmse)}`));
   const words = answer ? [`What if? These numbers leave ${mrad(answer.rmse_rad)} on ${theChosen().name}.`, 'Keep them, or go back to the model.']
-    : resultFirst(comparison) ?? [waitingFor()];
+    : resultFirst(comparison) ?? waitingFor();
   const said = words.map((sentence) => element('p', {}, sentence));
   const rest = said.splice(SENTENCES);
   const wasOpen = box.querySelector('details')?.open ?? false;
@@ -112,10 +131,13 @@ function errorOf() {
 }
 
 function waitingFor() {
-  if (state.model === null && !state.recordings.length) return 'Load recordings or connect a rig: then the model runs beside what was measured, and this line says where it fails.';
-  if (state.model === null) return 'What is the pendulum like? Give mass, length and inertia, or load a rig.toml.';
-  if (!state.recordings.length) return 'Load a recording, or record a swing on the live view.';
-  return 'Comparing …';
+  if (state.model === null && !state.recordings.length) return ['Load recordings or connect a rig: then the model runs beside what was measured, and this line says where it fails.'];
+  if (state.model === null) return ['What is the pendulum like? Give mass, length and inertia, or load a rig.toml.'];
+  if (!state.recordings.length) return ['Load a recording, or record a swing on the live view.'];
+  if (state.recordings.every((recording) => recording.held_out)) return ['All recordings are held out: let one take part, and the model is compared with it.'];
+  const failure = document.body.dataset.busy === 'true' ? null : state.not_compared ?? state.failure;
+  if (!failure) return ['Comparing …'];
+  return [`Nothing is compared: ${onPage(failure.what)}.`, ...(failure.next ? [`Next: ${onPage(failure.next)}.`] : [])];
 }
 
 /** Of a long name the middle is left out: files of one series differ at their ends, which always stay. */
@@ -180,6 +202,9 @@ function drawTrace() {
   charts.residual.show(residual, x, [2 * trace.noise_rad]);
   document.body.dataset.drawn = String(drawing);
 }
+
+/** At once: a printer does not wait for the next picture of the screen. */
+export function paint() { if (charts) Object.values(charts).forEach((chart) => chart.paint()); }
 
 export function redraw() { if (charts) Object.values(charts).forEach((chart) => chart.draw()); }
 

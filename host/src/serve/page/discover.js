@@ -6,6 +6,9 @@ import { get, post } from './server.js';
 
 const CURVE = 'friction-curve';
 
+/** Every fit takes the sensor's zero off by itself. */
+const ZERO = 'angle-offset';
+
 let effects = new Map();
 let state = null;
 let opened = null;
@@ -29,6 +32,7 @@ export function show(now) {
   showWords();
   showCandidates();
   byId('formula-add').disabled = byId('diagnose').disabled;
+  byId('formula-add').textContent = now.model?.effects.includes('custom') ? 'Replace the law' : 'Add this law';
   showCurve();
   showSuggestions();
   showExplanation();
@@ -38,8 +42,11 @@ export function show(now) {
 function showWords() {
   const found = state.diagnosis;
   const words = byId('diagnosis-words');
+  byId('diagnosis-old').hidden = !state.diagnosis_is_old;
   if (!found) { words.textContent = ''; return; }
-  const names = found.verdict.join(' and ');
+  const isMissing = !isInModel(found.verdict);
+  const verdict = isMissing ? found.verdict : found.verdict.filter((name) => name !== ZERO);
+  const names = verdict.join(' and ');
   const split = found.of_state ? ` ${found.of_state.words}` : '';
   const rest = (found.unexplained ? ' What remains is not explained by any candidate.' : '') + split;
   const reasons = {
@@ -72,7 +79,13 @@ function showWords() {
   const isSilent = lost && !found.unexplained && found.verdict.length === 0;
   words.textContent = touched + driven + lost + hardly + apart + levels + (isSilent ? '' : hasNoLaw && found.unexplained
     ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left${found.suspect ? '' : ', but no effect of the list brings it down to the noise'}.${dropped}${split}`
-    : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `Missing: ${names}.${state.zero_words ? ` ${state.zero_words}` : ''} With ${found.verdict.length > 1 ? 'them' : 'it'} the error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
+    : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `${isMissing ? 'Missing' : 'Already in the model'}: ${names}.${state.zero_words ? ` ${state.zero_words}` : ''} With ${verdict.length > 1 ? 'them' : 'it'} the ${isMissing ? '' : 'base model\'s '}error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
+}
+
+/** Has the model everything that was found? */
+function isInModel(verdict) {
+  const laws = verdict.filter((name) => name !== ZERO);
+  return laws.length > 0 && laws.every((name) => state.model?.effects.includes(name));
 }
 
 const hasCurve = () => Boolean(state.model?.effects.includes(CURVE));

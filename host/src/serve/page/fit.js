@@ -3,6 +3,7 @@
 import { byId, element, fillTable, number } from './numbers.js';
 import { axis, bar, colours, draw as plot, rising } from './plots.js';
 import { get, post } from './server.js';
+import { onPage, withoutOptions } from './words.js';
 
 let done = () => {};
 let shown = null;
@@ -32,7 +33,7 @@ function showIdentified(fit) {
   const verdicts = { identified: 'identified', weak: 'weak', not: 'not identified' };
   fillTable(byId('identified'), ['Number', 'Value', '±', 'Unit', 'Of', 'Verdict'], fit.parameters.map((found) =>
     [found.symbol, number(found.value, 5), number(found.std, 2), found.unit === '1' ? '' : found.unit, found.name, verdicts[found.verdict]]));
-  byId('fit-warnings').replaceChildren(...fit.warnings.map((warning) => element('li', {}, warning)));
+  byId('fit-warnings').replaceChildren(...fit.warnings.map((warning) => element('li', {}, withoutOptions(onPage(warning), 'The ⚙ beside the recording reads it otherwise.'))));
 }
 
 async function showPath() {

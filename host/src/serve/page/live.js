@@ -3,6 +3,7 @@
 import { Chart } from './chart.js';
 import { byId, element, number } from './numbers.js';
 import { post } from './server.js';
+import { onPage } from './words.js';
 
 /** Points kept: a minute and a bit. */
 const KEPT_S = 70;
@@ -51,6 +52,9 @@ export function draw() {
   charts.friction.show([curve('friction', 'other')], x);
 }
 
+/** At once, for a printer. */
+export function paint() { if (charts) Object.values(charts).forEach((chart) => chart.paint()); }
+
 /** The rig's state. */
 export function show(state) {
   rig = state.rig;
@@ -66,8 +70,8 @@ export function show(state) {
     if (rig.port) ports.value = rig.port;
   }
   const note = rig.failure ? `${rig.failure[0]}. Next: ${rig.failure[1] ?? 'connect again'}.`
-    : rig.recording ?? rig.note ?? (connected ? '' : 'No rig is connected. Choose one and connect; sim:… needs no hardware.');
-  byId('live-note').textContent = note;
+    : rig.recording ?? rig.recorded ?? rig.note ?? (connected ? '' : 'No rig is connected. Choose one and connect; sim:… needs no hardware.');
+  byId('live-note').textContent = onPage(note);
   byId('rig-state').textContent = rig.failure ? `rig lost: ${rig.port}`
     : connected ? `${rig.firmware} on ${rig.port}${rig.recording ? ', recording' : rig.listening ? ', live' : ', paused'}` : 'no rig connected';
   byId('connect').textContent = rig.failure ? 'Connect again' : 'Connect';

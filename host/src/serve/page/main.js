@@ -8,8 +8,9 @@ import * as fit from './fit.js';
 import * as live from './live.js';
 import * as rig from './rig.js';
 import { byId } from './numbers.js';
-import { redrawAll } from './plots.js';
+import { fitToPaper, redrawAll } from './plots.js';
 import { get, listen, post, send } from './server.js';
+import { onPage } from './words.js';
 
 const TABS = ['model', 'live', 'fit'];
 let state = null;
@@ -26,15 +27,23 @@ function done(promise) {
 let toldHere = false;
 
 function fail(what, next) {
-  byId('failure-what').textContent = what;
-  byId('failure-next').textContent = next ? `Next: ${next}.` : '';
+  // Below it may stand a formula with a mark under the place that is wrong.
+  const [first, ...place] = onPage(what).split('\n');
+  byId('failure-what').textContent = first;
+  byId('failure-place').textContent = place.join('\n');
+  byId('failure-next').textContent = next ? `Next: ${onPage(next)}.` : '';
   byId('failure').hidden = false;
 }
 
 function hear(message) {
   if (message.type === 'live') live.take(message);
   else if (message.type === 'job') showJob(message.job);
-  else if (message.type === 'state') { state = message; show(); }
+  else if (message.type === 'state') {
+    const isFirst = state === null;
+    state = message;
+    // Without a name in the address the page opens with the rig, if there is nothing else.
+    if (isFirst && !namedTab()) openTab(state.begins_live ? 'live' : 'model'); else show();
+  }
 }
 
 let told = null;
@@ -49,13 +58,17 @@ function show() {
 
 function showJob(job) {
   byId('job').hidden = job === null;
+  const isNews = document.body.dataset.busy !== String(job !== null);
   document.body.dataset.busy = String(job !== null);
+  if (isNews && state) compare.showVerdict();
   if (!job) return;
   const bar = byId('job-bar');
   if (job.share === null) bar.removeAttribute('value'); else bar.value = Math.max(job.share, 0.02);
   const count = job.simulations ? `, ${job.simulations} swings simulated` : '';
   byId('job-words').textContent = `${job.words || job.name} … ${job.seconds.toFixed(0)} s${count}`;
 }
+
+const namedTab = () => TABS.find((tab) => location.hash === `#${tab}`);
 
 function openTab(name) {
   for (const tab of TABS) {
@@ -64,7 +77,7 @@ function openTab(name) {
     byId(`tab-${tab}`).setAttribute('aria-selected', String(here));
     byId(`tab-${tab}`).tabIndex = here ? 0 : -1;
   }
-  history.replaceState(null, '', name === 'model' ? '/' : `#${name}`);
+  history.replaceState(null, '', `/#${name}`);
   if (state) show();
   live.draw();
   compare.redraw();
@@ -81,8 +94,7 @@ function beginTabs() {
       byId(`tab-${next}`).focus();
     });
   }
-  const named = location.hash.slice(1);
-  openTab(TABS.includes(named) ? named : 'model');
+  if (namedTab()) openTab(namedTab());
 }
 
 function beginTheme() {
@@ -96,6 +108,19 @@ function beginTheme() {
     localStorage.setItem('theme', theme);
     use(theme);
   });
+}
+
+/** On paper all is light, and as wide as the paper. */
+function beginPrinting() {
+  const root = document.documentElement;
+  let onScreen = null;
+  const use = (theme) => { root.dataset.theme = theme; redrawAll(); compare.paint(); live.paint(); };
+  window.addEventListener('beforeprint', () => {
+    onScreen = root.dataset.theme;
+    if (onScreen === 'dark') use('light');
+    fitToPaper();
+  });
+  window.addEventListener('afterprint', () => { if (onScreen === 'dark') use('dark'); });
 }
 
 async function upload(files) {
@@ -128,7 +153,18 @@ async function begin() {
   beginUploads();
   byId('failure-close').addEventListener('click', () => { byId('failure').hidden = true; done(post('api/dismiss')); });
   beginTabs();
-  listen((message) => { byId('failure').classList.remove('gone'); hear(message); }, () => fail('The connection to the program is gone', 'start it again; this page connects by itself'));
+  beginPrinting();
+  let isLost = false;
+  const heard = (message) => {
+    if (isLost) byId('failure').hidden = true;
+    isLost = false;
+    hear(message);
+  };
+  listen(heard, () => {
+    isLost = true;
+    byId('rig-state').textContent = 'no connection to the program';
+    fail('The connection to the program is gone', 'start it again; this page connects by itself');
+  });
 }
 
 done(begin());

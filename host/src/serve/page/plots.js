@@ -79,6 +79,15 @@ export function redrawAll() {
   }
 }
 
+/** So that a printer can make them as wide as its paper. */
+export function fitToPaper() {
+  for (const picture of document.querySelectorAll('.plot .main-svg')) {
+    const [width, height] = [picture.getAttribute('width'), picture.getAttribute('height')];
+    picture.setAttribute('viewBox', `0 0 ${width} ${height}`);
+    picture.closest('.plot').style.setProperty('--shape', `${width} / ${height}`);
+  }
+}
+
 export function axis(title, more = {}) {
   return {
     title: { text: title, standoff: 6, font: { size: 0.8 * em() } }, gridcolor: style('grid'), zerolinecolor: style('line'), linecolor: style('line'),

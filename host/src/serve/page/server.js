@@ -2,14 +2,14 @@
 
 /** What the server answered when it could not do something: what happened, and what to do next. */
 export class Refusal extends Error {
-  constructor(what, next) { super(what); this.next = next; }
+  constructor(what, next, status) { super(what); Object.assign(this, { next, status }); }
 }
 
 async function answered(response) {
   if (response.ok) return response.status === 204 ? null : response.json();
   let body = {};
   try { body = await response.json(); } catch { /* not from us */ }
-  throw new Refusal(body.what ?? `the server answered ${response.status}`, body.next);
+  throw new Refusal(body.what ?? `the server answered ${response.status}`, body.next, response.status);
 }
 
 async function ask(path, options) {
