@@ -1,5 +1,5 @@
 //! Dates and clock times as seconds: `2026-03-01T12:00:00.005Z`, `01.03.2026 12:00:00,005`, `12:00:00.005 PM`, `00:01.25`,
-//! `12:00:00:005`, and how long ago something was: `0 days 00:00:01.25`.
+//! `12:00:00:005`, `03-01-2026_12:00:00`, and how long ago something was: `0 days 00:00:01.25`.
 //!
 //! Only differences matter: zones are left out, and of a date without a clear order month and day are taken as they come.
 
@@ -31,7 +31,7 @@ pub(super) fn read(text: &str) -> Option<Moment> {
         let (day, second) = (days.parse().ok()?, read_clock(clock.trim())?);
         return Some(Moment { day: Some(day), second });
     }
-    let (date, clock) = match text.split_once(['T', ' ']) {
+    let (date, clock) = match text.split_once(['T', ' ', '_']) {
         Some((date, clock)) if date.contains(['-', '/', '.']) && !date.contains(':') => (Some(date), clock.trim()),
         _ => (None, text),
     };
@@ -113,6 +113,7 @@ mod tests {
             ("2026/03/01 12:00:01", noon(1.0)),
             ("01.03.2026 12:00:00,25", noon(0.25)),
             ("3/1/2026 12:00:00.5 PM", noon(0.5)),
+            ("03-01-2026_12:00:00.5", noon(0.5)),
             ("12:00:00.005", bare(43_200.005)),
             ("11:59:59 pm", bare(86_399.0)),
             ("12:00:00 AM", bare(0.0)),

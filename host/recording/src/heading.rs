@@ -56,7 +56,7 @@ fn of_known_words(lines: &[&str], separator: Separator, n_columns: usize) -> Opt
         let names = (cells.len() == n_columns).then(|| with_units(lines, separator, cells))?;
         is_known(&names).then_some(names)
     });
-    found.or_else(|| may_be_otherwise.then(|| dotted(last, n_columns))?)
+    found.or_else(|| dotted(last, n_columns).filter(|_| may_be_otherwise))
 }
 
 /// `Tempo.Forzante.Pendolo`: words alone, because names hold dots too.

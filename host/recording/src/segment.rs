@@ -14,6 +14,7 @@ mod backwards;
 mod ends;
 mod interrupted;
 mod law;
+mod middle;
 mod several;
 mod start;
 mod stretch;
@@ -234,6 +235,7 @@ fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usiz
         format!("cut {more_s:.2} s more in which {column} still moves; --from begins earlier")
     }));
     notes.extend(wandering(recording, &noise));
+    notes.extend(cut.moved_in_words(&free));
     let (free_s, free_rad) = (&recording.times_s()[free.clone()], &recording.angles_rad()[free.clone()]);
     notes.extend(recording.unit.and_then(|unit| unit.doubt(free_s, free_rad)));
     let still = noise.still_rms.map_or("nothing known".to_owned(), |rms| format!("{rms:.3e} rad"));

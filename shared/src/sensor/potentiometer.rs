@@ -81,7 +81,11 @@ impl Calibration for Potentiometer {
     const NUMBERS: &'static [Number] = &[
         Number { key: "zero_code", meaning: "the code at which the pendulum hangs", whole: None },
         Number { key: "radians_per_code", meaning: "the angle of one code in rad", whole: None },
-        Number { key: "full_scale", meaning: "the converter's largest code, such as 4095", whole: Some([1, u16::MAX as i32]) },
+        Number {
+            key: "full_scale",
+            meaning: "the converter's largest code, such as 4095",
+            whole: Some([1, u16::MAX as i32]),
+        },
     ];
     const KEEPS_ZERO: bool = true;
     const IS_QUIET: bool = false;

@@ -6,7 +6,7 @@ use super::super::table::Table;
 use super::super::words::may_be_acceleration;
 use std::f64::consts::{PI, TAU};
 
-/// The direction of the two is off the angle by no more than this share of what the angle scatters (rms). Half and twice were not
+/// The direction of the two is off the angle by no more than this share of what it scatters (rms). Half and twice were not
 /// tried: of two strangers' files it is off by a thousandth, and what is no such angle by about as much as it scatters.
 const MOST_OFF: f64 = 0.05;
 
@@ -30,19 +30,22 @@ pub(super) fn fault(table: &Table, angle: usize, time: Option<usize>) -> Option<
 
 /// Is the angle (rad or degrees) the direction of these two, from whichever axis and to whichever side?
 fn is_direction(angles: &[f64], a: &[f64], b: &[f64]) -> bool {
-    let rows: Vec<(f64, f64)> =
-        angles.iter().zip(a.iter().zip(b)).map(|(angle, (a, b))| (*angle, a.atan2(*b))).collect();
-    let mean = rows.iter().map(|(angle, _)| angle).sum::<f64>() / rows.len() as f64;
-    let scatter = rows.iter().map(|(angle, _)| (angle - mean).powi(2)).sum::<f64>().sqrt();
+    let directions: Vec<f64> = a.iter().zip(b).map(|(a, b)| a.atan2(*b)).collect();
+    let scatter_rad = scatter_of_turns(&directions);
     let is_off_little = |sign: f64, unit: f64| {
-        let off = |(angle, direction): &(f64, f64)| angle * unit - sign * direction;
-        let first = rows.first().map_or(0.0, off);
-        let turned = |row: &(f64, f64)| (off(row) - first + PI).rem_euclid(TAU) - PI;
-        let mean = rows.iter().map(turned).sum::<f64>() / rows.len() as f64;
-        let rest = rows.iter().map(|row| (turned(row) - mean).powi(2)).sum::<f64>().sqrt();
-        rest < MOST_OFF * scatter * unit
+        let off: Vec<f64> =
+            angles.iter().zip(&directions).map(|(angle, direction)| angle * unit - sign * direction).collect();
+        scatter_of_turns(&off) < MOST_OFF * scatter_rad
     };
     [-1.0, 1.0].into_iter().any(|sign| is_off_little(sign, 1.0) || is_off_little(sign, 1_f64.to_radians()))
+}
+
+/// Scatter (rms) of angles of which whole turns say nothing, rad.
+fn scatter_of_turns(angles_rad: &[f64]) -> f64 {
+    let first_rad = angles_rad.first().copied().unwrap_or_default();
+    let turned = |angle: &f64| (angle - first_rad + PI).rem_euclid(TAU) - PI;
+    let mean = angles_rad.iter().map(turned).sum::<f64>() / angles_rad.len() as f64;
+    (angles_rad.iter().map(|angle| (turned(angle) - mean).powi(2)).sum::<f64>() / angles_rad.len() as f64).sqrt()
 }
 
 /// Is the length of the two no more the same in all rows than a pull in a string is?
@@ -73,6 +76,15 @@ mod tests {
             assert!(is_direction(&angles, &along, &across) && is_direction(&angles, &across, &along));
         }
         assert!(changes(&along, &across));
+    }
+
+    /// Whole numbers of a counter, of which whole turns leave as little as of anything.
+    #[test]
+    fn counts_are_no_direction_of_others() {
+        let mut noise = crate::random::Noise::new(5);
+        let mut count = || (60_000.0 + 3000.0 * noise.normal()).round();
+        let [counts, a, b]: [Vec<f64>; 3] = std::array::from_fn(|_| (0..300).map(|_| count()).collect());
+        assert!(!is_direction(&counts, &a, &b));
     }
 
     #[test]
