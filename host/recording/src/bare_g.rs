@@ -14,7 +14,7 @@ const STEPS: [f64; 2] = [4.0, 16.0];
 const UNITS: [(f64, &str); 2] = [(1.0, "thousandths of g"), (0.001, "g")];
 
 /// All axes together are as long as gravity, but for what the swing adds and takes, in thousandths of g: of 21 files of strangers the
-/// middle one of the lengths is 982 to 1352, of seven more 1001 to 1660. Half and twice were not tried.
+/// middle one of the lengths is 982 to 1352, of twelve more 965 to 1261. Half and twice were not tried.
 const LENGTHS: std::ops::Range<f64> = 700.0..1800.0;
 
 /// A number of steps may be off a whole one by so much, where it was written with a point.

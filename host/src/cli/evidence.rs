@@ -185,7 +185,7 @@ fn claimed(diagnosis: &Diagnosis, name: &str) -> Option<String> {
     lines.extend(values.map(|value| format!("  {}", number(value))));
     if let Some(evidence) = diagnosis.evidence.iter().find(|evidence| evidence.effect == name) {
         lines.push(format!("  {}", wrapped(&evidence.words, 4)));
-        lines.push(format!("  seen in:    {} (host compare --report)", evidence.picture));
+        lines.push(format!("  shows in:   {} (host compare --report)", evidence.picture));
     }
     let claim = diagnosis.holds_on.iter().find(|claim| claim.effect == name);
     lines.extend(claim.map(|claim| format!("  holds on:   {}", wrapped(&seen_on(claim), 14))));

@@ -9,7 +9,7 @@ use crate::number::angle;
 use crate::recording::Measured;
 use crate::swing::{Swing, kind};
 use serde::Serialize;
-use shared::effect::{Action, Effect};
+use shared::effect::{Action, Effect, Family};
 use shared::model::Model;
 use shared::parameters::Parameters;
 
@@ -71,11 +71,16 @@ pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence
         without.remove(effect.id);
         let both = |time_s: f64| [parameters, &without].map(|of| period(of, measured, amplitude_rad, time_s));
         let [with, without] = both(0.0);
-        let found = compared(effect, measured, amplitude_rad, &with?, &without?);
-        if !is_of_the_sensor(effect) {
+        let (with, without) = (with?, without?);
+        let (found, early_j) = (compared(effect, measured, amplitude_rad, &with, &without), with.lost_j);
+        let ages = effect.family == Family::Time;
+        if !ages && !is_of_the_sensor(effect) {
             return Some(found);
         }
         let [late, late_without] = both(longest_s);
+        if !is_of_the_sensor(effect) {
+            return Some(found.ageing(late.map_or(0.0, |late| late.lost_j) / early_j, longest_s));
+        }
         let late_rad = late.zip(late_without).map_or(0.0, |(with, without)| {
             // The first readings: both motions begin alike there.
             (with.readings_rad[0] - without.readings_rad[0]).abs()
@@ -116,6 +121,20 @@ fn period(parameters: &Parameters<f64>, measured: Measured, amplitude_rad: f64, 
 }
 
 impl Evidence {
+    /// The same of a friction that changes with time: so many times as much is lost at the end of the longest swing, if it still
+    /// swings so far then.
+    fn ageing(self, times: f64, longest_s: f64) -> Self {
+        if times <= 0.0 {
+            return self;
+        }
+        let at = angle(self.amplitude_rad);
+        let words = format!(
+            "at {at} rad amplitude it makes the pendulum lose {times:.2} times as much energy {longest_s:.0} s after the release \
+             as just behind it"
+        );
+        Self { words, ..self }
+    }
+
     /// The same where its reading is moved so far at the end of the longest swing.
     fn wandering(self, late_rad: f64, longest_s: f64, measured: Measured) -> Self {
         if late_rad < WANDERS * self.reading_rad || late_rad < LEAST_READING * self.amplitude_rad {
@@ -224,6 +243,23 @@ mod tests {
     fn a_zero_that_wanders_is_told_by_what_it_comes_to() {
         let drift = of_swing("zero-drift", &[2e-3], 1e-4, &[0.0, 10.0, 20.0]);
         assert!((drift.reading_rad - 0.04).abs() < 1e-4 && drift.words.starts_with("in 20 s"), "{drift:?}");
+    }
+
+    #[test]
+    fn friction_that_grows_is_told_by_what_it_comes_to() {
+        let truth = |dry_nm: f64| {
+            let mut parameters = Parameters::paper();
+            parameters.set_friction(0.0, dry_nm, dry_nm, 0.0);
+            parameters
+        };
+        // 3 mN·m that come to 6 in a straight line of 300 s, of which 100 s have passed: 4. A swing that loses more also becomes smaller.
+        let mut grows = truth(6e-3);
+        let effect = Effect::<f64>::by_name("general-drift").unwrap();
+        grows.set(effect.id, &[-3e-3, 0.0, 300.0, -1.0]).unwrap();
+        let swings = [Swing::new("growing", &[0.0, 50.0, 100.0], &[1.4, 1.3, 1.1], 1e-4)];
+        let count = Tally::default();
+        let found = evidence(&problem_of(&swings, &grows, &count), &grows).remove(0);
+        assert!(found.words.contains("lose 1.3") && found.words.contains("100 s after the release"), "{found:?}");
     }
 
     #[test]
