@@ -14,6 +14,7 @@ mod draw;
 mod edit;
 mod evidence;
 mod files;
+mod geometry;
 mod guard;
 mod jobs;
 mod live;

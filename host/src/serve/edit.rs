@@ -1,6 +1,7 @@
 //! Changes of the model that somebody asks for on the page: geometry, values, effects, a formula.
 
 use super::app::App;
+use super::geometry::Geometry;
 use super::simulate::{Values, named, with};
 use super::state::{Numbers, State};
 use super::work;
@@ -8,7 +9,7 @@ use crate::error::Failure;
 use crate::formula::{self, FRICTION_CURVE, FormulaError, effect_of};
 use crate::improve::Change;
 use crate::rigfile::{Knowledge, Quantity, RigFile, RigFileError, Source};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::motion::Pendulum;
 use std::sync::Arc;
@@ -25,21 +26,6 @@ pub(super) fn model_file(app: &App, name: &str, bytes: &[u8]) -> Result<(), Fail
         .map_err(|_| Failure::wrong_use(format!("{name} is no text")).next("choose a rig.toml"))?;
     work::set_model(app, RigFile::parse(name, &text)?, name, Numbers::Foreign);
     Ok(())
-}
-
-/// Geometry, or none.
-#[derive(Deserialize, Serialize)]
-pub(super) struct Geometry {
-    mass_kg: Option<f64>,
-    length_m: Option<f64>,
-    inertia_kg_m2: Option<f64>,
-}
-
-impl Geometry {
-    pub(super) fn of(pendulum: &Pendulum<f64>) -> Self {
-        let Pendulum { mass_kg, length_m, inertia_kg_m2, .. } = *pendulum;
-        Self { mass_kg: Some(mass_kg), length_m: Some(length_m), inertia_kg_m2: Some(inertia_kg_m2) }
-    }
 }
 
 /// A model of a pendulum with this geometry.

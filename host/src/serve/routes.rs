@@ -1,6 +1,7 @@
 //! What can be asked of the server, one line each.
 
 use super::app::App;
+use super::geometry::Geometry;
 use super::guard::{self, Access};
 use super::preview::{self, Preview};
 use super::recordings::{LoadingWish, MOST_BYTES, of_upload};
@@ -142,7 +143,7 @@ async fn hold_out(State(app): Shared, Path(id): Path<u32>, Sent(HeldOut { held_o
     DONE
 }
 
-async fn pendulum(State(app): Shared, Sent(geometry): Sent<edit::Geometry>) -> Done {
+async fn pendulum(State(app): Shared, Sent(geometry): Sent<Geometry>) -> Done {
     edit::geometry(&app, &geometry)?;
     DONE
 }

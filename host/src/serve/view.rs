@@ -1,8 +1,8 @@
 //! The state as the page sees it: small, and the same for every tab. Curves are asked for apart.
 
 use super::app::App;
-use super::edit::Geometry;
 use super::evidence::Evidence;
+use super::geometry::Geometry;
 use super::live::ports;
 use super::rig::RigView;
 use super::simulate::{Slider, sliders, sliders_of};

@@ -31,12 +31,7 @@ impl Cut<'_> {
         // A hole may hide where it turned.
         let is_one = |pair: &&[HalfSwing]| pair[0][1].time_s == pair[1][0].time_s;
         let swings: Vec<&[HalfSwing]> = half_swings.windows(2).filter(is_one).collect();
-        // Of a swing that becomes smaller evenly.
-        let middle = |swing: &&[HalfSwing]| {
-            let [before, turn, after] = [swing[0][0], swing[0][1], swing[1][1]].map(|turn| turn.angle_rad);
-            (before + 2.0 * turn + after) / 4.0
-        };
-        let middles: Vec<f64> = swings.iter().map(middle).collect();
+        let middles: Vec<f64> = swings.iter().map(|swing| middle(swing)).collect();
         let beside = Some((middles.len() / BESIDE_SHARE).min(MOST_BESIDE)).filter(|beside| *beside >= FEWEST_BESIDE)?;
         let of = |range: Range<usize>| median(&mut middles[range].to_vec());
         let moves: Vec<f64> = (beside..(middles.len() + 1).saturating_sub(beside))
@@ -62,6 +57,12 @@ impl Cut<'_> {
             self.recording.measured().milli_unit()
         ))
     }
+}
+
+/// Of a half swing to one side and the one back, rad, which become smaller evenly.
+fn middle(swing: &[HalfSwing]) -> f64 {
+    let [before, turn, after] = [swing[0][0], swing[0][1], swing[1][1]].map(|turn| turn.angle_rad);
+    (before + 2.0 * turn + after) / 4.0
 }
 
 #[cfg(test)]
