@@ -4,10 +4,10 @@
 //! In: times and readings in any unit. Out: which readings to leave out, as gaps. Of a sensor whose steps are far below its
 //! noise, [`straight`](super::straight) tells the same of any exact line; this holds for one in whole tenths of a degree too.
 
-use super::median_step_s;
-use super::noise::{GAP_STEPS, smallest_step};
+use super::noise::smallest_step;
 use super::places::Places;
 use super::spikes::{LEAST_SHARE, range};
+use super::{GAP_STEPS, median_step_s};
 
 /// It makes up for it with so many times what the fastest steps are, beyond what rounding makes of one. Half of it would take
 /// every step behind a turning point of a coarse sensor for it; with twice of it a loss of two frames where it is fastest is

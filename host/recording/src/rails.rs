@@ -5,10 +5,10 @@
 //! largest number for a while too; but then the curve beside it bends so that it goes no farther than a step. A parabola that enters
 //! at the slope before, and leaves at the one behind, goes beyond by an eighth of their difference times what it takes.
 
-use super::median_step_s;
-use super::noise::{GAP_STEPS, smallest_step};
+use super::noise::smallest_step;
 use super::places::Places;
 use super::spikes::{LEAST_SHARE, range};
+use super::{GAP_STEPS, median_step_s};
 use std::ops::Range;
 
 /// It would go beyond by so many steps of the sensor, where a top that is rounded goes by one. Half and twice were not tried.

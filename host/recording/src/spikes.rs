@@ -8,7 +8,7 @@
 //! 15 to 120 samples a period), of which 653 are found and nothing else, and on the real recordings that come with the
 //! project and four made-up ones.
 
-use super::noise::smallest_step;
+use super::noise::{robust_spread, smallest_step};
 use super::places::Places;
 use super::smooth::LocalFit;
 use super::{median, median_step_s, turning};
@@ -53,7 +53,7 @@ pub(super) fn spikes(times: &[f64], readings: &[f64]) -> Vec<bool> {
     }
     let readings = &near(readings)[..];
     let misses: Vec<f64> = (0..readings.len()).map(|idx| miss(times, readings, idx)).collect();
-    let seen = median(&mut misses.iter().map(|miss| miss.abs()).collect::<Vec<f64>>()) / 0.6745;
+    let seen = robust_spread(&misses);
     // A coarse sensor that stays at its steps misses nothing most of the time, and yet rounds all.
     let usual = seen.max(smallest_step(readings).unwrap_or(0.0) / 12_f64.sqrt());
     let least = (SUSPECT * usual).max(LEAST_SHARE * range(readings));

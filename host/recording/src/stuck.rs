@@ -5,11 +5,11 @@
 //! rest by friction has lost its speed by then; a hand takes it within a few samples, which bend the curve. Where it may have
 //! turned, only that noise ends with it tells; of a tracker, which follows nothing that rests, it does so too.
 
-use super::median_step_s;
-use super::noise::{self, GAP_STEPS, robust_spread, smallest_step};
+use super::noise::{self, robust_spread, smallest_step};
 use super::smooth::LocalFit;
 use super::spikes::LEAST_SHARE;
 use super::turning;
+use super::{GAP_STEPS, median_step_s};
 use std::f64::consts::PI;
 
 /// It would have gone on by so many steps of the sensor: within them a small swing may come to rest unseen. Half and twice were not

@@ -6,6 +6,7 @@
 
 use super::{fitted, mean_distance};
 use crate::median;
+use crate::noise::MEDIAN_SIZE;
 
 /// Circles through three points that are tried. With two thirds of the points on the circle three in ten are of such alone, with a
 /// half one in eight. Half and twice were not tried.
@@ -18,9 +19,6 @@ const MOST_DECIDING: usize = 500;
 /// chance, and a stray one is by far. Half and twice were not tried.
 const BELONGS: f64 = 5.0;
 
-/// The median of absolute values of normal numbers, in standard deviations.
-const MEDIAN_STDS: f64 = 0.6745;
-
 /// Rounds in which the circle and its points find each other.
 const N_ROUNDS: usize = 5;
 
@@ -30,7 +28,7 @@ pub(super) fn without_strays(points: &[[f64; 2]]) -> Option<Vec<[f64; 2]>> {
     let mut belong = Vec::new();
     for _ in 0..N_ROUNDS {
         let off = |[x, y]: &[f64; 2]| ((x - centre[0]).hypot(y - centre[1]) - radius).abs();
-        let limit = BELONGS * median(&mut points.iter().map(off).collect::<Vec<f64>>()) / MEDIAN_STDS;
+        let limit = BELONGS * median(&mut points.iter().map(off).collect::<Vec<f64>>()) / MEDIAN_SIZE;
         belong = points.iter().map(|point| off(point) <= limit).collect::<Vec<bool>>();
         (centre, radius, _) = fitted(&chosen(points, &belong))?;
     }
