@@ -49,7 +49,7 @@ impl Cut<'_> {
         if self.recording.measured() == Measured::Rate || self.states.is_empty() || free.is_empty() {
             return free;
         }
-        let index_of = |turn: &super::TurningPoint| self.recording.index_at(turn.time_s);
+        let index_of = |turn: &crate::turning::TurningPoint| self.recording.index_at(turn.time_s);
         let inward: Vec<usize> = self.turns_in(&free).into_iter().map(index_of).collect();
         let outward: Vec<usize> = inward.iter().rev().copied().collect();
         let [start, last] =

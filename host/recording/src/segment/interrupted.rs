@@ -39,6 +39,12 @@ pub(super) struct Across {
 }
 
 impl Cut<'_> {
+    /// Those that lie in a part, with what of them may lie beside it.
+    pub(super) fn interrupted_within(&self, free: &Range<usize>) -> Vec<Range<usize>> {
+        let touches = |lost: &&Range<usize>| lost.start < free.end && free.start < lost.end;
+        self.interrupted.iter().filter(touches).cloned().collect()
+    }
+
     /// Takes back the disturbances behind which the same swing goes on, and says which samples they spoil.
     pub(super) fn forgive_interruptions(&mut self) -> Vec<Range<usize>> {
         let runs = self.disturbed_runs();

@@ -3,7 +3,7 @@
 
 use super::super::median;
 use super::Cut;
-use super::stretch::HalfSwing;
+use super::half_swing::HalfSwing;
 use std::ops::Range;
 
 /// Middles before and behind a place that are compared: an eighth of all, so that there is an elsewhere to compare with …

@@ -2,7 +2,7 @@
 
 use super::super::Recording;
 use super::SegmentError;
-use super::stretch::shown;
+use super::motor::shown;
 use std::ops::Range;
 
 /// So much of a recording a motor moves it at least, if that is why it does not swing freely: most of it.

@@ -1,0 +1,191 @@
+//! What was cut, what was left out and what is doubtful, in words.
+
+use super::start::Start;
+use super::{Bounds, Cut, SegmentOptions};
+use crate::Recording;
+use crate::noise::Noise;
+use crate::number::significant;
+use crate::places::as_gaps;
+use std::ops::Range;
+
+/// Digits of a noise that a message shows.
+const NOISE_DIGITS: usize = 3;
+
+/// What is taken of a recording is doubted where it swings over less than this share of what a longer part swings over that is
+/// cut. Half and twice of it say the same of the recording in water for which it was made, whose tail keeps a thirteenth.
+const SMALL_TAIL: f64 = 0.3;
+
+/// Times are shown to so much, s.
+const SHOWN_S: f64 = 0.01;
+
+/// What may have moved it before its free swing, and what to do if nothing did.
+const NOT_FREE: &str = " (a hand, a motor, a stop, or a tracker that lost it); --from begins earlier";
+
+/// All of it, of the whole that was asked for and the part of it that tells of the swing.
+pub(super) fn notes(
+    [whole, cut]: [&Cut; 2],
+    options: &SegmentOptions,
+    bounds: &Bounds,
+    interrupted: &[Range<usize>],
+    noise: &Noise,
+) -> Vec<String> {
+    let recording = cut.recording;
+    let Bounds { start, fallen, free, rest, .. } = bounds;
+    let swing = *fallen.max(&start.free_idx)..free.end;
+    let mut notes = beginning([whole, cut], options, start, &swing);
+    notes.extend(end(whole, options, &swing, rest.as_ref()));
+    notes.extend(other_swing(whole, &swing));
+    notes.extend(whole.states.is_empty().then(|| {
+        "too few samples a swing to see a hand in it: --from and --to tell where it swings freely".to_owned()
+    }));
+    notes.extend(whole.driven_in_words(&swing));
+    notes.extend(no_fading(whole, &swing));
+    notes.extend(interruptions(recording, interrupted));
+    notes.extend(carried(cut, bounds));
+    notes.extend(wandering(recording, noise));
+    notes.extend(cut.moved_in_words(free));
+    let (free_s, free_rad) = (&recording.times_s()[free.clone()], &recording.angles_rad()[free.clone()]);
+    notes.extend(recording.unit.and_then(|unit| unit.doubt(free_s, free_rad)));
+    notes
+}
+
+/// What lies before the swing.
+fn beginning([whole, cut]: [&Cut; 2], options: &SegmentOptions, start: &Start, free: &Range<usize>) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(from_s) = options.from_s {
+        let begins_s = whole.times_s()[0];
+        if from_s > 0.0 && from_s < begins_s {
+            notes.push(format!("--from {from_s} is before it begins: its own clock starts at {begins_s} s"));
+        }
+        notes.push(format!("free swing taken from {from_s} s on, as told"));
+    } else {
+        notes.extend(cut_before([whole, cut], start));
+        if !start.was_held {
+            notes.extend(doubt_of_tail(whole, &(whole.asked.start..start.free_idx), free));
+        }
+    }
+    if free.start > start.free_idx {
+        let more_s = whole.times_s()[free.start] - whole.times_s()[start.free_idx];
+        notes.push(format!(
+            "cut {more_s:.2} s more near upright, where the least push decides when it falls; --from begins earlier"
+        ));
+    }
+    notes
+}
+
+/// What was cut before it, and why.
+fn cut_before([whole, cut]: [&Cut; 2], start: &Start) -> Option<String> {
+    let first_s = whole.times_s()[whole.asked.start];
+    let free_s = whole.times_s()[start.free_idx];
+    let before_s = free_s - first_s;
+    if start.was_held {
+        let other = if cut.asked.start > whole.asked.start { ": another motion, then" } else { "" };
+        return Some(format!("cut {before_s:.2} s{other} held still before the release at {:.3} s", start.release_s));
+    }
+    if start.free_idx <= whole.asked.start {
+        return None;
+    }
+    // A part of a recording begins somewhere on its clock, which --from means.
+    let up_to = if first_s.abs() < SHOWN_S { String::new() } else { format!(", up to {free_s:.2} s") };
+    Some(match &start.lead_in {
+        Some(still) => format!(
+            "cut {before_s:.2} s{up_to}: still for {:.2} s, and then it does not follow a free swing{NOT_FREE}",
+            whole.duration_s(still)
+        ),
+        None => format!("cut the first {before_s:.2} s{up_to}: until then it does not follow a free swing{NOT_FREE}"),
+    })
+}
+
+/// What lies behind the swing.
+fn end(cut: &Cut, options: &SegmentOptions, free: &Range<usize>, rest: Option<&Range<usize>>) -> Option<String> {
+    match (rest, options.to_s) {
+        (_, Some(to_s)) => Some(format!("free swing taken up to {to_s} s, as told")),
+        (Some(rest), _) if rest.end < cut.asked.end => {
+            let (hung_s, moved) = (cut.duration_s(rest), moved_after(cut.times_s()[rest.end]));
+            Some(format!("cut {hung_s:.2} s hanging still at the end, and {moved}"))
+        }
+        (Some(rest), _) => Some(format!("cut {:.2} s hanging still at the end", cut.duration_s(rest))),
+        _ if free.end < cut.asked.end => Some(format!("cut {}", moved_after(cut.times_s()[free.end]))),
+        _ => None,
+    }
+}
+
+/// What else swings freely in it.
+fn other_swing(cut: &Cut, free: &Range<usize>) -> Option<String> {
+    let other = cut.longest_of(cut.other_swings(free))?;
+    let (from_s, to_s) = (cut.times_s()[other.start], cut.times_s()[other.end - 1]);
+    let why = match cut.duration_s(&other) > cut.duration_s(free) {
+        true => "the one that swings more often is taken, though it is shorter",
+        false => "the longest one is taken",
+    };
+    Some(format!(
+        "a free swing from {from_s:.2} to {to_s:.2} s is left out, {why}; --from {from_s:.2} --to {to_s:.2} takes that one"
+    ))
+}
+
+/// That its swings do not become smaller, as without a motor they must.
+fn no_fading(cut: &Cut, free: &Range<usize>) -> Option<String> {
+    if cut.fades(free) {
+        return None;
+    }
+    let unit = cut.recording.measured().unit();
+    let grown = cut.grown(free).map(|(from, to)| {
+        format!(", but grow from {} to {} {unit} to either side", significant(from, 2), significant(to, 2))
+    });
+    Some(format!(
+        "doubtful: its swings don't become smaller, as free ones do{}; does a motor or a hand drive it?",
+        grown.unwrap_or_default()
+    ))
+}
+
+/// That what carries it was waited for.
+fn carried(cut: &Cut, bounds: &Bounds) -> Option<String> {
+    let (idx, column) = bounds.carried?;
+    let more_s = cut.times_s()[idx] - cut.times_s()[bounds.fallen];
+    Some(format!("cut {more_s:.2} s more in which {column} still moves; --from begins earlier"))
+}
+
+/// That the best of the swings may be what is cut: it takes longer than all that is left, and swings far larger.
+fn doubt_of_tail(cut: &Cut, before: &Range<usize>, free: &Range<usize>) -> Option<String> {
+    let (largest_rad, taken_rad) = (cut.largest_rad(before)?, cut.largest_rad(free)?);
+    let is_tail = cut.duration_s(before) > cut.duration_s(free) && taken_rad < SMALL_TAIL * largest_rad;
+    is_tail.then(|| {
+        let times = largest_rad / taken_rad;
+        format!("doubtful: what is cut before takes longer and swings {times:.0} times as far; is that the free swing?")
+    })
+}
+
+fn moved_after(time_s: f64) -> String {
+    format!(
+        "everything after {time_s:.2} s: something other than gravity and friction moved it there (a hand, a stop, or a tracker \
+         that lost it); --to ends later"
+    )
+}
+
+/// Readings of something else within it.
+fn interruptions(recording: &Recording, interrupted: &[Range<usize>]) -> Option<String> {
+    let first = interrupted.first()?;
+    let n_rows: usize = interrupted.iter().map(Range::len).sum();
+    let (n, from_s) = (interrupted.len(), recording.times_s()[first.start]);
+    let (places, first_s) = match n {
+        1 => (String::new(), format!("from {from_s:.2} to {:.2} s", recording.times_s()[first.end])),
+        n => (format!(" at {n} places"), format!("at {from_s:.2} s first")),
+    };
+    Some(format!(
+        "{n_rows} readings{places} leave the swing, {first_s}, and the same swing goes on behind, as when a tracker loses it or \
+         somebody stands in the picture: left out as {}",
+        as_gaps(n)
+    ))
+}
+
+/// What a hold says of the noise, if it says more of it than the swing.
+fn wandering(recording: &Recording, noise: &Noise) -> Option<String> {
+    let [still, swinging] = [noise.still_rms.filter(|_| noise.wanders_where_held)?, noise.total_rms]
+        .map(|rms| significant(1e3 * rms, NOISE_DIGITS));
+    let unit = recording.measured().milli_unit();
+    Some(format!(
+        "it scatters by {still} {unit} rms while it is held, where white noise as seen in the swing would by {swinging}: a hand \
+         that trembles, or a sensor whose noise is alike in neighbouring readings, and larger than it seems; let it swing \
+         until it hangs still to tell them apart"
+    ))
+}
