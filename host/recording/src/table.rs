@@ -3,15 +3,17 @@
 //! Understands `,` `;` tab and spaces, quoted fields, comment and header lines of any number. The layout is found from the
 //! first lines; rows are split here but judged in `read.rs`.
 
+mod layout;
+
 use super::cell::{Cell, Numerals, is_missing};
 use super::error::Fault;
 use super::header;
-use super::heading;
 use super::monitor::Dress;
-use super::preamble::{self, Preamble};
-use super::row::{Separator, Typical, find_separator, is_comment, looks_like_number, split};
+use super::preamble::Preamble;
+use super::row::{Separator, find_separator, is_comment, looks_like_number, split};
 use super::source::Lines;
 use super::words::is_gyroscope;
+use layout::Layout;
 use std::collections::VecDeque;
 
 /// How many lines are looked at to find the layout.
@@ -19,9 +21,6 @@ const N_LINES_LOOKED_AT: usize = 200;
 
 /// A line that the file of a model has, and no recording.
 const MODEL_FILE: &str = "[pendulum]";
-
-/// A table has fewer columns; in a file of more lines they would be something else.
-const MOST_COLUMNS: usize = 1000;
 
 /// A message lists so many names at most: more are read by nobody.
 const MOST_SHOWN: usize = 30;
@@ -85,57 +84,22 @@ impl<'a> Table<'a> {
         let turned = turned(&held);
         let is_turned = turned.is_some();
         let held = turned.unwrap_or(held);
-        let n_lines = held.len();
-        let texts: Vec<&str> = held.iter().map(|line| line.text.as_str()).collect();
-        let separator = find_separator(&texts);
-        let typical = Typical::of(&texts, separator);
-        let is_row = |line: &&str| !is_comment(line) && typical.is_row(line, separator);
-        let first_row_idx = texts.iter().position(is_row).ok_or(Fault::NoNumbers { n_lines })?;
-        let settings = preamble::find(&texts, first_row_idx, separator);
-        let above_idx = settings.as_ref().map_or(0, |settings| settings.end_idx);
-        let below = texts.iter().skip(first_row_idx.max(above_idx)).position(is_row);
-        let first_row_idx = first_row_idx.max(above_idx) + below.ok_or(Fault::NoNumbers { n_lines })?;
-        let n_columns = split(texts[first_row_idx], separator).len();
-        if n_columns > MOST_COLUMNS {
-            return Err(Fault::TooWide { line: held[first_row_idx].number, n_columns });
-        }
-        let above = texts[above_idx..first_row_idx].iter().copied().filter(|line| !header::says_rate(line));
-        let above: Vec<&str> = above.collect();
-        let rows = || texts[first_row_idx..].iter().filter(|line| is_row(line));
-        let ends_empty = || rows().all(|row| ends_empty(row, separator));
-        let names = dress
-            .names()
-            .or_else(|| heading::names(&above, separator, n_columns))
-            .or_else(|| ends_empty().then(|| heading::names(&above, separator, n_columns - 1)).flatten());
-        if separator == Separator::Comma && names_fit_pairs(above.last(), n_columns) {
-            return Err(Fault::BareCommas);
-        }
-        let is_glued = |idx: &usize| has_glued_row(texts[*idx], separator, n_columns);
-        let glued_line = first_row_idx.checked_sub(1).filter(is_glued).map(|idx| held[idx].number);
-        let numerals = learnt(&texts[first_row_idx..], separator);
-        let is_remark = |(idx, line): &(usize, &Line)| {
-            is_comment(&line.text) || (*idx < first_row_idx && header::says_rate(&line.text))
-        };
-        let comments = held.iter().enumerate().filter(is_remark).map(|(_, line)| (line.number, line.text.clone()));
-        let comments = comments.collect();
-        let held = held.into_iter().skip(first_row_idx).collect();
-        let row = Line::default();
-        let is_of_gyroscope = lines.name.as_deref().is_some_and(is_gyroscope);
+        let layout = Layout::of(&held, &dress)?;
         Ok(Self {
+            is_of_gyroscope: lines.name.as_deref().is_some_and(is_gyroscope),
             lines,
-            held,
-            separator,
-            names,
-            n_columns,
-            numerals,
-            comments,
+            n_lines: held.len(),
+            comments: remarks(&held, layout.first_row_idx),
+            held: held.into_iter().skip(layout.first_row_idx).collect(),
+            row: Line::default(),
             dress,
-            row,
-            n_lines,
             is_turned,
-            is_of_gyroscope,
-            glued_line,
-            settings,
+            separator: layout.separator,
+            names: layout.names,
+            n_columns: layout.n_columns,
+            numerals: layout.numerals,
+            glued_line: layout.glued_line,
+            settings: layout.settings,
         })
     }
 
@@ -207,6 +171,11 @@ impl<'a> Table<'a> {
         self.held.iter().map_while(&mut number).collect()
     }
 
+    /// Do its numbers in the first rows change?
+    pub(super) fn moves(&self, idx: usize) -> bool {
+        self.first_numbers(idx).windows(2).any(|pair| pair[0] != pair[1])
+    }
+
     /// Does anything stand in a column in the first rows, before any row was read?
     pub(super) fn is_filled(&self, idx: usize) -> bool {
         self.first_cells(idx).any(|cell| !is_missing(cell))
@@ -275,6 +244,14 @@ impl<'a> Table<'a> {
     }
 }
 
+/// Comments, and above the rows what says the rate, with their line numbers.
+fn remarks(held: &[Line], first_row_idx: usize) -> Vec<(usize, String)> {
+    let is_remark = |(idx, line): &(usize, &Line)| {
+        is_comment(&line.text) || (*idx < first_row_idx && header::says_rate(&line.text))
+    };
+    held.iter().enumerate().filter(is_remark).map(|(_, line)| (line.number, line.text.clone())).collect()
+}
+
 fn first_lines(lines: &mut Lines) -> Result<Vec<Line>, Fault> {
     let mut held = Vec::new();
     let mut n_filled = 0;
@@ -315,41 +292,6 @@ fn undressed(held: &mut [Line]) -> Dress {
         }
     }
     dress
-}
-
-/// The marks of the numbers in the first rows.
-fn learnt(texts: &[&str], separator: Separator) -> Numerals {
-    let mut numerals = Numerals::new();
-    let cells = texts.iter().filter(|line| !is_comment(line)).flat_map(|line| split(line, separator));
-    for cell in cells {
-        numerals.read(cell);
-    }
-    numerals.without_doubts()
-}
-
-/// A separator behind the last cell.
-fn ends_empty(row: &str, separator: Separator) -> bool {
-    let fields = split(row, separator);
-    fields.len() > 1 && fields.last().is_some_and(|last| last.is_empty())
-}
-
-/// Names, and behind the last of them the numbers of a row: `t theta0.0 0.12`.
-fn has_glued_row(line: &str, separator: Separator, n_columns: usize) -> bool {
-    let fields = split(line, separator);
-    let is_number = |field: &&str| looks_like_number(field, separator);
-    let ends_in_number =
-        |name: &str| name.contains(char::is_alphabetic) && name.ends_with(|end: char| end.is_ascii_digit());
-    n_columns > 1
-        && fields.len() + 1 == 2 * n_columns
-        && !fields[..n_columns].iter().any(is_number)
-        && fields[n_columns..].iter().all(is_number)
-        && ends_in_number(fields[n_columns - 1])
-}
-
-/// Half as many names as fields: commas that are decimal marks as well as separators.
-fn names_fit_pairs(line: Option<&&str>, n_columns: usize) -> bool {
-    let names = line.map_or(0, |line| split(line, Separator::Comma).len());
-    names >= 2 && n_columns == 2 * names
 }
 
 #[cfg(test)]

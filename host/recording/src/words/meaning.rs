@@ -35,101 +35,181 @@ const NAMES_A_UNIT: u8 = 1;
 /// A position may be that of the cart under the pendulum, and a date stands beside the time.
 const NAMES_IT_PERHAPS: u8 = 0;
 
+const ALPHA: &[&str] = &["alpha", "α"];
+
 /// Is it called an angle, and not by a unit or a place alone?
 pub(crate) fn is_named_angle(name: &str) -> bool {
     matches!(meaning(name), Meaning::Angle { strength: NAMES_THE_THING, .. })
 }
 
-/// Reads the words of a column name.
+/// Reads the words of a column name: the first that they say of it counts.
 pub(crate) fn meaning(name: &str) -> Meaning {
-    let words = words(name);
-    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
-    let time = words.iter().rev().find_map(|word| time_unit(word));
-    let angle = words.iter().rev().find_map(|word| angle_unit(word));
-    let in_tesla = ["(T)", "[T]", "/ T"].iter().any(|unit| name.trim_end().ends_with(unit));
-    // Degrees may be those of a place on earth.
-    let is_of_place = || has(OF_PLACE) && !has(ANGLE);
-    if (has(OTHER_QUANTITIES) || in_tesla) && angle.is_none() && !has(ANGLE) || is_of_place() {
-        return Meaning::Other;
+    let name = Name::of(name);
+    let said = [
+        Name::other_quantity,
+        Name::alpha,
+        Name::derived,
+        Name::named_time,
+        Name::of_sine,
+        Name::angular_displacement,
+        Name::axis_of_seconds,
+        Name::about_axis,
+        Name::coordinate,
+        Name::other_unit,
+        Name::named_angle,
+    ];
+    said.iter().find_map(|says| says(&name)).unwrap_or_else(|| name.by_its_unit())
+}
+
+/// A column name with its words and units.
+struct Name<'a> {
+    name: &'a str,
+    words: Vec<String>,
+    time: Option<TimeUnit>,
+    angle: Option<AngleUnit>,
+}
+
+impl<'a> Name<'a> {
+    fn of(name: &'a str) -> Self {
+        let words = words(name);
+        let time = words.iter().rev().find_map(|word| time_unit(word));
+        let angle = words.iter().rev().find_map(|word| angle_unit(word));
+        Self { name, words, time, angle }
     }
-    // `α / °` is an angle; without a unit it is taken for the acceleration.
-    let is_alpha_angle =
-        angle.is_some() && time.is_none() && words.iter().any(|word| matches!(word.as_str(), "alpha" | "α"));
-    if is_alpha_angle && words.len() <= 2 && !name.contains(['²', '^']) {
-        return Meaning::Angle { unit: angle, strength: NAMES_THE_THING };
+
+    fn has(&self, list: &[&str]) -> bool {
+        self.words.iter().any(|word| list.contains(&word.as_str()))
     }
-    // rad/s, deg/s: an angle and a time unit in one name is a velocity; with s² it is an acceleration.
-    let is_per_time = angle.is_some() && time.is_some();
-    let has_rate_unit = words.iter().any(|word| rate_word(word).is_some());
-    let is_sine = has(SINE) || has(COSINE);
-    let is_alpha = |word: &str| is_sine && matches!(word, "alpha" | "α");
-    let says_derived = words.iter().any(|word| DERIVED.contains(&word.as_str()) && !is_alpha(word));
-    // `dAngle` falls into two words.
-    let is_step = words.windows(2).any(|pair| pair[0] == "d" && is_derivative(&pair.concat()));
-    let is_derived =
-        says_derived || is_step || words.iter().any(|word| is_derivative(word)) || has_derivative_sign(name);
-    if is_derived || is_per_time || has_rate_unit {
-        let is_rate = (is_per_time || has_rate_unit || has(RATE) || is_angular_velocity(&words))
-            && !name.contains(['²', '^'])
-            && !says_acceleration(&words)
-            && !has(&["alpha"]);
-        return if is_rate { Meaning::Rate { unit: rate_unit_of(&words, angle, time) } } else { Meaning::Other };
+
+    fn other_quantity(&self) -> Option<Meaning> {
+        let in_tesla = ["(T)", "[T]", "/ T"].iter().any(|unit| self.name.trim_end().ends_with(unit));
+        let is_other = (self.has(OTHER_QUANTITIES) || in_tesla) && self.angle.is_none();
+        // Degrees may be those of a place on earth.
+        ((is_other || self.has(OF_PLACE)) && !self.has(ANGLE)).then_some(Meaning::Other)
     }
-    // `AngleAtTime(deg)` is none.
-    if has(TIME) && !(angle.is_some() && has(ANGLE)) {
-        return Meaning::Time { unit: time, strength: NAMES_THE_THING };
+
+    /// `α / °` is an angle; without a unit it is taken for the acceleration.
+    fn alpha(&self) -> Option<Meaning> {
+        let is_angle = self.angle.is_some() && self.time.is_none() && self.has(ALPHA);
+        (is_angle && self.words.len() <= 2 && !self.is_squared())
+            .then_some(Meaning::Angle { unit: self.angle, strength: NAMES_THE_THING })
     }
-    // The sine and the cosine of an angle are x and y of a point at distance 1.
-    match (has(SINE), has(COSINE)) {
-        (true, false) => return Meaning::X,
-        (false, true) => return Meaning::Y,
-        _ => {}
+
+    fn is_squared(&self) -> bool {
+        self.name.contains(['²', '^'])
     }
-    let is_angle =
-        angle.is_some() || words.iter().any(|word| ANGLE.contains(&word.as_str()) && !word.starts_with("pos"));
-    if is_angular(&words) && has(DISPLACEMENT) {
-        return Meaning::Angle { unit: angle, strength: NAMES_THE_THING };
+
+    /// A derivative: an angular velocity, or nothing that is read.
+    fn derived(&self) -> Option<Meaning> {
+        // rad/s, deg/s: an angle and a time unit in one name is a velocity; with s² it is an acceleration.
+        let is_per_time = self.angle.is_some() && self.time.is_some();
+        let has_rate_unit = self.words.iter().any(|word| rate_word(word).is_some());
+        if !(is_per_time || has_rate_unit || self.is_derived()) {
+            return None;
+        }
+        let is_rate = (is_per_time || has_rate_unit || self.has(RATE) || self.is_angular_velocity())
+            && !self.is_squared()
+            && !says_acceleration(&self.words)
+            && !self.has(&["alpha"]);
+        Some(if is_rate { Meaning::Rate { unit: self.rate_unit() } } else { Meaning::Other })
     }
-    // The axis along which a plot or a screen counts seconds.
-    let is_short = matches!(time, Some(unit) if unit != TimeUnit::Minutes && unit != TimeUnit::Days);
-    if is_short && has(&["x"]) && !has(&["y"]) && !has(OTHER_UNITS) && !is_angle {
-        return Meaning::Time { unit: time, strength: NAMES_A_UNIT };
+
+    fn is_derived(&self) -> bool {
+        // Of an angle alpha its sine is none.
+        let is_sine = self.has(SINE) || self.has(COSINE);
+        let is_alpha = |word: &str| is_sine && ALPHA.contains(&word);
+        let says_derived = self.words.iter().any(|word| DERIVED.contains(&word.as_str()) && !is_alpha(word));
+        // `dAngle` falls into two words.
+        let is_step = self.words.windows(2).any(|pair| pair[0] == "d" && is_derivative(&pair.concat()));
+        says_derived || is_step || self.words.iter().any(|word| is_derivative(word)) || has_derivative_sign(self.name)
     }
-    if !is_angle && is_about_axis(&words) {
-        return Meaning::Angle { unit: None, strength: NAMES_A_UNIT };
+
+    /// `angular_velocity`, `AngVel`, `vitesse angulaire`, `yaw_speed`, and no acceleration.
+    fn is_angular_velocity(&self) -> bool {
+        (self.is_angular() || self.has(&["ang"]) || self.has(TURNS_OF_BODY)) && self.has(SPEED) || self.has(&["angvel"])
     }
-    match (has(X), has(Y)) {
-        (true, false) if !is_angle => return Meaning::X,
-        (false, true) if !is_angle => return Meaning::Y,
-        _ => {}
+
+    fn is_angular(&self) -> bool {
+        self.has(&["angular", "angulaire", "angolare"])
     }
-    if has(OTHER_UNITS) {
-        return Meaning::Other;
+
+    /// Of a rate: an angle alone is meant per second.
+    fn rate_unit(&self) -> Option<RateUnit> {
+        let in_time = self.angle.map(|angle| RateUnit { angle, time: self.time.unwrap_or(TimeUnit::Seconds) });
+        self.words.iter().find_map(|word| rate_word(word)).or(in_time)
     }
-    if has(ANGLE) {
-        let strength = if is_angle { NAMES_THE_THING } else { NAMES_IT_PERHAPS };
-        return Meaning::Angle { unit: angle, strength };
+
+    fn named_time(&self) -> Option<Meaning> {
+        // `AngleAtTime(deg)` is none.
+        let is_time = self.has(TIME) && !(self.angle.is_some() && self.has(ANGLE));
+        is_time.then_some(Meaning::Time { unit: self.time, strength: NAMES_THE_THING })
     }
-    match (has(CODE), time, angle) {
-        (true, ..) => Meaning::Code,
-        (_, Some(_), _) => Meaning::Time { unit: time, strength: NAMES_A_UNIT },
-        (.., Some(_)) => Meaning::Angle { unit: angle, strength: NAMES_A_UNIT },
-        _ if has(TILT) || has(TURNS_OF_BODY) => Meaning::Angle { unit: None, strength: NAMES_A_UNIT },
-        // `pendulum`, where nothing else is said of it.
-        _ if is_of_pendulum(name) && words.len() == 1 => Meaning::Angle { unit: None, strength: NAMES_IT_PERHAPS },
-        _ if has(DATE) => Meaning::Time { unit: None, strength: NAMES_IT_PERHAPS },
-        _ => Meaning::Other,
+
+    /// The sine and the cosine of an angle are x and y of a point at distance 1.
+    fn of_sine(&self) -> Option<Meaning> {
+        one_of(self.has(SINE), self.has(COSINE))
+    }
+
+    fn angular_displacement(&self) -> Option<Meaning> {
+        (self.is_angular() && self.has(DISPLACEMENT))
+            .then_some(Meaning::Angle { unit: self.angle, strength: NAMES_THE_THING })
+    }
+
+    /// Does it name an angle, by a unit or by a word that is more than a place?
+    fn is_angle(&self) -> bool {
+        self.angle.is_some() || self.words.iter().any(|word| ANGLE.contains(&word.as_str()) && !word.starts_with("pos"))
+    }
+
+    /// The axis along which a plot or a screen counts seconds.
+    fn axis_of_seconds(&self) -> Option<Meaning> {
+        let is_short = matches!(self.time, Some(unit) if unit != TimeUnit::Minutes && unit != TimeUnit::Days);
+        let is_x = self.has(&["x"]) && !self.has(&["y"]);
+        (is_short && is_x && !self.has(OTHER_UNITS) && !self.is_angle())
+            .then_some(Meaning::Time { unit: self.time, strength: NAMES_A_UNIT })
+    }
+
+    fn about_axis(&self) -> Option<Meaning> {
+        (!self.is_angle() && is_about_axis(&self.words))
+            .then_some(Meaning::Angle { unit: None, strength: NAMES_A_UNIT })
+    }
+
+    fn coordinate(&self) -> Option<Meaning> {
+        one_of(self.has(X), self.has(Y)).filter(|_| !self.is_angle())
+    }
+
+    fn other_unit(&self) -> Option<Meaning> {
+        self.has(OTHER_UNITS).then_some(Meaning::Other)
+    }
+
+    fn named_angle(&self) -> Option<Meaning> {
+        let strength = if self.is_angle() { NAMES_THE_THING } else { NAMES_IT_PERHAPS };
+        self.has(ANGLE).then_some(Meaning::Angle { unit: self.angle, strength })
+    }
+
+    /// What a name says that names nothing.
+    fn by_its_unit(&self) -> Meaning {
+        match (self.has(CODE), self.time, self.angle) {
+            (true, ..) => Meaning::Code,
+            (_, Some(_), _) => Meaning::Time { unit: self.time, strength: NAMES_A_UNIT },
+            (.., Some(_)) => Meaning::Angle { unit: self.angle, strength: NAMES_A_UNIT },
+            _ if self.has(TILT) || self.has(TURNS_OF_BODY) => Meaning::Angle { unit: None, strength: NAMES_A_UNIT },
+            // `pendulum`, where nothing else is said of it.
+            _ if is_of_pendulum(self.name) && self.words.len() == 1 => {
+                Meaning::Angle { unit: None, strength: NAMES_IT_PERHAPS }
+            }
+            _ if self.has(DATE) => Meaning::Time { unit: None, strength: NAMES_IT_PERHAPS },
+            _ => Meaning::Other,
+        }
     }
 }
 
-/// `angular_velocity`, `AngVel`, `vitesse angulaire`, `yaw_speed`, and no acceleration.
-fn is_angular_velocity(words: &[String]) -> bool {
-    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
-    (is_angular(words) || has(&["ang"]) || has(TURNS_OF_BODY)) && has(SPEED) || has(&["angvel"])
-}
-
-fn is_angular(words: &[String]) -> bool {
-    words.iter().any(|word| matches!(word.as_str(), "angular" | "angulaire" | "angolare"))
+/// x or y, where it is not both.
+fn one_of(is_x: bool, is_y: bool) -> Option<Meaning> {
+    match (is_x, is_y) {
+        (true, false) => Some(Meaning::X),
+        (false, true) => Some(Meaning::Y),
+        _ => None,
+    }
 }
 
 /// Whether a cell is nothing but a unit, as in a second header line.
@@ -139,12 +219,6 @@ pub(crate) fn is_unit(cell: &str) -> bool {
         || angle_unit(&cell).is_some()
         || OTHER_UNITS.contains(&cell.as_str())
         || matches!(cell.as_str(), "rad/s" | "deg/s" | "°/s" | "v" | "g" | "m/s" | "m/s²" | "m/s^2")
-}
-
-/// Of the words of a name that is a rate: an angle alone is meant per second.
-fn rate_unit_of(words: &[String], angle: Option<AngleUnit>, time: Option<TimeUnit>) -> Option<RateUnit> {
-    let in_time = angle.map(|angle| RateUnit { angle, time: time.unwrap_or(TimeUnit::Seconds) });
-    words.iter().find_map(|word| rate_word(word)).or(in_time)
 }
 
 #[cfg(test)]
