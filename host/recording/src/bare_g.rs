@@ -1,7 +1,7 @@
 //! Accelerations without names, as the sensors of small boards give them: in steps of 4 or 16 thousandths of g, on two or
 //! three axes, in g or in whole thousandths of it.
 
-use super::error::Fault;
+use super::error::{Fault, NoAngle};
 use super::limits::MIN_SAMPLES;
 use super::median;
 use super::table::Table;
@@ -28,7 +28,9 @@ pub(super) fn fault(table: &Table) -> Option<Fault> {
     let columns: Vec<Vec<f64>> = (0..table.n_columns).map(|idx| table.first_numbers(idx)).collect();
     let of = |n_axes: usize| {
         let found = columns.windows(n_axes).enumerate().find_map(|(first, axes)| Some((first, unit_of(axes)?)));
-        found.map(|(first, (unit, step))| Fault::BareAccelerations { columns: listed(first, n_axes), step, unit })
+        found.map(|(first, (unit, step))| {
+            NoAngle::BareAccelerations { columns: listed(first, n_axes), step, unit }.into()
+        })
     };
     of(3).or_else(|| of(2))
 }

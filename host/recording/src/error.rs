@@ -2,9 +2,11 @@
 
 mod fault;
 mod growth;
+mod no_angle;
 mod write;
 
 pub use fault::Fault;
+pub use no_angle::NoAngle;
 pub use write::WriteError;
 
 use growth::growth_in_words;

@@ -70,7 +70,7 @@ mod write;
 mod zero_step;
 
 pub use columns::{ColumnRef, Columns, ColumnsError};
-pub use error::{Fault, ReadError, WriteError};
+pub use error::{Fault, NoAngle, ReadError, WriteError};
 pub use files::Existing;
 pub use header::{Calibration, Header, clock_name, sensor_name};
 pub use limits::{FORMAT_NAME, FORMAT_VERSION, MIN_SAMPLES, MOST_SAMPLES};

@@ -1,7 +1,7 @@
 //! Columns by their names: as the user writes them, or by what they mean.
 
 use super::super::columns::ColumnRef;
-use super::super::error::Fault;
+use super::super::error::{Fault, NoAngle};
 use super::super::plausible::SHORTEST_PERIOD_S;
 use super::super::runs::is_one_of_several;
 use super::super::table::Table;
@@ -57,13 +57,13 @@ pub(super) fn no_angle(table: &Table) -> Fault {
     let first = |is_it: fn(&str) -> bool| table.names.iter().flatten().position(|name| is_it(name));
     let raw = the_raw(table);
     match (first(is_acceleration).or_else(|| bare_accelerations(table)), periods(table), raw, first(is_quaternion)) {
-        (Some(_), ..) => Fault::OnlyAccelerations { available },
-        (_, Some(_), ..) => Fault::OnlyDurations { available },
-        (.., Some(idx), _) => Fault::OnlyRaw { available, example: example(table, "angle", &[idx], None) },
-        (.., Some(_)) => Fault::OnlyQuaternions { available },
+        (Some(_), ..) => NoAngle::OnlyAccelerations { available }.into(),
+        (_, Some(_), ..) => NoAngle::OnlyDurations { available }.into(),
+        (.., Some(idx), _) => NoAngle::OnlyRaw { available, example: example(table, "angle", &[idx], None) }.into(),
+        (.., Some(_)) => NoAngle::OnlyQuaternions { available }.into(),
         _ => {
             let one = || x_alone(table).or_else(|| distance_alone(table));
-            several_points(table).or_else(one).unwrap_or(Fault::NoAngleColumn { available })
+            several_points(table).or_else(one).unwrap_or(NoAngle::NoColumn { available }.into())
         }
     }
 }
@@ -145,7 +145,7 @@ fn distance_alone(table: &Table) -> Option<Fault> {
 }
 
 fn only_x(table: &Table, idx: usize) -> Fault {
-    Fault::OnlyX { column: table.column_name(idx), example: example(table, "angle", &[idx], None) }
+    NoAngle::OnlyX { column: table.column_name(idx), example: example(table, "angle", &[idx], None) }.into()
 }
 
 /// x and y of several points: each x goes with the y behind it.
@@ -177,8 +177,7 @@ pub(super) fn all_best<U: Copy>(
 ) -> Vec<(usize, Option<U>)> {
     let names = table.names.as_deref().unwrap_or_default();
     // A sensor that was never connected leaves the estimate alone.
-    let moves = |idx: usize| table.first_numbers(idx).windows(2).any(|pair| pair[0] != pair[1]);
-    let is_of_any = |name: &str| (0..names.len()).any(|idx| is_estimate_of(name, &names[idx]) && moves(idx));
+    let is_of_any = |name: &str| (0..names.len()).any(|idx| is_estimate_of(name, &names[idx]) && table.moves(idx));
     // Of thousands of columns few are.
     let estimates: Vec<usize> = (0..names.len()).filter(|idx| is_estimate(&names[*idx])).take(MOST_ESTIMATES).collect();
     let estimates: Vec<usize> = estimates.into_iter().filter(|idx| is_of_any(&names[*idx])).collect();

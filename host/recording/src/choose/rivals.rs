@@ -11,7 +11,7 @@ use super::super::table::Table;
 use super::super::told::Told;
 use super::super::units::AngleUnit;
 use super::super::words::is_turn_of_body;
-use super::angle_unit_of;
+use super::angle::angle_unit_of;
 use super::names::{SHOWN, listed, unnamed};
 
 /// No pendulum turns farther.

@@ -1,7 +1,7 @@
 //! An "angle" that was computed from two accelerations beside it. Along a string or a rod that swings freely they show the pull in it
 //! and no gravity across, so that their direction hardly turns, however far the pendulum swings.
 
-use super::super::error::Fault;
+use super::super::error::{Fault, NoAngle};
 use super::super::table::Table;
 use super::super::words::may_be_acceleration;
 use std::f64::consts::{PI, TAU};
@@ -25,7 +25,7 @@ pub(super) fn fault(table: &Table, angle: usize, time: Option<usize>) -> Option<
     let is_tilt = |[a, b]: &[usize; 2]| is_direction(&angles, &columns[*a], &columns[*b]);
     let [a, b] = pairs.filter(|[a, b]| changes(&columns[*a], &columns[*b])).find(is_tilt)?;
     let [angle, a, b] = [angle, others[a], others[b]].map(|idx| table.column_name(idx));
-    Some(Fault::Tilt { angle, a, b })
+    Some(NoAngle::Tilt { angle, a, b }.into())
 }
 
 /// Is the angle (rad or degrees) the direction of these two, from whichever axis and to whichever side?

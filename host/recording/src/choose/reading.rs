@@ -1,0 +1,94 @@
+//! What was measured, and which columns hold it.
+
+use super::angle::choose_angle;
+use super::names::{bare_axes, example, find, no_angle};
+use crate::chosen::ReadingSource;
+use crate::columns::Columns;
+use crate::error::{Fault, NoAngle};
+use crate::header::Header;
+use crate::options::ReadOptions;
+use crate::samples::MOST_COLUMNS;
+use crate::table::Table;
+use crate::units::RateUnit;
+use crate::words::{Meaning, is_size, meaning};
+use shared::measured::Measured;
+
+/// Rates where the user, the header or the names say so, else angles.
+pub(super) fn choose_reading(
+    table: &Table,
+    header: &Header,
+    options: &ReadOptions,
+    asked: &Columns,
+    code_idx: Option<usize>,
+) -> Result<ReadingSource, Fault> {
+    if let Some((column, unit)) = &asked.rate {
+        let idx = find(table, column)?;
+        return Ok(rates(table, options, vec![idx], *unit));
+    }
+    let is_told = asked.angle.is_some() || asked.x.is_some();
+    if let (false, true, Some(axes)) = (is_told, table.is_of_gyroscope, bare_axes(table)) {
+        return Ok(rates(table, options, axes, None));
+    }
+    let measured =
+        (!is_told).then(|| header.measured.or(options.measured.filter(|_| header.version.is_none()))).flatten();
+    let has_rate = options.rate_hz.or(header.rate_hz).is_some();
+    let angle = choose_angle(table, asked, code_idx, has_rate);
+    match (measured, angle) {
+        (Some(Measured::Rate), angle) => match (rate_columns(table), angle) {
+            (columns, _) if !columns.is_empty() => Ok(rates(table, options, columns, None)),
+            // The header says what a column without a word, or one that is named after the angle, holds.
+            (_, Ok(ReadingSource::Angle { idx, unit })) => {
+                Ok(rates(table, options, vec![idx], unit.map(RateUnit::per_second)))
+            }
+            _ => Err(no_angle(table)),
+        },
+        (None, Err(fault @ Fault::NoAngle(_))) => match rate_columns(table) {
+            columns if columns.is_empty() => Err(three_axes(table).unwrap_or(fault)),
+            columns => Ok(rates(table, options, columns, None)),
+        },
+        (_, Ok(ReadingSource::Angle { idx, unit })) => {
+            Ok(ReadingSource::Angle { idx, unit: options.angle_unit.or(unit) })
+        }
+        (_, angle) => angle,
+    }
+}
+
+/// Columns of rates with the unit that was told, or that their names have.
+fn rates(table: &Table, options: &ReadOptions, columns: Vec<usize>, told: Option<RateUnit>) -> ReadingSource {
+    let in_name = |idx: &usize| match meaning(table.names.as_ref()?.get(*idx)?) {
+        Meaning::Rate { unit } => unit,
+        _ => None,
+    };
+    let unit = options.angle_unit.map(RateUnit::per_second).or(told).or(columns.first().and_then(in_name));
+    ReadingSource::Rates { columns, unit }
+}
+
+/// Columns that are named as angular velocities, without the size of all axes together, which has no sign; gx, gy and gz
+/// are such where ax, ay and az stand beside them, and wx, wy and wz together.
+pub(super) fn rate_columns(table: &Table) -> Vec<usize> {
+    let has = |wanted: &str| table.names.iter().flatten().any(|name| name.eq_ignore_ascii_case(wanted));
+    let has_six_axes = ["ax", "ay", "az", "gx", "gy", "gz"].into_iter().all(has);
+    let has_omega = ["wx", "wy", "wz"].into_iter().all(has);
+    let is_one_of = |axes: [&str; 3], name: &str| axes.iter().any(|axis| name.eq_ignore_ascii_case(axis));
+    let is_rate = |name: &String| {
+        (matches!(meaning(name), Meaning::Rate { .. }) && !is_size(name))
+            || (has_six_axes && is_one_of(["gx", "gy", "gz"], name))
+            || (has_omega && is_one_of(["wx", "wy", "wz"], name))
+    };
+    table
+        .names
+        .iter()
+        .flatten()
+        .enumerate()
+        .filter(|(_, name)| is_rate(name))
+        .map(|(idx, _)| idx)
+        .take(MOST_COLUMNS)
+        .collect()
+}
+
+/// gx, gy and gz alone are those of a gyroscope or of gravity.
+fn three_axes(table: &Table) -> Option<Fault> {
+    let place = |wanted: &str| table.names.as_ref()?.iter().position(|name| name.eq_ignore_ascii_case(wanted));
+    let axes: Vec<usize> = ["gx", "gy", "gz"].into_iter().map(place).collect::<Option<_>>()?;
+    Some(NoAngle::ThreeAxes { example: example(table, "angle", &axes, None).replace("theta=", "rate=") }.into())
+}
