@@ -5,6 +5,7 @@
 //! the parameters; [`verdict`] puts it into words. The parameters stay as given; only the starts of the swings are
 //! fitted, unless the rig is fresh and [`Options::fit_first`] is set.
 
+mod beside;
 pub mod binned;
 pub mod colour;
 pub mod energy;
@@ -27,14 +28,13 @@ pub mod verdict;
 pub mod weak;
 
 use crate::cores::on_all_cores;
-use crate::fit::identify::{Fit, FitError};
-use crate::fit::problem::Start;
-use crate::fit::short_memory::noises_left;
+use crate::fit::identify::FitError;
 use crate::fit::tolerance::KnownRig;
-use crate::fit::touch::{self, Touch};
+use crate::fit::touch::Touch;
 use crate::geometry::{self, GeometryError};
 use crate::recording::Measured;
 use crate::swing::{MixedReadings, Swing, one_kind};
+use beside::{Beside, Stop, fitted_first};
 use energy::Energy;
 use grid::Grid;
 use knowledge::Knowledge;
@@ -143,19 +143,6 @@ pub fn compare<'r>(
     }
 }
 
-/// Why swings were not compared as they are.
-enum Stop {
-    Error(CompareError),
-    /// What follows a touch would be blamed on the numbers, or taken for missing physics.
-    Touched(Vec<Touch>),
-}
-
-impl<E: Into<CompareError>> From<E> for Stop {
-    fn from(error: E) -> Self {
-        Self::Error(error.into())
-    }
-}
-
 impl Comparison {
     /// The same of the longest parts of swings that something touched.
     fn behind(mut self, touches: Vec<Touch>) -> Self {
@@ -163,150 +150,6 @@ impl Comparison {
         self.touches.splice(0..0, touches);
         self
     }
-}
-
-/// The comparison of swings that nothing touched on their way.
-fn untouched(
-    rig: KnownRig,
-    measurements: &[Measurement],
-    held_out: &[Measurement],
-    options: &Options,
-) -> Result<Comparison, Stop> {
-    let swings: Vec<Swing> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
-    let measured = one_kind(swings.iter().chain(held_out.iter().map(|measurement| &measurement.swing)))?;
-    geometry::check(rig.parameters, &swings)?;
-    let fitted = options.fit_first.then(|| numbers::least_squares(&swings, rig)).transpose()?;
-    let fitted = fitted.map(none_touched).transpose()?;
-    let parameters = fitted.map_or_else(|| rig.parameters.clone(), |fit| fit.parameters);
-    let rig = KnownRig { parameters: &parameters, ..rig };
-    let judge_all = |all: &[Measurement], follow: Follow| -> Vec<Judged> {
-        let judge = |m: &Measurement| recording::judge(m, &parameters, follow(&m.swing, &parameters));
-        on_all_cores(all, judge)
-    };
-    let as_fitted = judge_all(measurements, follow::follow);
-    let louder = in_what_is_left(measurements, &as_fitted, &parameters);
-    let (measurements, as_fitted) = match &louder {
-        Some(louder) => (louder.as_slice(), judge_all(louder, follow::follow)),
-        None => (measurements, as_fitted),
-    };
-    let is_asked = options.question_numbers && !options.fit_first && has_more_than_noise(&as_fitted);
-    let fit = if is_asked { numbers::least_squares(&swings, rig).ok() } else { None };
-    let fit = fit.map(none_touched).transpose()?;
-    let as_fitted = match &fit {
-        Some(fit) => begun_as_fitted(measurements, as_fitted, &parameters, &fit.starts),
-        None => as_fitted,
-    };
-    let noise_rad = Totals::of(&as_fitted).noise_rad;
-    let refit = fit.filter(|_| has_more_than_noise(&as_fitted)).map(|fit| Refit::of(&swings, &fit, noise_rad));
-    // The numbers of another pendulum get no help from the start.
-    let is_foreign = refit.is_some_and(|refit| refit.blames_the_numbers(Totals::of(&as_fitted).ratio));
-    let follow: Follow = if is_foreign { follow::follow_of_another_pendulum } else { follow::follow };
-    let recordings = if is_foreign { judge_all(measurements, follow) } else { as_fitted };
-    let as_held_out = judge_all(held_out, follow);
-    let louder_held_out = in_what_is_left(held_out, &as_held_out, &parameters);
-    let held_out = louder_held_out.map_or(as_held_out, |louder| judge_all(&louder, follow));
-    let mismatches = mismatches(&swings, &recordings, &parameters);
-    let starts: Vec<_> = recordings.iter().map(|recording| recording.start).collect();
-    let touches = if mismatches.is_empty() { touch::touches(&swings, &parameters, &starts) } else { Vec::new() };
-    if !touches.is_empty() {
-        return Err(Stop::Touched(touches));
-    }
-    let totals = Totals::of(&recordings);
-    let held_out_totals = (!held_out.is_empty()).then(|| Totals::of(&held_out));
-    let knowledge = mismatches.is_empty().then(|| {
-        let followed: Vec<_> = recordings.iter().map(Judged::followed).collect();
-        knowledge::knowledge(&swings, rig, &followed)
-    });
-    let tables: Vec<_> = recordings.iter().map(|r| (r.swings.as_slice(), r.stop_angles_rad.is_some())).collect();
-    let places = per_swing::places(&tables);
-    let energy = energy::energy(&recordings.iter().map(Judged::pair).collect::<Vec<_>>());
-    let shows_torque = mismatches.is_empty() && measured == Measured::Angle;
-    let torque = shows_torque.then(|| torque_of(&recordings, &parameters)).flatten();
-    let seen = Seen {
-        measured,
-        recordings: &recordings,
-        held_out: &held_out,
-        totals: &totals,
-        held_out_totals: held_out_totals.as_ref(),
-        places: &places,
-        energy: &energy,
-        torque: torque.as_ref(),
-        knowledge: knowledge.as_ref(),
-        mismatches: &mismatches,
-        refit: refit.as_ref(),
-    };
-    let (answer, verdict) = (seen.answer(), seen.sentences());
-    Ok(Comparison {
-        measured,
-        version: VERSION,
-        answer,
-        verdict,
-        fitted_first: options.fit_first,
-        limits: limits::limits(measurements, &recordings),
-        totals,
-        held_out_totals,
-        touches: Vec::new(),
-        places,
-        energy,
-        torque,
-        knowledge,
-        mismatches,
-        refit,
-        recordings,
-        held_out,
-        parameters,
-    })
-}
-
-/// A fit of swings that nothing touched on their way.
-fn none_touched(fit: Fit) -> Result<Fit, Stop> {
-    if fit.touches.is_empty() { Ok(fit) } else { Err(Stop::Touched(fit.touches)) }
-}
-
-/// How a run of the model beside a swing is begun.
-type Follow = fn(&Swing, &Parameters<f64>) -> follow::Followed;
-
-/// The measurements in the noise that the model leaves of them, where that is all it leaves.
-fn in_what_is_left(
-    measurements: &[Measurement],
-    judged: &[Judged],
-    parameters: &Parameters<f64>,
-) -> Option<Vec<Measurement>> {
-    if !has_more_than_noise(judged) {
-        return None;
-    }
-    let swings: Vec<Swing> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
-    let left: Vec<&[f64]> = judged.iter().map(|judged| judged.curves.residuals_rad.as_slice()).collect();
-    let noises = noises_left(&swings, &left, &parameters.pendulum)?;
-    Some(measurements.iter().zip(noises).map(|(measurement, noise)| measurement.in_noise(noise)).collect())
-}
-
-fn has_more_than_noise(recordings: &[Judged]) -> bool {
-    recordings.iter().any(|recording| recording.verdict.more_than_noise)
-}
-
-/// The same, each run begun where a fit to the recordings begins it if that leaves less: what it begins with beside its start, such
-/// as the play of a sensor, may hide a better one.
-fn begun_as_fitted(
-    measurements: &[Measurement],
-    as_fitted: Vec<Judged>,
-    parameters: &Parameters<f64>,
-    starts: &[Start],
-) -> Vec<Judged> {
-    let all: Vec<_> = measurements.iter().zip(as_fitted).zip(starts).collect();
-    on_all_cores(all, |((measurement, judged), start)| {
-        let begun = follow::follow_from(&measurement.swing, parameters, *start);
-        let again = recording::judge(measurement, parameters, begun);
-        if again.verdict.residual_rad < judged.verdict.residual_rad { again } else { judged }
-    })
-}
-
-fn mismatches(swings: &[Swing], recordings: &[Judged], parameters: &Parameters<f64>) -> Vec<Mismatch> {
-    let of = |(swing, judged): (&Swing, &Judged)| {
-        let fits = judged.verdict.explained > mismatch::HOPELESS && !mismatch::is_upside_down(judged.start.offset_rad);
-        (!fits).then(|| Mismatch::of(swing, parameters, judged))
-    };
-    swings.iter().zip(recordings).filter_map(of).collect()
 }
 
 /// The torque map of all recordings together.
@@ -334,6 +177,73 @@ fn torque_of(recordings: &[Judged], parameters: &Parameters<f64>) -> Option<Torq
     };
     let windows: Vec<weak::Windows> = on_all_cores(recordings, windows_of).into_iter().flatten().collect();
     torque::torque_map(grid, &windows, coulomb_nm)
+}
+
+/// The comparison of swings that nothing touched on their way.
+fn untouched(
+    rig: KnownRig,
+    measurements: &[Measurement],
+    held_out: &[Measurement],
+    options: &Options,
+) -> Result<Comparison, Stop> {
+    let swings: Vec<Swing> = measurements.iter().map(|measurement| measurement.swing.clone()).collect();
+    let measured = one_kind(swings.iter().chain(held_out.iter().map(|measurement| &measurement.swing)))?;
+    geometry::check(rig.parameters, &swings)?;
+    let parameters = fitted_first(&swings, rig, options)?;
+    let rig = KnownRig { parameters: &parameters, ..rig };
+    let beside = Beside::of(rig, &swings, measurements, held_out, options)?;
+    beside.refuse_touched(&swings, &parameters)?;
+    Ok(told(beside, rig, &swings, measured, options))
+}
+
+/// What the recordings say of a model that runs beside them.
+fn told(beside: Beside, rig: KnownRig, swings: &[Swing], measured: Measured, options: &Options) -> Comparison {
+    let Beside { measurements, recordings, held_out, refit, mismatches } = beside;
+    let totals = Totals::of(&recordings);
+    let held_out_totals = (!held_out.is_empty()).then(|| Totals::of(&held_out));
+    let knowledge = mismatches.is_empty().then(|| {
+        let followed: Vec<_> = recordings.iter().map(Judged::followed).collect();
+        knowledge::knowledge(swings, rig, &followed)
+    });
+    let tables: Vec<_> = recordings.iter().map(|r| (r.swings.as_slice(), r.stop_angles_rad.is_some())).collect();
+    let places = per_swing::places(&tables);
+    let energy = energy::energy(&recordings.iter().map(Judged::pair).collect::<Vec<_>>());
+    let shows_torque = mismatches.is_empty() && measured == Measured::Angle;
+    let torque = shows_torque.then(|| torque_of(&recordings, rig.parameters)).flatten();
+    let seen = Seen {
+        measured,
+        recordings: &recordings,
+        held_out: &held_out,
+        totals: &totals,
+        held_out_totals: held_out_totals.as_ref(),
+        places: &places,
+        energy: &energy,
+        torque: torque.as_ref(),
+        knowledge: knowledge.as_ref(),
+        mismatches: &mismatches,
+        refit: refit.as_ref(),
+    };
+    let (answer, verdict) = (seen.answer(), seen.sentences());
+    Comparison {
+        measured,
+        version: VERSION,
+        answer,
+        verdict,
+        fitted_first: options.fit_first,
+        limits: limits::limits(&measurements, &recordings),
+        totals,
+        held_out_totals,
+        touches: Vec::new(),
+        places,
+        energy,
+        torque,
+        knowledge,
+        mismatches,
+        refit,
+        recordings,
+        held_out,
+        parameters: rig.parameters.clone(),
+    }
 }
 
 /// Root mean square.
