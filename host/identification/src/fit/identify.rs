@@ -67,29 +67,7 @@ pub fn fit<'r>(
     let first = start::guess(&problem);
     let ranges = chosen_ranges(&problem, &first, &options.ranges)?;
     let responses_before = responses_at(&problem, &first, Window::Whole);
-
-    let (model, stages) = match options.method {
-        Method::Rsm => {
-            let thin = thinned(&problem);
-            let designed = problem.on(&thin);
-            let mut sequence = surfaces(&designed, &ranges, progress);
-            let model = finish_surfaces(&designed, &mut sequence);
-            (model.evaluated(&problem), sequence.stages)
-        }
-        Method::LeastSquares => {
-            let found = scouted(&problem, |few| least_squares(few, &start::guess(few), progress));
-            (not_worse_than_given(&problem, found), Vec::new())
-        }
-        Method::Both => {
-            let mut stages = Vec::new();
-            let found = scouted(&problem, |few| {
-                let (found, on_the_way) = both(few, &ranges, progress);
-                stages = on_the_way;
-                found
-            });
-            (not_worse_than_given(&problem, found), stages)
-        }
-    };
+    let (model, stages) = found_by(options.method, &problem, &ranges, progress);
     let mut touches = touch::touches_of(&problem, &model);
     let is_anew = !touches.is_empty() && options.method != Method::Rsm;
     let parts = if is_anew { touch::parted(swings, &touches) } else { Vec::new() };
@@ -108,6 +86,37 @@ pub fn fit<'r>(
     let unit = crate::swing::kind(swings).milli_unit();
     fit.warnings.extend(in_noise.map(|(_, told)| told.words(unit)));
     Ok(Fit { touches, ..fit })
+}
+
+/// The model by one of the ways, and the designs on the way to it.
+fn found_by(
+    method: Method,
+    problem: &Problem,
+    ranges: &Ranges,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> (Fitted, Vec<Stage>) {
+    match method {
+        Method::Rsm => {
+            let thin = thinned(problem);
+            let designed = problem.on(&thin);
+            let mut sequence = surfaces(&designed, ranges, progress);
+            let model = finish_surfaces(&designed, &mut sequence);
+            (model.evaluated(problem), sequence.stages)
+        }
+        Method::LeastSquares => {
+            let found = scouted(problem, |few| least_squares(few, &start::guess(few), progress));
+            (not_worse_than_given(problem, found), Vec::new())
+        }
+        Method::Both => {
+            let mut stages = Vec::new();
+            let found = scouted(problem, |few| {
+                let (found, on_the_way) = both(few, ranges, progress);
+                stages = on_the_way;
+                found
+            });
+            (not_worse_than_given(problem, found), stages)
+        }
+    }
 }
 
 /// What a touch does to the numbers, and what to do next.
