@@ -3,6 +3,9 @@
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
 
+/// g where nobody tells it, m/s²: the paper's (Table 1), and that of the middle latitudes to 0.1 %.
+pub const GRAVITY_M_S2: f64 = 9.81;
+
 /// The rigid pendulum (paper, Table 1).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pendulum<R> {
@@ -30,7 +33,7 @@ impl<R: Real> Pendulum<R> {
             mass_kg: R::of(0.146_608_4),
             length_m: R::of(0.156_217_7),
             inertia_kg_m2: R::of(0.002_842_52),
-            gravity_m_s2: R::of(9.81),
+            gravity_m_s2: R::of(GRAVITY_M_S2),
         }
     }
     /// m·l² + I: moment of inertia about the pivot in kg·m².

@@ -7,7 +7,7 @@ use crate::operations::model::{Value, values};
 use crate::rigfile::{RigFile, RigFileError};
 use clap::Args;
 use serde::Serialize;
-use shared::motion::Pendulum;
+use shared::motion::{GRAVITY_M_S2, Pendulum};
 use std::path::PathBuf;
 
 /// Write a model file for a rig of known (or unknown) geometry.
@@ -36,7 +36,7 @@ pub(super) struct Options {
     #[arg(long, value_name = "KG·M²", value_parser = positive, allow_negative_numbers = true, requires = "inertia")]
     inertia_std: Option<f64>,
     /// Gravitational acceleration, m/s²
-    #[arg(long, value_name = "M/S²", value_parser = positive, allow_negative_numbers = true, default_value = "9.81")]
+    #[arg(long, value_name = "M/S²", value_parser = positive, allow_negative_numbers = true, default_value_t = GRAVITY_M_S2)]
     gravity: f64,
     /// Only the motion is known: every torque comes per m·g·l
     #[arg(long)]

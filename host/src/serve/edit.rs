@@ -11,14 +11,12 @@ use crate::improve::Change;
 use crate::rigfile::{Knowledge, Quantity, RigFile, RigFileError, Source};
 use serde::Deserialize;
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
-use shared::motion::Pendulum;
+use shared::motion::{GRAVITY_M_S2, Pendulum};
 use std::sync::Arc;
 use tokio::sync::oneshot;
 
 /// Longer formulas nobody reads.
 const LONGEST_FORMULA: usize = 400;
-
-const GRAVITY_M_S2: f64 = 9.81;
 
 /// Takes a model file over; `name` is what messages call it.
 pub(super) fn model_file(app: &App, name: &str, bytes: &[u8]) -> Result<(), Failure> {

@@ -6,6 +6,7 @@
 
 use super::refit::MAX_RELEASES;
 use super::tape::{CAPACITY, Span, Tape, step_rad};
+use super::window;
 use crate::sensor::{Reader, Sensor};
 use crate::units::Code;
 use heapless::Vec;
@@ -24,7 +25,7 @@ const LONGEST: u32 = (CAPACITY / 3) as u32 - WAITING;
 const MOVED_RAD: f32 = 0.03;
 
 /// Passages of smaller swings end a release: the bank's windows do not go as far down.
-const LEAST_RAD: f32 = 0.05;
+const LEAST_RAD: f32 = window::LEAST_RAD as f32;
 
 /// From one passage to the next it takes no longer, s …
 const LONGEST_HALF_SWING_S: f32 = 3.0;

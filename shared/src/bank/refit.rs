@@ -42,6 +42,8 @@ const SETTLED: f64 = 6e-3;
 /// Windows are so many periods long, the first of these of which there are enough: shorter ones see little of a slow
 /// effect, longer ones are too few.
 const PERIODS: [usize; 3] = [3, 2, 1];
+
+/// So many are enough. Half and twice were not tried.
 const ENOUGH_WINDOWS: usize = 10;
 
 /// The model takes no more than about so many steps a period, or one a reading. By the paper's pendulum with a hidden

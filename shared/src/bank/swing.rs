@@ -20,9 +20,11 @@ type Matrix<R> = [[R; 2]; 2];
 /// I. A. Stegun, Handbook of Mathematical Functions (NBS, 1964), table 25.4).
 const PLACES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
-/// A sensor that remembers, such as one with play, is led to the start of a window from so many places, so many
-/// seconds apart.
+/// A sensor that remembers, such as one with play, is led to the start of a window from so many places. Half and twice were
+/// not tried.
 const N_APPROACH: usize = 32;
+
+/// They lie so many seconds apart, so that the first one is 0.13 s before the window. Half and twice were not tried.
 const APPROACH_S: f64 = 4e-3;
 
 /// A part of a step in which the contact stays the same until its end.
@@ -55,10 +57,11 @@ pub struct Place<R> {
     pub acceleration: R,
 }
 
-/// Added laws and sensors are derived by differences over so many rad and rad/s to either side. By the formulas: half of
-/// it doubles what `f32` rounds, 2e-5 of gravity's share; twice of it makes a detent of 24 steps a turn 1.5e-3 softer
-/// instead of 4e-4.
+/// Added laws and sensors are derived by differences over so many rad to either side. By the formulas: half of it doubles
+/// what `f32` rounds, 2e-5 of gravity's share; twice of it makes a detent of 24 steps a turn 1.5e-3 softer instead of 4e-4 …
 const NEAR_RAD: f64 = 2e-3;
+
+/// … and over so many rad/s. Half and twice were not tried.
 const NEAR_RAD_S: f64 = 1e-2;
 
 /// A pendulum that swings by the model.

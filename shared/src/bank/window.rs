@@ -8,10 +8,11 @@ use crate::real::Real;
 /// A crossing counts after the pendulum was on the other side by this many noises.
 const BACK_NOISES: f64 = 4.0;
 
-/// Windows of smaller swings are left out: below so many noises, or so many rad, nothing is to be seen and stiction
-/// decides.
+/// Windows of smaller swings are left out: below so many noises nothing is to be seen. Half and twice were not tried.
 const LEAST_NOISES: f64 = 8.0;
-const LEAST_RAD: f64 = 0.05;
+
+/// Below so many rad stiction decides. Half and twice were not tried.
+pub(super) const LEAST_RAD: f64 = 0.05;
 
 /// The cubic at the start lies through this part of a period on either side, as short as the pendulum's sine is one.
 const CUBICS_A_PERIOD: usize = 14;

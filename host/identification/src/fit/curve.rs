@@ -30,8 +30,10 @@ const CLOSEST: f64 = 2e-3;
 const ANGLES_RAD: [f64; 3] = [0.0, 0.7, -1.1];
 const TIMES_S: [f64; 2] = [0.0, 7.0];
 
-/// Knots and ridge are chosen so often at most, and again where the fit with them took off this share of the squares.
+/// Knots and ridge are chosen so often at most, …
 const MAX_ROUNDS: usize = 3;
+
+/// … and again where the fit with them left less than this share of the squares. Half and twice of neither were tried.
 const WORTH_ANOTHER_ROUND: f64 = 0.95;
 
 /// A curve of many knots bends the valley of the error more than a law of two numbers does.

@@ -14,8 +14,10 @@ use nalgebra::{DMatrix, DVector};
 /// A region shrinks to this share of its width where its surface can't be believed.
 const SHRINK: f64 = 0.5;
 
-/// A believed region may grow by what another one shrinks, and shrink by this factor along each axis.
+/// A believed region may grow by what another one shrinks …
 const GROW: f64 = 1.0 / SHRINK;
+
+/// … and shrink to this share of its width along each axis. Half and twice were not tried.
 const STRONGEST_SHRINK: f64 = 0.15;
 
 /// A region reaches this many standard deviations around its optimum: the truth is inside, whatever the next window

@@ -7,9 +7,12 @@ use crate::swing::{Swing, Window};
 use shared::motion::Pendulum;
 use shared::parameters::base;
 
-/// Moments about the pivot that are tried: so many, up to this factor smaller and larger than the one assumed.
-const TRIED_FACTORS: usize = 48;
+/// Moments about the pivot that are tried are up to this factor smaller and larger than the one assumed. Half and twice were
+/// not tried.
 const FARTHEST_FACTOR: f64 = 4.0;
+
+/// So many are: each is 6 % larger than the one before. Half and twice were not tried.
+const TRIED_FACTORS: usize = 48;
 
 /// Start angles and velocities read off the swings, offset zero.
 pub fn starts(swings: &[Swing]) -> Vec<Start> {

@@ -25,10 +25,14 @@ const ALIKE_CORRELATION: f64 = 0.995;
 /// A number is not identified from this relative standard deviation on.
 pub const UNKNOWN_SHARE: f64 = 0.5;
 
-/// Steps of a profile: each so many times the one before, from this share of what matters.
+/// Steps of a profile: each so many times the one before. Half and twice were not tried, nor of the next two.
 const PROFILE_GROWTH: f64 = 1.25;
-const N_PROFILE: usize = 36;
+
+/// They begin with this share of what matters …
 const PROFILE_FROM: f64 = 0.02;
+
+/// … and are so many: the last one is 0.02 · 1.25³⁵ = 49 times what matters.
+const N_PROFILE: usize = 36;
 
 /// The uncertainty of a model that was fitted to the swings of a problem.
 pub fn uncertainty(on: &Problem, model: &Fitted) -> Uncertainty {
