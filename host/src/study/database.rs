@@ -5,14 +5,20 @@
 //! the transaction ends (write-ahead log, synchronous). Who finds the file locked waits. `application_id` and
 //! `user_version` say whose file it is and which tables it has.
 
+mod error;
 mod files;
+mod recordings;
+mod rigs;
 
 use super::look::Look;
-use super::row::{Key, Number, Origin, Outcome, Row};
-use rusqlite::{Connection, OpenFlags, OptionalExtension, TransactionBehavior, params};
+use super::row::{Key, Origin, Row};
+pub use error::DatabaseError;
+use error::refused;
+use recordings::{put, rows};
+pub use rigs::{Diagnosed, RigRow};
+use rusqlite::{Connection, OpenFlags, TransactionBehavior, params};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use thiserror::Error;
 
 /// Version of the tables.
 pub const VERSION: i32 = 1;
@@ -25,51 +31,6 @@ const SCHEMA: &str = include_str!("schema.sql");
 /// Others write a recording in milliseconds; only what hangs locks the file so long.
 const BUSY: Duration = Duration::from_secs(120);
 
-/// Why a database can't be used.
-#[derive(Debug, Error)]
-pub enum DatabaseError {
-    /// It is not there.
-    #[error("there is no database {}", path.display())]
-    Missing {
-        /// The file.
-        path: PathBuf,
-    },
-    /// A file of something else.
-    #[error("{} is no database of a study", path.display())]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Tables of another version.
-    #[error("{} has version {found} of the tables; this program has {VERSION}", path.display())]
-    Version {
-        /// The file.
-        path: PathBuf,
-        /// As found.
-        found: i32,
-    },
-    /// SQLite or the system refused.
-    #[error("could not use the database {}: {source}", path.display())]
-    Refused {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        source: rusqlite::Error,
-    },
-}
-
-impl DatabaseError {
-    /// What to do next.
-    pub fn next_step(&self) -> &'static str {
-        match self {
-            Self::Missing { .. } => "check its name, or run `host study FOLDER` first",
-            Self::Foreign { .. } => "choose another file with --database",
-            Self::Version { .. } => "use the program that made it, or begin another one with --database",
-            Self::Refused { .. } => "name one with --database in a folder that may be written to and has space",
-        }
-    }
-}
-
 /// An open database.
 #[derive(Debug)]
 pub struct Database {
@@ -77,44 +38,11 @@ pub struct Database {
     path: PathBuf,
 }
 
-/// What was said of a rig; see [`Database::put_rig`].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct RigRow {
-    /// Its folder within the study.
-    pub rig: String,
-    /// SHA-256 of its model file.
-    pub model_hash: String,
-    /// How many recordings it has.
-    pub n_recordings: usize,
-    /// How many of them have a fit.
-    pub n_fitted: usize,
-    /// Mean of Mc and its standard error, N·m.
-    pub coulomb: Option<(f64, f64)>,
-    /// Mean of Mw and its standard error, N·m·s/rad.
-    pub viscous: Option<(f64, f64)>,
-    /// What was found, a sentence each.
-    pub findings: Vec<String>,
-    /// The diagnosis, if there was reason for one.
-    pub diagnosis: Option<Diagnosed>,
-}
-
 /// The file as an address that says that nobody writes to it. Source: "Uniform Resource Identifiers", sqlite.org/uri.html.
 fn unchanging(path: &Path) -> String {
     let escapes = [('%', "%25"), ('?', "%3f"), ('#', "%23")];
     let name = escapes.iter().fold(path.display().to_string(), |name, (sign, escape)| name.replace(*sign, escape));
     format!("file:{name}?immutable=1")
-}
-
-/// A diagnosis of a rig.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Diagnosed {
-    /// Recordings and hashes it was made from.
-    #[serde(skip)]
-    pub from: String,
-    /// Effects that are missing from the model.
-    pub missing: Vec<String>,
-    /// The same in a sentence.
-    pub words: String,
 }
 
 type Result<T> = std::result::Result<T, DatabaseError>;
@@ -271,42 +199,6 @@ impl Database {
     pub fn rows(&self, rig: &str) -> Result<Vec<Row>> {
         rows(&self.connection, rig).map_err(|error| self.told(error))
     }
-
-    /// Writes what is said of a rig.
-    pub fn put_rig(&mut self, row: &RigRow) -> Result<()> {
-        let query = "INSERT OR REPLACE INTO rig VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)";
-        let diagnosis = row.diagnosis.as_ref();
-        let written = self.connection.execute(
-            query,
-            params![
-                row.rig,
-                row.model_hash,
-                super::measure::PROGRAM,
-                row.n_recordings,
-                row.n_fitted,
-                row.coulomb.map(|(mean, _)| mean),
-                row.coulomb.map(|(_, std)| std),
-                row.viscous.map(|(mean, _)| mean),
-                row.viscous.map(|(_, std)| std),
-                row.findings.join("\n"),
-                diagnosis.map(|diagnosis| &diagnosis.from),
-                diagnosis.map(|diagnosis| diagnosis.missing.join(",")),
-                diagnosis.map(|diagnosis| &diagnosis.words),
-            ],
-        );
-        written.map(drop).map_err(|error| self.told(error))
-    }
-
-    /// The diagnosis of a rig, if there is one.
-    pub fn diagnosis(&self, rig: &str) -> Result<Option<Diagnosed>> {
-        let query = "SELECT diagnosed, missing, diagnosis FROM rig WHERE rig = ?1 AND diagnosed IS NOT NULL";
-        let read = |row: &rusqlite::Row| {
-            let missing: String = row.get(1)?;
-            let missing = missing.split(',').filter(|name| !name.is_empty()).map(str::to_owned).collect();
-            Ok(Diagnosed { from: row.get(0)?, missing, words: row.get(2)? })
-        };
-        self.connection.query_row(query, [rig], read).optional().map_err(|error| self.told(error))
-    }
 }
 
 /// The later of two rows counts; of two at once any, but always the same.
@@ -314,115 +206,9 @@ fn rank(row: &Row) -> (&str, &str, &str, &str) {
     (&row.studied, &row.origin.file_hash, &row.origin.model_hash, &row.origin.options)
 }
 
-fn refused(path: &Path, source: rusqlite::Error) -> DatabaseError {
-    match source.sqlite_error_code() {
-        Some(rusqlite::ErrorCode::NotADatabase) => DatabaseError::Foreign { path: path.to_owned() },
-        _ => DatabaseError::Refused { path: path.to_owned(), source },
-    }
-}
-
-const PUT: &str = "INSERT OR REPLACE INTO recording VALUES \
-                   (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)";
-const PUT_NUMBER: &str = "INSERT INTO number VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
-
-fn put(on: &Connection, row: &Row) -> rusqlite::Result<()> {
-    let Row { key, origin, program, studied, recorded, outcome } = row;
-    let found = row.found();
-    on.prepare_cached(PUT)?.execute(params![
-        key.rig,
-        key.recording,
-        origin.file_hash,
-        origin.model_hash,
-        origin.options,
-        program,
-        studied,
-        recorded,
-        outcome.as_ref().err(),
-        found.map(|found| found.n_samples),
-        found.map(|found| found.duration_s),
-        found.map(|found| found.amplitude_rad),
-        found.and_then(|found| found.period_s),
-        found.map(|found| found.noise_rad),
-        found.map(|found| found.error_rad),
-        found.map(|found| &found.left),
-        found.map(|found| found.notes.join("\n")),
-    ])?;
-    on.prepare_cached("DELETE FROM number WHERE rig = ?1 AND recording = ?2")?.execute([&key.rig, &key.recording])?;
-    let mut query = on.prepare_cached(PUT_NUMBER)?;
-    for (place, number) in found.iter().flat_map(|found| &found.numbers).enumerate() {
-        let Number { symbol, effect, unit, value, std, upper, status } = number;
-        query.execute(params![key.rig, key.recording, place, symbol, effect, unit, value, std, upper, status])?;
-    }
-    Ok(())
-}
-
-fn rows(on: &Connection, rig: &str) -> rusqlite::Result<Vec<Row>> {
-    let mut query = on.prepare_cached("SELECT * FROM recording WHERE rig = ?1 ORDER BY recording")?;
-    let mut rows: Vec<Row> = query.query_map([rig], row)?.collect::<rusqlite::Result<_>>()?;
-    let mut query = on.prepare_cached("SELECT * FROM number WHERE rig = ?1 ORDER BY recording, place")?;
-    let mut numbers = query.query([rig])?;
-    let mut at = 0;
-    while let Some(line) = numbers.next()? {
-        let recording: String = line.get("recording")?;
-        at += rows[at..].iter().take_while(|row| row.key.recording < recording).count();
-        if let Some(Row { key, outcome: Ok(outcome), .. }) = rows.get_mut(at)
-            && key.recording == recording
-        {
-            outcome.numbers.push(number(line)?);
-        }
-    }
-    Ok(rows)
-}
-
-fn row(line: &rusqlite::Row) -> rusqlite::Result<Row> {
-    let problem: Option<String> = line.get("problem")?;
-    let outcome = match problem {
-        Some(problem) => Err(problem),
-        None => Ok(outcome(line)?),
-    };
-    Ok(Row {
-        key: Key { rig: line.get("rig")?, recording: line.get("recording")? },
-        origin: Origin {
-            file_hash: line.get("file_hash")?,
-            model_hash: line.get("model_hash")?,
-            options: line.get("options")?,
-        },
-        program: line.get("program")?,
-        studied: line.get("studied")?,
-        recorded: line.get("recorded")?,
-        outcome,
-    })
-}
-
-fn outcome(line: &rusqlite::Row) -> rusqlite::Result<Outcome> {
-    let notes: String = line.get("notes")?;
-    Ok(Outcome {
-        n_samples: line.get("samples")?,
-        duration_s: line.get("duration_s")?,
-        amplitude_rad: line.get("amplitude_rad")?,
-        period_s: line.get("period_s")?,
-        noise_rad: line.get("noise")?,
-        error_rad: line.get("error")?,
-        left: line.get("left_over")?,
-        notes: notes.lines().map(str::to_owned).collect(),
-        numbers: Vec::new(),
-    })
-}
-
-fn number(line: &rusqlite::Row) -> rusqlite::Result<Number> {
-    Ok(Number {
-        symbol: line.get("symbol")?,
-        effect: line.get("effect")?,
-        unit: line.get("unit")?,
-        value: line.get("value")?,
-        std: line.get("std")?,
-        upper: line.get("upper")?,
-        status: line.get("status")?,
-    })
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::row::{Number, Outcome};
     use super::*;
 
     fn row(recording: &str, studied: &str, value: f64) -> Row {
