@@ -10,7 +10,7 @@ use tests::program::{PATIENT, host, path};
 use tests::protocol_page;
 
 /// Pages with code blocks, each run by a test of its own.
-const PAGES: [&str; 24] = [
+const PAGES: [&str; 25] = [
     "README.md",
     "docs/add-a-board.md",
     "docs/add-an-effect.md",
@@ -19,6 +19,7 @@ const PAGES: [&str; 24] = [
     "docs/board-emulator.md",
     "docs/calibration.md",
     "docs/constants.md",
+    "docs/decisions.md",
     "docs/diagnosis.md",
     "docs/performance.md",
     "docs/real.md",
