@@ -1,6 +1,6 @@
 //! Several runs in one file, below each other, in turn or side by side.
 
-use super::{RATE_HZ, Row, check, check_swing, open, plain, swing, swing_from, table, told};
+use super::{RATE_HZ, Row, check, check_refused, check_swing, open, plain, swing, swing_from, table, told};
 use host::recording::{ReadOptions, Run, read_runs_of_bytes};
 
 fn runs(text: &str, wanted: &[&str]) -> Result<Vec<Run>, String> {
