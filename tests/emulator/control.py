@@ -58,10 +58,10 @@ class Control:
 
     # Power, image, processor
 
-    def power(self, on=True):
-        """Power goes and comes back; memory holds noise, and flash what was torn."""
+    def power(self, on=True, keeps_memory=False):
+        """Power goes and comes back; memory holds noise, or what it held if that was short; flash, what was torn."""
         if on:
-            self._chip.power_on()
+            self._chip.power_on(keeps_memory)
 
     def supply(self, mv):
         """The supply's voltage."""

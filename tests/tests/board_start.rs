@@ -76,6 +76,29 @@ fn it_goes_into_the_bootloader_and_comes_back() {
     assert_eq!(board.events_of("fault").count(), 0);
 }
 
+/// By the reset pin it was asked to, as by command; a short power cut, which memory outlasts, is power that came on.
+#[test]
+fn why_it_started_is_told_and_restarts_are_counted_from_when_power_came_on() {
+    let mut board = Emulated::new(&Chip::of(Board::NucleoF446));
+    let told = |board: &mut Emulated| {
+        board.hello();
+        let health = board.statistics().health;
+        (health.cause, health.resets, !health.last_fault.is_empty())
+    };
+    assert_eq!(told(&mut board), (ResetCause::Power, 0, false));
+    board.obey("reset", json!({}));
+    board.run(0.5);
+    assert_eq!(told(&mut board), (ResetCause::Asked, 1, false));
+    board.order(Order::Reset);
+    board.run(0.5);
+    assert_eq!(told(&mut board), (ResetCause::Asked, 2, false));
+    board.obey("jump", json!({ "address": 0xefff_fff0_u32 }));
+    board.run(0.5);
+    assert_eq!(told(&mut board), (ResetCause::HardFault, 3, true));
+    board.obey("power", json!({ "keeps_memory": true }));
+    assert_eq!(told(&mut board), (ResetCause::Power, 0, false));
+}
+
 fn with_crystal() -> Emulated {
     let mut board = Emulated::new(&Chip::of(Board::NucleoF446));
     board.hello();
