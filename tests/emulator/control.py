@@ -87,6 +87,10 @@ class Control:
         """The processor goes on elsewhere, as through a wild pointer."""
         self._chip.core.jump_to(address)
 
+    def stall(self, s):
+        """The processor stands still from here on, as where it needs the flash while that erases; all else goes on."""
+        self._chip.core.stall_until(self._chip.clock.now() + ticks(s))
+
     def stack_above_guard(self, bytes):
         """The stack has grown until so many bytes above what the memory protection closes."""
         ((_, last),) = self._chip.mpu.guarded
