@@ -91,6 +91,12 @@ class Control:
         """The processor stands still from here on, as where it needs the flash while that erases; all else goes on."""
         self._chip.core.stall_until(self._chip.clock.now() + ticks(s))
 
+    def halt(self, s):
+        """A debugger halts the processor and lets it go on; what it has not been told to stop goes on meanwhile."""
+        self.stall(s)
+        if self._chip.debug.stops_watchdog():
+            self._chip.watchdog.wait(ticks(s))
+
     def stack_above_guard(self, bytes):
         """The stack has grown until so many bytes above what the memory protection closes."""
         ((_, last),) = self._chip.mpu.guarded

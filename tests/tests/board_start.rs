@@ -99,6 +99,26 @@ fn why_it_started_is_told_and_restarts_are_counted_from_when_power_came_on() {
     assert_eq!(told(&mut board), (ResetCause::Power, 0, false));
 }
 
+/// Longer than the watchdog waits at its highest speed.
+const HALT_S: f64 = 4.0;
+
+#[test]
+fn a_debugger_that_halts_the_processor_is_not_taken_for_a_program_that_stands_still() {
+    for kind in BOARDS {
+        let mut board = Emulated::new(&Chip { lsi_hz: 47_000, ..Chip::of(kind) });
+        board.hello();
+        board.obey("halt", json!({ "s": HALT_S }));
+        board.run(HALT_S + 0.5);
+        assert_eq!(board.look("resets"), 0.0, "{kind:?}");
+        board.hello();
+        assert_eq!(board.statistics().health.cause, ResetCause::Power, "{kind:?}");
+        // It bites as ever.
+        board.obey("stall", json!({ "s": HALT_S }));
+        board.run(HALT_S);
+        assert_eq!(board.look("resets"), 1.0, "{kind:?}");
+    }
+}
+
 fn with_crystal() -> Emulated {
     let mut board = Emulated::new(&Chip::of(Board::NucleoF446));
     board.hello();
