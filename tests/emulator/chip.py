@@ -71,6 +71,8 @@ class Settings:
     # Level of their protection against reading.
     read_protection: int = 0
     unique_id: bytes = UNIQUE_ID
+    # Of a revision that is not the model's.
+    device_id: int = 0
 
 
 class Chip:

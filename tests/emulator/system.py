@@ -271,7 +271,7 @@ class DebugUnit(Peripheral):
     REGISTERS = {0x0: "IDCODE", 0x4: "CR", 0x8: "APB1_FZ", 0xC: "APB2_FZ"}
 
     def read_IDCODE(self):
-        return self.chip.model.device_id
+        return self.chip.settings.device_id or self.chip.model.device_id
 
     def stops_watchdog(self):
         """Does the independent watchdog wait while a debugger halts the processor (DBG_IWDG_STOP)?"""

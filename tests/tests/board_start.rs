@@ -52,6 +52,20 @@ fn prefetch_and_caches_are_on() {
     }
 }
 
+/// The F405's first revision, as the manual has it and as it says itself: as an STM32F2.
+const FIRST_REVISION: [u32; 2] = [0x1000_6413, 0x2000_6411];
+
+#[test]
+fn the_prefetch_stays_off_on_the_first_revision_of_the_chip() {
+    for id in FIRST_REVISION {
+        let mut board = Emulated::new(&Chip { device_id: Some(id), ..Chip::of(Board::FeatherF405) });
+        board.hello();
+        let last = board.events_of("flash").next_back().expect("the wait states are set").clone();
+        let on = ["prefetch", "instructions", "data"].map(|what| last[what] == true);
+        assert_eq!(on, [false, true, true], "{id:#010x}: {last}");
+    }
+}
+
 #[test]
 fn the_bootloader_can_start_it() {
     for kind in BOARDS {
