@@ -50,6 +50,13 @@ fn write(record: Record) {
     unsafe { addr_of_mut!(RECORD).cast::<Record>().write_volatile(record) }
 }
 
+/// Power came on: whatever memory still holds is of no restart.
+#[cfg(feature = "stm32")]
+pub fn forget() {
+    // SAFETY: as for reading.
+    unsafe { addr_of_mut!(RECORD).cast::<u32>().write_volatile(!MAGIC) }
+}
+
 /// What is known of the time before this start.
 pub struct Before {
     /// Why it restarted, if the program itself knows.

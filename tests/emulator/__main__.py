@@ -52,6 +52,7 @@ def arguments():
     parser.add_argument("--lsi-hz", type=int, default=32_000, help="the watchdog's oscillator, 17 to 47 kHz")
     parser.add_argument("--no-crystal", action="store_true", help="the crystal or the clock from outside is missing")
     parser.add_argument("--unique-id", type=bytes.fromhex, default=Settings.unique_id, help="96 bits, hexadecimal")
+    parser.add_argument("--device-id", type=int, default=0, help="of another revision of the chip")
     parser.add_argument("--seed", type=int, default=1, help="of what memory holds at power-up")
     parser.add_argument("--leave", action="store_true", help="started by the bootloader instead of by power")
     parser.add_argument("--flash", help="what flash holds before the image, from its first byte on")
@@ -73,6 +74,7 @@ def build(options):
         crystal=not options.no_crystal,
         seed=options.seed,
         unique_id=options.unique_id,
+        device_id=options.device_id,
     )
     sources = {"ramp": wiper.ramp, "still": wiper.still, "swing": wiper.swing}
     wiper_shows, encoder_shows = (sources.get(name) or Plant(name) for name in (options.wiper, options.encoder))

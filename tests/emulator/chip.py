@@ -71,6 +71,8 @@ class Settings:
     # Level of their protection against reading.
     read_protection: int = 0
     unique_id: bytes = UNIQUE_ID
+    # Of a revision that is not the model's.
+    device_id: int = 0
 
 
 class Chip:
@@ -180,9 +182,9 @@ class Chip:
         self.tell("download", erased=erased, bytes=[len(data) for _, data in parts])
         self.start_from_bootloader()
 
-    def power_on(self):
-        """RAM holds noise."""
-        for i, ram in enumerate(self.rams):
+    def power_on(self, keeps_memory=False):
+        """RAM holds noise, or still what it held."""
+        for i, ram in enumerate(() if keeps_memory else self.rams):
             ram.noise(self.settings.seed + i)
         self.supply_mv = SUPPLY_MV
         self._reset("power")

@@ -58,10 +58,10 @@ class Control:
 
     # Power, image, processor
 
-    def power(self, on=True):
-        """Power goes and comes back; memory holds noise, and flash what was torn."""
+    def power(self, on=True, keeps_memory=False):
+        """Power goes and comes back; memory holds noise, or what it held if that was short; flash, what was torn."""
         if on:
-            self._chip.power_on()
+            self._chip.power_on(keeps_memory)
 
     def supply(self, mv):
         """The supply's voltage."""
@@ -86,6 +86,16 @@ class Control:
     def jump(self, address):
         """The processor goes on elsewhere, as through a wild pointer."""
         self._chip.core.jump_to(address)
+
+    def stall(self, s):
+        """The processor stands still from here on, as where it needs the flash while that erases; all else goes on."""
+        self._chip.core.stall_until(self._chip.clock.now() + ticks(s))
+
+    def halt(self, s):
+        """A debugger halts the processor and lets it go on; what it has not been told to stop goes on meanwhile."""
+        self.stall(s)
+        if self._chip.debug.stops_watchdog():
+            self._chip.watchdog.wait(ticks(s))
 
     def stack_above_guard(self, bytes):
         """The stack has grown until so many bytes above what the memory protection closes."""

@@ -35,6 +35,11 @@ class Watchdog(Peripheral):
             raise Unmodelled(f"IWDG_KR has no key {value:#x}")
         self._look_again()
 
+    def wait(self, n_ticks):
+        """A debugger has stopped it for so long (RM0090 21.3.3)."""
+        if self.fed_at is not None:
+            self.fed_at += n_ticks
+
     def write_RLR(self, value):
         self.values["RLR"] = value & 0xFFF
         self._look_again()

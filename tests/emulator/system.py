@@ -271,7 +271,11 @@ class DebugUnit(Peripheral):
     REGISTERS = {0x0: "IDCODE", 0x4: "CR", 0x8: "APB1_FZ", 0xC: "APB2_FZ"}
 
     def read_IDCODE(self):
-        return self.chip.model.device_id
+        return self.chip.settings.device_id or self.chip.model.device_id
+
+    def stops_watchdog(self):
+        """Does the independent watchdog wait while a debugger halts the processor (DBG_IWDG_STOP)?"""
+        return bool(self.values["APB1_FZ"] & 1 << 12)
 
 
 def attach(chip):
@@ -283,4 +287,4 @@ def attach(chip):
     chip.mpu = chip.bus.attach(0xE000_ED90, Protection(chip), 0x30)
     chip.bus.attach(0xE000_EDF0, DebugControl(chip), 0x10)
     chip.dwt = chip.bus.attach(0xE000_1000, CycleCounter(chip), 0x1000)
-    chip.bus.attach(0xE004_2000, DebugUnit(chip), 0x10)
+    chip.debug = chip.bus.attach(0xE004_2000, DebugUnit(chip), 0x10)

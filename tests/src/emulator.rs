@@ -46,6 +46,8 @@ pub struct Chip {
     pub left_by_bootloader: bool,
     /// The chip's unique id, 96 bits.
     pub unique_id: Option<[u8; 12]>,
+    /// Number and revision that the chip gives for itself, of another revision than the usual one.
+    pub device_id: Option<u32>,
     /// Seed of what memory holds at power-up.
     pub seed: u64,
 }
@@ -64,6 +66,7 @@ impl Chip {
             crystal: true,
             left_by_bootloader: false,
             unique_id: None,
+            device_id: None,
             seed: 1,
         }
     }
@@ -122,6 +125,9 @@ impl Process {
         command.args(["--read-protection", &chip.read_protection.to_string()]);
         if !chip.protected.is_empty() {
             command.arg("--protect").args(chip.protected.iter().map(ToString::to_string));
+        }
+        if let Some(id) = chip.device_id {
+            command.args(["--device-id", &id.to_string()]);
         }
         if let Some(id) = chip.unique_id {
             command.args(["--unique-id", &hex(&id)]);

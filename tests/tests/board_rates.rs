@@ -1,6 +1,7 @@
 //! The boards' images at other sampling rates: each is made exactly, or the nearest one is reported and kept to.
 #![cfg(unix)]
 
+use firmware::ports::BATCH;
 use serde_json::json;
 use shared::wire::{Answer, Command, Refusal, Settings};
 use tests::chance::Chance;
@@ -159,4 +160,31 @@ fn a_converter_that_overran_is_started_again_once_and_what_it_lost_is_counted() 
     assert_eq!((u64::from(statistics.overruns), statistics.paused), (gaps.n_missing, 0));
     assert!(gaps.n_missing >= N_CHANGES as u64, "{gaps:?}");
     assert_eq!((board.look("converter_starts") - before) as usize, N_CHANGES);
+}
+
+/// Times that the processor stands still, each longer than the converter's ring lasts.
+const N_STALLS: usize = 20;
+const STALL_S: f64 = 0.12;
+
+/// A flash erase stops it wherever it needs its next instruction from there.
+#[test]
+fn of_what_the_converter_did_while_the_processor_stood_still_the_last_samples_are_not_lost() {
+    let mut board = Emulated::new(&Chip::of(Board::NucleoF446));
+    board.hello();
+    let mut chance = Chance::new(13);
+    board.stream(0);
+    for _ in 0..N_STALLS {
+        board.run(chance.within(0.0..2e-3) + 0.05);
+        board.obey("stall", json!({ "s": STALL_S }));
+        board.run(STALL_S);
+    }
+    board.run(0.2);
+    let gaps = stream::check(&board.frames, 1e-3).unwrap();
+    let statistics = board.statistics();
+    println!("{gaps:?}, {} overruns", statistics.overruns);
+    assert_eq!((u64::from(statistics.overruns), statistics.paused), (gaps.n_missing, 0));
+    assert_eq!((statistics.dropped_frames, statistics.health.resets), (0, 0));
+    assert!(gaps.n_missing >= N_STALLS as u64, "{gaps:?}");
+    // Up to the next look, 2 ms, and in whole samples.
+    assert!(gaps.longest as f64 * 1e-3 <= STALL_S - BATCH as f64 * 1e-3 + 3e-3, "{gaps:?}");
 }

@@ -52,6 +52,20 @@ fn prefetch_and_caches_are_on() {
     }
 }
 
+/// The F405's first revision, as the manual has it and as it says itself: as an STM32F2.
+const FIRST_REVISION: [u32; 2] = [0x1000_6413, 0x2000_6411];
+
+#[test]
+fn the_prefetch_stays_off_on_the_first_revision_of_the_chip() {
+    for id in FIRST_REVISION {
+        let mut board = Emulated::new(&Chip { device_id: Some(id), ..Chip::of(Board::FeatherF405) });
+        board.hello();
+        let last = board.events_of("flash").next_back().expect("the wait states are set").clone();
+        let on = ["prefetch", "instructions", "data"].map(|what| last[what] == true);
+        assert_eq!(on, [false, true, true], "{id:#010x}: {last}");
+    }
+}
+
 #[test]
 fn the_bootloader_can_start_it() {
     for kind in BOARDS {
@@ -74,6 +88,49 @@ fn it_goes_into_the_bootloader_and_comes_back() {
     board.obey("leave", json!({}));
     board.hello();
     assert_eq!(board.events_of("fault").count(), 0);
+}
+
+/// By the reset pin it was asked to, as by command; a short power cut, which memory outlasts, is power that came on.
+#[test]
+fn why_it_started_is_told_and_restarts_are_counted_from_when_power_came_on() {
+    let mut board = Emulated::new(&Chip::of(Board::NucleoF446));
+    let told = |board: &mut Emulated| {
+        board.hello();
+        let health = board.statistics().health;
+        (health.cause, health.resets, !health.last_fault.is_empty())
+    };
+    assert_eq!(told(&mut board), (ResetCause::Power, 0, false));
+    board.obey("reset", json!({}));
+    board.run(0.5);
+    assert_eq!(told(&mut board), (ResetCause::Asked, 1, false));
+    board.order(Order::Reset);
+    board.run(0.5);
+    assert_eq!(told(&mut board), (ResetCause::Asked, 2, false));
+    board.obey("jump", json!({ "address": 0xefff_fff0_u32 }));
+    board.run(0.5);
+    assert_eq!(told(&mut board), (ResetCause::HardFault, 3, true));
+    board.obey("power", json!({ "keeps_memory": true }));
+    assert_eq!(told(&mut board), (ResetCause::Power, 0, false));
+}
+
+/// Longer than the watchdog waits at its highest speed.
+const HALT_S: f64 = 4.0;
+
+#[test]
+fn a_debugger_that_halts_the_processor_is_not_taken_for_a_program_that_stands_still() {
+    for kind in BOARDS {
+        let mut board = Emulated::new(&Chip { lsi_hz: 47_000, ..Chip::of(kind) });
+        board.hello();
+        board.obey("halt", json!({ "s": HALT_S }));
+        board.run(HALT_S + 0.5);
+        assert_eq!(board.look("resets"), 0.0, "{kind:?}");
+        board.hello();
+        assert_eq!(board.statistics().health.cause, ResetCause::Power, "{kind:?}");
+        // It bites as ever.
+        board.obey("stall", json!({ "s": HALT_S }));
+        board.run(HALT_S);
+        assert_eq!(board.look("resets"), 1.0, "{kind:?}");
+    }
 }
 
 fn with_crystal() -> Emulated {

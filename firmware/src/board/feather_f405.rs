@@ -33,7 +33,7 @@ use static_cell::StaticCell;
 const CRYSTAL: Hertz = Hertz(12_000_000);
 const WIPER: Input = Input { channel: 4 };
 
-/// The identity that pid.codes lends to tests.
+/// The identity that pid.codes lends to tests. Boards that are sold or given away need their own: docs/add-a-board.md.
 const USB_VENDOR: u16 = 0x1209;
 const USB_PRODUCT: u16 = 0x0001;
 

@@ -28,9 +28,11 @@ pub use sectors::{STORE, Sectors};
 use super::{log, spare, usage};
 use crate::{crash, stack};
 use core::fmt::Write;
+use core::sync::atomic::{AtomicU32, Ordering};
 use defmt_rtt as _;
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::{Level, Output, Pin, Speed};
+use embassy_stm32::pac::rcc::regs::Csr;
 use embassy_stm32::pac::{RCC, UID};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_time::Timer;
@@ -39,11 +41,26 @@ use firmware::spare::Spare;
 use heapless::String;
 use shared::wire::{Chip as Description, Health, ResetCause};
 
+/// Why the chip was reset last, as its flags told at the start (CSR).
+static RESET_FLAGS: AtomicU32 = AtomicU32::new(0);
+
 /// Call it first of all.
 pub fn before_all() {
     bootloader::enter_if_asked();
+    take_reset_flags();
     bootloader::silence();
     watchdog::start();
+}
+
+/// Before anything can go wrong, which the next start would find told by the flags of this one. Memory may outlast a short
+/// power cut, which is no restart.
+fn take_reset_flags() {
+    let flags = RCC.csr().read();
+    RCC.csr().modify(|w| w.set_rmvf(true));
+    if flags.porrstf() || flags.borrstf() {
+        crash::forget();
+    }
+    RESET_FLAGS.store(flags.0, Ordering::Relaxed);
 }
 
 /// The chip's unique number in twelve hexadecimal digits, made as its own bootloader makes them: over USB both show the
@@ -76,10 +93,10 @@ impl System for Chip {
 
     fn since_power_up(&mut self) -> Health {
         let before = crash::before_this_start();
-        let flags = RCC.csr().read();
-        RCC.csr().modify(|w| w.set_rmvf(true));
+        let flags = Csr(RESET_FLAGS.load(Ordering::Relaxed));
+        // Every reset pulls the pin, too: its flag alone says that somebody pressed the button, and so asked.
         let by_hardware = match () {
-            () if flags.porrstf() || flags.borrstf() || !before.warm => ResetCause::Power,
+            () if !before.warm => ResetCause::Power,
             () if flags.wdgrstf() => ResetCause::Watchdog,
             () => ResetCause::Asked,
         };

@@ -105,7 +105,7 @@ fn chip_rows(chip: &Chip) -> Vec<(&'static str, String)> {
 fn cause(cause: ResetCause) -> &'static str {
     match cause {
         ResetCause::Power => "at power-on",
-        ResetCause::Asked => "on request",
+        ResetCause::Asked => "on request: by command, reset button or debug probe",
         ResetCause::Watchdog => "by the watchdog",
         ResetCause::Panic => "after a panic",
         ResetCause::HardFault => "after a hard fault",

@@ -1,6 +1,7 @@
 //! What can go wrong between the program and the rig.
 
 use crate::error::Failure;
+use shared::potentiometer::Potentiometer;
 use shared::wire::{NEWEST_PROTOCOL, Refusal};
 use std::io;
 use thiserror::Error;
@@ -170,6 +171,17 @@ pub enum LinkError {
         /// The sensor.
         sensor: &'static str,
     },
+    /// A calibration that was made with another converter.
+    #[error(
+        "this calibration is for a converter that reads 0 … {}, and the rig's reads 0 … {}", made_for.full_scale,
+        scaled.full_scale
+    )]
+    OtherScale {
+        /// The calibration.
+        made_for: Potentiometer,
+        /// What it comes to on the rig's scale.
+        scaled: Potentiometer,
+    },
     /// Firmware that knows no friction curves.
     #[error("the rig's firmware can't run a friction curve")]
     NoCurves,
@@ -214,6 +226,7 @@ impl LinkError {
             Self::Refused { refusal, .. } => return after_refusal(refusal).to_owned(),
             Self::NoFormulas => "update the firmware, or take the formula out: host improve … --remove custom",
             Self::OldSensors { .. } => "update the rig's firmware: host update --help",
+            Self::OtherScale { scaled, .. } => return for_scale(scaled),
             Self::NoCurves => "update the firmware (host update --help), or push a model without the curve: host improve … \
                                --remove friction-curve",
             Self::UnknownFormula => "update the older of rig and program, or push another model",
@@ -221,6 +234,15 @@ impl LinkError {
         }
         .to_owned()
     }
+}
+
+/// How a calibration comes to another converter.
+fn for_scale(scaled: &Potentiometer) -> String {
+    let Potentiometer { zero_code, radian_per_code, full_scale } = scaled;
+    format!(
+        "host calibrate measures the rig's own; for the same potentiometer, mounted as it was, set zero_code = {zero_code}, \
+         radians_per_code = {radian_per_code} and full_scale = {full_scale} in [sensor] and push again"
+    )
 }
 
 fn after_refusal(refusal: &Refusal) -> &'static str {

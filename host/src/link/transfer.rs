@@ -10,8 +10,12 @@ use shared::curve::Curve;
 use shared::effect::{Action, CURVE_ID, CURVE_NAME, CUSTOM_FORMULA_ID};
 use shared::formula::Formula;
 use shared::parameters::Parameters;
+use shared::potentiometer::Potentiometer;
 use shared::sensor::Sensor;
 use shared::wire::{Answer, Chip, Clock, Command, PROTOCOL, Refusal, SUSPECTS, Settings, Statistics, Suspects};
+
+/// The sensor among the settings, as [`Refusal::Setting`] counts them.
+const SENSOR: u8 = 3;
 
 impl Session {
     /// The parameters in use.
@@ -170,6 +174,9 @@ impl Session {
             Err(LinkError::NoAnswer { .. }) if sensor.protocol() != PROTOCOL => {
                 Err(LinkError::OldSensors { firmware: self.firmware(), sensor: sensor.name() })
             }
+            Err(error @ LinkError::Refused { refusal: Refusal::Setting { index: SENSOR }, .. }) => {
+                Err(other_scale(&sensor, &before.sensor).unwrap_or(error))
+            }
             told => told.map(|()| sensor),
         }
     }
@@ -194,6 +201,19 @@ impl Session {
             Some(((what, sent), got)) => Err(LinkError::NotKept { what: what.to_owned(), sent, got }),
         }
     }
+}
+
+/// The refusal of a potentiometer's calibration because the rig's converter has other codes. Its angles are shares of the
+/// whole, whatever the converter calls that.
+fn other_scale(wanted: &Sensor, rigs: &Sensor) -> Option<LinkError> {
+    let (Sensor::Potentiometer(made_for), Sensor::Potentiometer(rigs)) = (*wanted, rigs) else { return None };
+    let ratio = f64::from(rigs.full_scale) / f64::from(made_for.full_scale);
+    let scaled = Potentiometer {
+        zero_code: (f64::from(made_for.zero_code) * ratio) as f32,
+        radian_per_code: (f64::from(made_for.radian_per_code) / ratio) as f32,
+        full_scale: rigs.full_scale,
+    };
+    (made_for.full_scale != rigs.full_scale).then_some(LinkError::OtherScale { made_for, scaled })
 }
 
 /// Equal to the last bit, or the first value that is not.
@@ -275,6 +295,23 @@ mod tests {
         assert!(error.to_string().starts_with("the rig uses the new model until its power goes"), "{error}");
         let next = error.next_step();
         assert!(next.contains("flash is worn out") && next.contains("host push"), "{next}");
+    }
+
+    #[test]
+    fn a_calibration_of_another_converter_is_refused_with_what_it_comes_to_on_this_one() {
+        let mut session = changed::session(|frame| vec![frame]).unwrap();
+        let foreign = Potentiometer { zero_code: 8000.0, radian_per_code: 0.5e-3, full_scale: 4 * 4095 };
+        let error = session.use_sensor(&foreign.into()).unwrap_err();
+        assert!(error.to_string().contains("0 … 16380, and the rig's reads 0 … 4095"), "{error}");
+        let next = error.next_step();
+        for word in ["host calibrate", "zero_code = 2000,", "radians_per_code = 0.002 ", "full_scale = 4095 "] {
+            assert!(next.contains(word), "{word}: {next}");
+        }
+        let told = Potentiometer { zero_code: 2000.0, radian_per_code: 0.002, full_scale: 4095 };
+        assert_eq!(session.use_sensor(&told.into()).unwrap(), told.into());
+        // What is wrong by itself is not a matter of scale.
+        let nothing = Potentiometer { radian_per_code: 0.0, ..told };
+        assert!(matches!(session.use_sensor(&nothing.into()), Err(LinkError::Refused { .. })));
     }
 
     #[test]

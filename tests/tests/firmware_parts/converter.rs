@@ -96,6 +96,29 @@ fn an_overtaken_reader_skips_whole_samples_and_keeps_the_grid() {
 }
 
 #[test]
+fn a_reader_that_was_overtaken_gives_up_only_what_it_has_to() {
+    // At most so many samples, and no more than the ring still holds behind a quarter that is left to the converter.
+    for (per_sample, most, first_kept) in [(32, 32, 14_976), (4, 32, 15_872), (64, 32, 14_464), (64, 4, 15_744)] {
+        let mut reader = RingReader::<2048>::new(per_sample);
+        assert_eq!(reader.ready(16_000, 16_000 % 2048), Err(Trouble::Overtaken));
+        assert_eq!(reader.skip_overtaken(16_000, most) * per_sample, first_kept, "{per_sample} a sample, {most}");
+        assert_eq!(reader.place(0), first_kept as usize % 2048);
+        assert_eq!(reader.ready(16_000, 16_000 % 2048), Ok(16_000 - first_kept));
+    }
+}
+
+#[test]
+fn a_sample_that_the_converter_wrote_over_while_it_was_being_read_is_noticed() {
+    let mut reader = RingReader::<2048>::new(32);
+    (0..5).for_each(|_| reader.advance());
+    // The next one begins with conversion 160; the 2048th after it goes to the same place.
+    assert_eq!(
+        [200, 2207, 2208, 2209, 16_000].map(|triggers| reader.is_whole(triggers)),
+        [true, true, true, false, false]
+    );
+}
+
+#[test]
 fn a_converter_that_stopped_is_noticed_and_started_again_on_the_grid() {
     let mut reader = RingReader::<2048>::new(32);
     assert_eq!(reader.ready(500, 100), Err(Trouble::Stalled));

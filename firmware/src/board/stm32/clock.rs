@@ -102,14 +102,16 @@ pub fn start() {
     DRIVER.start();
 }
 
-/// The F405 by its number, and its first revision, A, with which the prefetch must stay off (ES0182).
+/// The F405 by its number, and its first revision, A, with which the prefetch must stay off. That one gives the number of
+/// an STM32F2, which has another processor and never runs this (ES0182).
 const F405: u16 = 0x413;
 const REVISION_A: u16 = 0x1000;
+const F2: u16 = 0x411;
 
 /// Flash takes six cycles a word; prefetch and caches hide most of it. The clocks' set-up leaves them off.
 fn use_caches() {
     let chip = DBGMCU.idcode().read();
-    let has_prefetch = (chip.dev_id(), chip.rev_id()) != (F405, REVISION_A);
+    let has_prefetch = chip.dev_id() != F2 && (chip.dev_id(), chip.rev_id()) != (F405, REVISION_A);
     FLASH.acr().modify(|w| {
         w.set_prften(has_prefetch);
         w.set_icen(true);
