@@ -11,7 +11,7 @@ use super::score::{Prediction, predictions};
 use super::search::{Found, search};
 use super::summary::{Diagnosis, Summary};
 use super::verdict::{INDISTINGUISHABLE, Judge};
-use super::widening::{exchanged, narrowed, widened};
+use super::widening::{begun_from_special_cases, exchanged, narrowed, widened};
 use super::{base_problem, candidates, diagnose, levels, zero};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::{Fitted, Stiction};
@@ -576,6 +576,23 @@ fn a_wider_law_is_tried_in_its_usual_form_too() {
     assert_eq!(names(&[with_excess(&problem, &rig(), 1.0), Fitted { cost: 1e3 * wide.cost, ..wide.clone() }]), [""; 0]);
     let both = wide.with(effect("quadratic-drag"), &[DRAG]).unwrap();
     assert_eq!(names(&[Fitted { cost: wide.cost, ..both }]), [""; 0]);
+}
+
+#[test]
+fn a_wider_law_that_lost_its_way_is_begun_from_its_special_case() {
+    let (swings, count) = (with_drag(), Tally::default());
+    let problem = base_problem(&swings, (&rig()).into(), &count);
+    let special = fitted(&problem, &rig_with("quadratic-drag", &[DRAG]));
+    let lost = Fitted { cost: 20.0 * special.cost, ..begun(&problem, &rig_with("power-law-drag", &[DRAG, 0.5])) };
+    let found = begun_from_special_cases(&problem, &[special.clone(), lost.clone()]);
+    assert_eq!(found.iter().map(Fitted::name).collect::<Vec<_>>(), ["power-law-drag"]);
+    assert!(found[0].cost <= special.cost, "{} {}", found[0].cost, special.cost);
+    let n_begun = |level: &[Fitted]| begun_from_special_cases(&problem, level).len();
+    // One that found its way, one alone, one whose special case stands beside another law.
+    let wide = fitted(&problem, &rig_with("power-law-drag", &[DRAG, 2.0]));
+    let worse = Fitted { cost: 2.0 * wide.cost, ..special.clone() };
+    let beside = special.with(effect("torsional-spring"), &[1e-3, 0.0]).unwrap();
+    assert_eq!([n_begun(&[worse, wide]), n_begun(&[lost.clone()]), n_begun(&[beside, lost])], [0; 3]);
 }
 
 #[test]
