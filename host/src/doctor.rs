@@ -13,6 +13,7 @@ pub use system::UDEV_RULE;
 use crate::link::{self, LinkError, SIMULATED, Session};
 use crate::rigfile::RigFile;
 use serde::Serialize;
+use serialport::SerialPortInfo;
 
 /// The answer to one question.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -60,7 +61,7 @@ pub struct Checkup {
 /// taken, if there is exactly one.
 pub fn examine(port: Option<&str>, model: Option<&RigFile>) -> Checkup {
     let ports = system::ports();
-    let port = port.map(str::to_owned).or_else(|| system::only_rig(&ports));
+    let port = chosen(port, &ports);
     let mut findings = match &port {
         Some(name) if is_simulated(name) => vec![Finding::ok("serial port", "none needed for the simulated rig")],
         _ => system::look(&ports, port.as_deref()),
@@ -73,6 +74,15 @@ pub fn examine(port: Option<&str>, model: Option<&RigFile>) -> Checkup {
     }
     let healthy = findings.iter().all(|finding| finding.ok);
     Checkup { port, healthy, findings }
+}
+
+/// The port that would be looked at, if there is one.
+pub fn port(named: Option<&str>) -> Option<String> {
+    chosen(named, &system::ports())
+}
+
+fn chosen(named: Option<&str>, ports: &[SerialPortInfo]) -> Option<String> {
+    named.map(str::to_owned).or_else(|| system::only_rig(ports))
 }
 
 fn is_simulated(port: &str) -> bool {

@@ -6,7 +6,7 @@
 
 pub use crate::action::{Action, Advance, Memory, Sensor, Shake, Support, Torque};
 pub use crate::limits::{MAX_VALUES, MEMORY, SENSOR_MEMORY};
-pub use crate::rules::Rules;
+pub use crate::rules::{Former, Rules};
 
 use crate::real::Real;
 
@@ -85,6 +85,9 @@ pub const CURVE_ID: u16 = 1001;
 
 /// Its name.
 pub const CURVE_NAME: &str = "friction-curve";
+
+/// Ids of laws that are no more, in flash and recordings of earlier versions.
+const FORMER_IDS: [u16; 2] = [19, 23];
 
 /// One adjustable number of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -246,7 +249,7 @@ const fn without_prose_on_the_board<R: Real, const N: usize>(mut all: [Effect<R>
     let mut i = 0;
     while cfg!(target_os = "none") && i < N {
         (all[i].summary, all[i].formula, all[i].source, all[i].experiment) = ("", "", "", "");
-        all[i].generalises = None;
+        (all[i].generalises, all[i].rules.former) = (None, None);
         i += 1;
     }
     all
@@ -272,6 +275,7 @@ const _: () = {
     let mut i = 0;
     while i < all.len() {
         assert!(all[i].id != CUSTOM_FORMULA_ID && all[i].id != CURVE_ID, "this id is reserved");
+        assert!(all[i].id != FORMER_IDS[0] && all[i].id != FORMER_IDS[1], "this id was another law's");
         assert!(all[i].parameters.len() <= MAX_VALUES, "an effect has too many parameters");
         let mut j = i + 1;
         while j < all.len() {

@@ -34,6 +34,18 @@ pub struct Rules {
     pub is_left_to_diagnosis: bool,
     /// So many of its starts, the last ones, are left to the diagnosis for the same reason.
     pub n_starts_left_to_diagnosis: u8,
+    /// Symbols of numbers that its law had under another id; a model file that still has them is refused with what they
+    /// meant.
+    pub former: Option<Former>,
+}
+
+/// Numbers that an effect no longer has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Former {
+    /// Their symbols.
+    pub symbols: &'static [&'static str],
+    /// What they meant.
+    pub meaning: &'static str,
 }
 
 impl Rules {
@@ -52,5 +64,6 @@ impl Rules {
         is_of_pictures: false,
         is_left_to_diagnosis: false,
         n_starts_left_to_diagnosis: 0,
+        former: None,
     };
 }

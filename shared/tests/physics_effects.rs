@@ -202,7 +202,8 @@ fn a_drifting_friction_fades_from_the_release_on() {
         model.friction_torque_nm(&state)
     };
     let plain = loss(&parameters);
-    parameters.set(Effect::<f64>::by_name("drifting-friction").unwrap().id, &[1e-3, 0.0, 2.0]).unwrap();
+    parameters.set_friction(0.0, 2e-3, 1e-3, 0.0);
+    parameters.set(Effect::<f64>::by_name("drifting-friction").unwrap().id, &[-0.5e-3, 0.0, 2.0]).unwrap();
     assert!((loss(&parameters) / plain - 1.0 - (-0.02_f64 / 2.0).exp()).abs() < 1e-12);
     assert!(parameters.values(base::COULOMB).is_some());
 }

@@ -106,6 +106,8 @@ fn a_hidden_effect_is_found_added_and_pushed_and_the_rig_follows_its_pendulum() 
         browser.click("#diagnose").await;
         browser.wait_for("document.querySelectorAll('#candidates li').length > 1").await;
         browser.wait_for(IDLE).await;
+        let words = browser.text("#diagnosis-words").await;
+        assert!(words.contains(" quadratic-drag: seen "), "{words}");
         browser.click("#candidates li:first-child .name").await;
         let explanation = browser.text("#explanation").await;
         assert!(explanation.contains("quadratic-drag") && explanation.contains("torque ="), "{explanation}");

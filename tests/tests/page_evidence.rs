@@ -55,7 +55,7 @@ fn bars_grow_a_name_appears_and_once_it_is_added_the_next_swing_is_not_suspect()
         browser.keep_picture("17-named-while-it-swings").await;
         let told = ended(&browser, "2 releases").await;
         let named = bars(&browser).await;
-        assert!(told.starts_with("The rig itself names what is missing: drifting-friction (Mc1 = ("), "{told}");
+        assert!(told.starts_with("The rig itself names what is missing: drifting-friction (rc = ("), "{told}");
         assert!(!browser.text("#evidence-meaning").await.is_empty());
         assert_eq!(
             (&named[0]["name"], &named[0]["kind"]),
@@ -69,7 +69,7 @@ fn bars_grow_a_name_appears_and_once_it_is_added_the_next_swing_is_not_suspect()
         browser.click("#evidence-bars .claimed .add").await;
         browser.wait_for("document.getElementById('push-dialog').open").await;
         let table = browser.text("#push-table").await;
-        assert!(table.contains("Mc1") && table.contains("absent"), "{table}");
+        assert!(table.contains("rc") && table.contains("absent"), "{table}");
         browser.keep_picture("18-added").await;
         browser.click("#push-yes").await;
         let told = ended(&browser, "3 releases").await;
@@ -82,6 +82,11 @@ fn bars_grow_a_name_appears_and_once_it_is_added_the_next_swing_is_not_suspect()
         browser.keep_picture("19-not-suspect").await;
         keep_for_docs(&browser, "after").await;
         assert_eq!(browser.run("return document.getElementById('failure').hidden").await, true);
+
+        // Paused, a simulated rig lets go anew, whatever the button was called before.
+        browser.click("#listen").await;
+        browser.wait_for("document.getElementById('listen').innerText === 'Let go again'").await;
+        assert_eq!(browser.run("return document.getElementById('again').hidden").await, true);
         browser.close().await;
     });
 }

@@ -28,6 +28,7 @@ pub mod replacement;
 pub mod resemblance;
 pub mod score;
 pub mod search;
+mod seen;
 mod shape;
 mod strength;
 mod summary;

@@ -39,7 +39,7 @@ pub fn scale(unit: &str, pace: f64) -> f64 {
         "N·m·s²/rad²" => 2.0,
         // Between the two, as its exponent is.
         "N·m·(s/rad)^p" => 1.5,
-        "rad/s" => -1.0,
+        "rad/s" | "N·m/s" => -1.0,
         _ => 0.0,
     };
     pace.powf(seconds)

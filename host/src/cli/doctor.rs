@@ -1,7 +1,7 @@
 //! `host doctor`: is everything well between the pendulum and this program?
 
 use super::{output, rig};
-use crate::doctor::{Checkup, Finding, UDEV_RULE, examine};
+use crate::doctor::{Checkup, Finding, UDEV_RULE, examine, port};
 use crate::error::Failure;
 use crate::rigfile::RigFile;
 use clap::Args;
@@ -41,7 +41,9 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     let path = rig::chosen_path(options.rig.as_deref());
     let model = path.map(|path| RigFile::load(&path)).transpose()?;
-    output::say("looking, for about three seconds …");
+    if port(options.port.as_deref()).is_some() {
+        output::say("looking, for about three seconds …");
+    }
     let checkup = examine(options.port.as_deref(), model.as_ref());
     if options.json {
         output::json("doctor", &checkup)
@@ -54,6 +56,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 fn in_words(checkup: &Checkup) -> String {
     let n_to_look = checkup.findings.iter().filter(|finding| !finding.ok).count();
     let end = match (n_to_look, &checkup.port) {
+        (_, None) => "No rig was looked at: there is no port that must be its.".to_owned(),
         (0, _) => "Everything is as it should be.".to_owned(),
         (1, _) => "One thing to look at.".to_owned(),
         (n_to_look, _) => format!("{n_to_look} things to look at."),

@@ -3,7 +3,7 @@
 mod before;
 mod claims;
 
-use self::claims::{seen_on, suspected, unproven};
+use self::claims::{suspected, unproven};
 use super::curve_words;
 use super::table::wrapped;
 use crate::diagnose::value::BASE_TITLE;
@@ -188,7 +188,7 @@ fn claimed(diagnosis: &Diagnosis, name: &str) -> Option<String> {
         lines.push(format!("  shows in:   {} (host compare --report)", evidence.picture));
     }
     let claim = diagnosis.holds_on.iter().find(|claim| claim.effect == name);
-    lines.extend(claim.map(|claim| format!("  holds on:   {}", wrapped(&seen_on(claim), 14))));
+    lines.extend(claim.map(|claim| format!("  holds on:   {}", wrapped(&claim.seen_on(), 14))));
     if effect.rules.is_free_offset {
         lines.push(format!("  put right:  {}", wrapped(PUT_RIGHT, 14)));
     }

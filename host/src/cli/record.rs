@@ -1,6 +1,6 @@
 //! `host record`: a swing from the rig into a file.
 
-use super::values::positive;
+use super::values::patience;
 use super::{interrupt, output, port};
 use crate::error::Failure;
 use crate::link::Session;
@@ -44,10 +44,10 @@ pub(super) struct Options {
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct Patience {
     /// Give up if the pendulum was not let go within so many seconds
-    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value_t = Limits::USUAL.wait_s)]
+    #[arg(long, value_name = "S", value_parser = patience, allow_negative_numbers = true, default_value_t = Limits::USUAL.wait_s)]
     pub(super) wait: f64,
     /// End the recording so many seconds after the release
-    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, default_value_t = Limits::USUAL.limit_s)]
+    #[arg(long, value_name = "S", value_parser = patience, allow_negative_numbers = true, default_value_t = Limits::USUAL.limit_s)]
     pub(super) limit: f64,
 }
 

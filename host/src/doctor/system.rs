@@ -45,7 +45,8 @@ fn seen(ports: &[SerialPortInfo], port: Option<&str>) -> Finding {
     let next = match (port, names.len()) {
         (Some(_), _) => return Finding::ok("serial ports", list),
         (None, 0) => {
-            "no board is attached: plug one in, with a cable that carries data; or try without: host doctor --port sim"
+            "no board shows itself. Plug one in, with a cable that carries data; a new one shows itself only once it has \
+             firmware (docs/board-checks.md, step 1). Without a board: host doctor --port sim"
         }
         (None, _) => "there are several: name the rig's with --port, by its device or its serial number",
     };
@@ -67,7 +68,7 @@ fn described(port: &SerialPortInfo) -> String {
 fn modem_manager() -> Finding {
     let has_rule = RULE_FOLDERS.iter().any(|folder| Path::new(folder).join(RULE_NAME).exists());
     match (is_running("ModemManager"), has_rule) {
-        (false, _) => Finding::ok("ModemManager", "not running"),
+        (false, _) => Finding::ok("ModemManager", "not running: nothing else will talk to a board"),
         (true, true) => Finding::ok("ModemManager", "running, and told by our udev rule to leave the rig alone"),
         (true, false) => Finding::look(
             "ModemManager",

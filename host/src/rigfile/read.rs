@@ -125,8 +125,21 @@ impl Reader<'_> {
         if effect.name == CUSTOM_FORMULA_NAME {
             keys.push(FORMULA_KEY);
         }
+        self.check_former(effect, &name, table)?;
         self.check_keys(&name, table, &keys)?;
         Quantity::all_of_effect(effect).map(|quantity| self.value(table, &name, quantity, knowledge)).collect()
+    }
+
+    /// Numbers of an earlier version meant something else, and so did those of other effects beside them.
+    fn check_former(&self, effect: &Effect<f64>, name: &str, table: &dyn TableLike) -> Result<()> {
+        let Some(former) = effect.rules.former else { return Ok(()) };
+        let Some((key, item)) = table.iter().find(|(key, _)| former.symbols.contains(key)) else { return Ok(()) };
+        let span = table.key(key).and_then(toml_edit::Key::span).or(item.span());
+        let problem = format!(
+            "an earlier version wrote this: {}. Take [{name}] out and fit the recordings anew (host improve)",
+            former.meaning
+        );
+        Err(self.bad(span, &joined(name, key), problem))
     }
 
     /// A number, or a table with the number and what is known of it.

@@ -28,6 +28,15 @@ fn a_fresh_file_reads_back_the_same() {
 }
 
 #[test]
+fn numbers_of_a_law_of_an_earlier_version_are_refused_and_not_misread() {
+    for (name, first) in [("drifting-friction", "Mc1 = 5e-4"), ("general-drift", "Mcg = 5e-4")] {
+        let told = complaint(&format!("{}[effect.{name}]\n{first}\ntau = 9.0\n", paper()));
+        let expected = ["an earlier version", "added friction at the release", "Take", "fit the recordings anew"];
+        assert!(expected.iter().all(|words| told.contains(words)) && told.contains(name), "{told}");
+    }
+}
+
+#[test]
 fn a_persons_comments_survive_an_update() {
     let text = "# my rig\nformat = 1\n[pendulum] # the brass one\nmass = 0.1 # weighed\nlength = 0.2\n\
                 inertia = 0.001\ngravity = 9.81\n[effect.viscous]\n# greased in May\nMw = 1e-4 # guess\n";

@@ -16,7 +16,7 @@ use crate::improve::Step;
 use crate::recording::Measured;
 use crate::rigfile::{Quantity, RigFile};
 use serde::Serialize;
-use shared::effect::{CURVE_NAME, Effect};
+use shared::effect::{CURVE_NAME, CUSTOM_FORMULA_ID, Effect};
 use shared::parameters::Parameters;
 use std::sync::Arc;
 
@@ -35,6 +35,8 @@ pub(super) struct View {
     diagnosis_is_old: bool,
     /// What the diagnosis says of a friction curve, if it offers one.
     curve_words: Option<String>,
+    /// On which parts of the swings each claim of the diagnosis is seen, and why not on the others.
+    seen_words: Vec<String>,
     /// What the diagnosis says of the sensor's zero, where it is off.
     zero_words: Option<String>,
     /// What speaks against recordings, as the command line says it.
@@ -59,6 +61,8 @@ struct ModelView {
     /// None where it is unknown.
     geometry: Option<Geometry>,
     effects: Vec<&'static str>,
+    /// The law that somebody typed, if it has one.
+    typed: Option<&'static str>,
     sliders: Vec<Slider>,
 }
 
@@ -118,6 +122,7 @@ pub(super) fn view(app: &App) -> View {
         diagnosis: state.diagnosis.as_deref().cloned(),
         diagnosis_is_old: is_diagnosis_old(state),
         curve_words: state.diagnosis.as_deref().and_then(curve_words),
+        seen_words: state.diagnosis.as_deref().map_or(Vec::new(), seen_words),
         zero_words: state.diagnosis.as_deref().and_then(Diagnosis::zero_in_words),
         doubts: doubts(state),
         fit: fit(state),
@@ -140,6 +145,10 @@ fn curve_words(diagnosis: &Diagnosis) -> Option<String> {
     diagnosis.curve.as_ref().map(|curve| curve.in_words(diagnosis))
 }
 
+fn seen_words(diagnosis: &Diagnosis) -> Vec<String> {
+    diagnosis.holds_on.iter().map(|claim| format!("{}: {}", claim.effect, claim.seen_on())).collect()
+}
+
 /// Of single recordings first, then of one among the others.
 fn doubts(state: &State) -> Vec<String> {
     let of = |recording: &Arc<super::recordings::Loaded>| -> Vec<String> {
@@ -158,6 +167,7 @@ fn model_view(file: &RigFile, origin: &str) -> ModelView {
         normalised: file.is_normalised(),
         geometry: (!file.is_normalised()).then(|| Geometry::of(&parameters.pendulum)),
         effects: names_of_effects(parameters),
+        typed: effect_of(parameters, CUSTOM_FORMULA_ID).map(|effect| effect.formula),
         sliders: sliders(parameters, |quantity| file.knowledge(quantity).and_then(|knowledge| knowledge.std)),
     }
 }

@@ -66,7 +66,10 @@ impl Scenario {
         mystery("mystery-3", &[("backlash.b", 0.012)]),
         mystery("mystery-4", &[]),
         mystery("mystery-5", &[("detent.Mds", 6e-4), ("detent.Mdc", 4e-4), ("detent.n", 9.0)]),
-        mystery("mystery-6", &[("drifting-friction.Mc1", 5e-4), ("drifting-friction.tau", 9.0)]),
+        mystery(
+            "mystery-6",
+            &[("coulomb.Mc", 1.2124e-3), ("drifting-friction.rc", -5.56e-5), ("drifting-friction.tau", 9.0)],
+        ),
         mystery("mystery-7", &[("asymmetric-coulomb.dM", 2.5e-4)]),
         mystery("mystery-8", &[("eddy-brake.Cb", 9e-4), ("eddy-brake.thb", 0.35), ("eddy-brake.w", 0.15)]),
         mystery(

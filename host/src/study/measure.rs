@@ -9,7 +9,9 @@
 use super::folder::{Rig, path_of};
 use super::row::{Key, Number, Origin, Outcome, Row, word};
 use crate::compare::rms;
+use crate::diagnose::zero_of_rig::off_beyond_friction;
 use crate::fit::identify::{self, Fit, Method};
+use crate::fit::uncertainty::Status;
 use crate::geometry;
 use crate::now;
 use crate::operations::fit::modelled;
@@ -18,6 +20,7 @@ use crate::recording::segment::SegmentOptions;
 use crate::recording::{self, Measured, ReadOptions, Recording};
 use crate::swing::Swing;
 use crate::verdict::Left;
+use shared::effect::Effect;
 use std::path::Path;
 
 /// The program's version, as rows name it.
@@ -82,7 +85,26 @@ fn fitted(rig: &Rig, swing: Swing, mut notes: Vec<String>) -> Result<Outcome, St
     let is_doubtful = quick.left != Left::Noise;
     let careful = is_doubtful.then(|| by(Method::Both).ok()).flatten();
     let fit = careful.filter(|careful| careful.rmse_rad < quick.rmse_rad).unwrap_or(quick);
-    Ok(outcome(&swings[0], &fit, notes))
+    let zero = zero_number(&swings, &fit);
+    let mut outcome = outcome(&swings[0], &fit, notes);
+    outcome.numbers.extend(zero);
+    Ok(outcome)
+}
+
+/// How far the sensor's zero is off, behind the fitted numbers, where it is.
+fn zero_number(swings: &[Swing], fit: &Fit) -> Option<Number> {
+    let (value, std) = off_beyond_friction(swings, fit)?;
+    let effect = Effect::<f64>::with(|rules| rules.is_free_offset).next()?;
+    let parameter = effect.parameters.first()?;
+    Some(Number {
+        symbol: parameter.symbol.to_owned(),
+        effect: effect.name.to_owned(),
+        unit: parameter.unit.to_owned(),
+        value,
+        std: Some(std),
+        upper: None,
+        status: word(&Status::Identified),
+    })
 }
 
 /// The error of a fit and what it leaves. Of a swing that was touched a fit takes the parts; here it counts as a whole, and as
@@ -117,6 +139,21 @@ fn outcome(swing: &Swing, fit: &Fit, notes: Vec<String>) -> Outcome {
 mod tests {
     use super::*;
     use crate::examples::{fit, swing};
+    use crate::rigfile::RigFile;
+    use shared::parameters::Parameters;
+
+    #[test]
+    fn a_zero_that_is_off_is_kept_as_a_number_of_the_recording() {
+        let off = |zero_rad: f64| {
+            let mut swing = swing();
+            swing.angles_rad.iter_mut().for_each(|angle| *angle += zero_rad);
+            let model = RigFile::new(Parameters::paper().pendulum).unwrap();
+            let rig = Rig { name: String::new(), model, model_hash: String::new(), recordings: Vec::new() };
+            fitted(&rig, swing, Vec::new()).unwrap().number("off").map(|number| number.value)
+        };
+        assert!(off(0.05).is_some_and(|off_rad| (off_rad - 0.05).abs() < 2e-3), "{:?}", off(0.05));
+        assert_eq!(off(0.0), None);
+    }
 
     #[test]
     fn an_outcome_holds_the_error_and_the_noise_of_its_fit() {
@@ -125,7 +162,7 @@ mod tests {
         assert_eq!((found.noise_rad, found.error_rad, found.left.as_str()), (1e-3, 3e-3, "missing"));
         assert_eq!((found.n_samples, found.duration_s, found.notes[0].as_str()), (800, 7.99, "cut"));
         // The paper's pendulum takes 0.9 s for a small swing.
-        let p = shared::parameters::Parameters::<f64>::paper().pendulum;
+        let p = Parameters::<f64>::paper().pendulum;
         let small_s = std::f64::consts::TAU * (p.pivot_inertia_kg_m2() / p.gravity_torque_nm()).sqrt();
         assert!((found.period_s.unwrap() / small_s - 1.0).abs() < 0.01, "{found:?}");
     }

@@ -86,6 +86,7 @@ fn of(rig: &RigView, finding: &Finding) -> Markup {
         FindingKind::Pushed => ("unsure", "pushed by hand?"),
         FindingKind::Single => ("unsure", "one swing is off"),
         FindingKind::OtherRig | FindingKind::Twice => ("unsure", "left out"),
+        FindingKind::Zero => ("unsure", "zero is off"),
     };
     card(class, &rig.name, label, &finding.words)
 }

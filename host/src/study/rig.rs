@@ -8,6 +8,7 @@ use super::outlier::{Side, outliers};
 use super::percent::percent;
 use super::row::{Outcome, Row};
 use serde::Serialize;
+use shared::effect::Effect;
 
 /// What is charted: dry friction and viscous friction. Wear changes one of them.
 ///
@@ -119,6 +120,8 @@ pub enum FindingKind {
     OtherRig,
     /// The same recording again.
     Twice,
+    /// The sensor's zero is off.
+    Zero,
 }
 
 impl RigView {
@@ -169,9 +172,32 @@ impl RigView {
             words: format!("{} is left out: {why}", recording(*idx)),
             recording: Some(recording(*idx)),
         }));
+        findings.extend(zero(&self.rows));
         findings.sort_by_key(|finding| finding.kind);
         findings
     }
+}
+
+/// A zero that is off spoils no fit, but whatever runs on the rig.
+fn zero(rows: &[Row]) -> Option<Finding> {
+    let fitted: Vec<&Outcome> = rows.iter().filter_map(Row::found).collect();
+    let zeros: Vec<f64> = fitted.iter().filter_map(|found| Some(found.number(zero_symbol()?)?.value)).collect();
+    let [first, ..] = zeros[..] else { return None };
+    let (low, high) = zeros.iter().fold((first, first), |(low, high), zero| (low.min(*zero), high.max(*zero)));
+    let told = |off_rad: f64| format!("{off_rad:.3} rad ({:.1}°)", off_rad.to_degrees());
+    let range = if told(low) == told(high) { told(low) } else { format!("{} to {}", told(low), told(high)) };
+    let words = format!(
+        "the zero of the sensor is off by {range} in {} of {} recordings: fits take it off, but a rig's observer is wrong by it \
+         until host calibrate puts it right",
+        zeros.len(),
+        fitted.len()
+    );
+    Some(Finding { kind: FindingKind::Zero, words, recording: None })
+}
+
+fn zero_symbol() -> Option<&'static str> {
+    let effect = Effect::<f64>::with(|rules| rules.is_free_offset).next()?;
+    Some(effect.parameters.first()?.symbol)
 }
 
 fn pushed_in_words(row: &Row) -> String {
@@ -359,6 +385,21 @@ pub(crate) mod tests {
         let weighed = Mean::of(&[1.0, 2.0, 3.0], &[Some(0.1); 3], 0.5);
         assert!((weighed.std_error.unwrap() - (1.0_f64 / 3.0 + 1.0).sqrt()).abs() < 1e-12);
         assert_eq!(Mean::of(&[1.0], &[Some(0.1)], 0.5).std_error, Some(0.1));
+    }
+
+    #[test]
+    fn a_zero_that_is_off_is_named_with_its_range_and_how_often() {
+        let off = |row: &mut Row, zero_rad: f64| {
+            let numbers = &mut row.outcome.as_mut().unwrap().numbers;
+            numbers.push(Number { symbol: "off".to_owned(), value: zero_rad, ..numbers[0].clone() });
+        };
+        let mut rows: Vec<Row> = (0..4).map(|k| row(&format!("swing-{k}.csv"), 1.0, 0.01)).collect();
+        assert!(RigView::new("rig", rows.clone()).findings.is_empty());
+        off(&mut rows[0], -0.013);
+        let words = |rows: &[Row]| RigView::new("rig", rows.to_vec()).findings.pop().unwrap().words;
+        assert!(words(&rows).contains("is off by -0.013 rad (-0.7°) in 1 of 4 recordings"), "{}", words(&rows));
+        off(&mut rows[2], 0.02);
+        assert!(words(&rows).contains("-0.013 rad (-0.7°) to 0.020 rad (1.1°) in 2 of 4"), "{}", words(&rows));
     }
 
     #[test]

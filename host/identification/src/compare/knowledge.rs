@@ -41,8 +41,10 @@ pub enum Identifiability {
     Weak,
     /// Next to nothing is known about it.
     Not,
-    /// At its bound: zero within its uncertainty.
+    /// Zero, below which it can't be.
     Zero,
+    /// At another end of its range: it would go on, so that nobody knows how far.
+    AtEnd,
 }
 
 impl Identifiability {
@@ -53,6 +55,7 @@ impl Identifiability {
             Self::Weak => "weak",
             Self::Not => "not identifiable",
             Self::Zero => "zero",
+            Self::AtEnd => "at the end of its range",
         }
     }
 }
@@ -97,9 +100,9 @@ pub struct Known {
 }
 
 impl Known {
-    /// Is it at its lower bound, or below one standard deviation?
+    /// Is it zero, or nearer to it than one standard deviation?
     pub fn is_zero(&self) -> bool {
-        self.verdict == Identifiability::Zero || self.chosen.std.is_some_and(|std| self.chosen.value < std)
+        self.verdict == Identifiability::Zero || self.chosen.std.is_some_and(|std| self.chosen.value.abs() < std)
     }
 
     /// Do the recordings contradict each other?
@@ -254,7 +257,7 @@ fn agreement(alone: &[Estimate]) -> Option<f64> {
 
 fn verdict(number: &Number, problem: &Problem) -> Identifiability {
     if number.status == Status::AtBound {
-        return Identifiability::Zero;
+        return if number.value == 0.0 { Identifiability::Zero } else { Identifiability::AtEnd };
     }
     // The inertia about the centre is a small part of the one about the pivot, which the period tells.
     let size = match number.unknown.quantity {
@@ -329,6 +332,21 @@ mod tests {
         assert_eq!(part.unknowns, problem.unknowns[1..]);
         assert_eq!((left.values, left.starts), (vec![2e-3], vec![start]));
         assert_eq!(problem.unknowns[0].get(&part.template), 3e-4);
+    }
+
+    #[test]
+    fn what_lies_at_an_end_that_is_not_zero_is_not_called_zero() {
+        let (count, swings) = (Tally::default(), [swing("one", NOISE_RAD, 1)]);
+        let problem = problem_of(&swings, KnownRig::from(&rig(VISCOUS)), &count);
+        let at = |name: &str, index: usize, value: f64| {
+            let effect = shared::effect::Effect::by_name(name).unwrap();
+            let unknown = Unknown::of_effect(effect, index, &problem.template);
+            verdict(&Number { unknown, value, std: None, status: Status::AtBound, upper: None }, &problem).words()
+        };
+        assert_eq!(at("coulomb", 0, 0.0), "zero");
+        assert_eq!([at("power-law-drag", 1, 0.25), at("detent", 2, 60.0)], ["at the end of its range"; 2]);
+        let negative = Known { chosen: Estimate { value: -1.0, std: Some(0.01) }, ..known([-1.0; 3], 0.5) };
+        assert!(!negative.is_zero());
     }
 
     #[test]

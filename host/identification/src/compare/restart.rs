@@ -214,8 +214,9 @@ mod tests {
 
     #[test]
     fn friction_that_fades_does_not_begin_anew_with_each_swing() {
-        let mut truth = rig(VISCOUS);
-        truth.set(Effect::<f64>::by_name("drifting-friction").unwrap().id, &[0.0, 4.0 * VISCOUS, 1.5]).unwrap();
+        let mut truth = rig(5.0 * VISCOUS);
+        let fades = [0.0, -4.0 * VISCOUS / 1.5, 1.5];
+        truth.set(Effect::<f64>::by_name("drifting-friction").unwrap().id, &fades).unwrap();
         let model = Model::new(&truth);
         let mut state = model.release(0.3, 0.0);
         let times_s: Vec<f64> = (0..1600).map(|i| f64::from(i) / 200.0).collect();

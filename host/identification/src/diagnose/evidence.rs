@@ -32,6 +32,10 @@ const WANDERS: f64 = 2.0;
 /// the speed and with it the loss a little, a drag hardly the period.
 const LOSS_PER_PERIOD: f64 = 10.0;
 
+/// Friction that grows may end a wide swing at once by the end of the longest one: told is the latest of its half, its quarter
+/// and so on at which it does not.
+const HALVINGS: i32 = 6;
+
 /// What one effect does.
 #[derive(Clone, Debug, Serialize)]
 pub struct Evidence {
@@ -73,14 +77,19 @@ pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence
         let [with, without] = both(0.0);
         let (with, without) = (with?, without?);
         let (found, early_j) = (compared(effect, measured, amplitude_rad, &with, &without), with.lost_j);
-        let ages = effect.family == Family::Time;
-        if !ages && !is_of_the_sensor(effect) {
+        if effect.family == Family::Time {
+            let of_late = |time_s: f64| {
+                let [late, late_without] = both(time_s);
+                let (late, late_without) = (late?, late_without?);
+                let told = compared(effect, measured, amplitude_rad, &late, &late_without);
+                Some(told.ageing(late.lost_j / early_j, time_s))
+            };
+            return (0..HALVINGS).find_map(|n| of_late(longest_s * 0.5_f64.powi(n))).or(Some(found));
+        }
+        if !is_of_the_sensor(effect) {
             return Some(found);
         }
         let [late, late_without] = both(longest_s);
-        if !is_of_the_sensor(effect) {
-            return Some(found.ageing(late.map_or(0.0, |late| late.lost_j) / early_j, longest_s));
-        }
         let late_rad = late.zip(late_without).map_or(0.0, |(with, without)| {
             // The first readings: both motions begin alike there.
             (with.readings_rad[0] - without.readings_rad[0]).abs()
@@ -121,15 +130,11 @@ fn period(parameters: &Parameters<f64>, measured: Measured, amplitude_rad: f64, 
 }
 
 impl Evidence {
-    /// The same of a friction that changes with time: so many times as much is lost at the end of the longest swing, if it still
-    /// swings so far then.
-    fn ageing(self, times: f64, longest_s: f64) -> Self {
-        if times <= 0.0 {
-            return self;
-        }
+    /// The same of a friction that changes with time: so many times as much is lost so long after the release.
+    fn ageing(self, times: f64, after_s: f64) -> Self {
         let at = angle(self.amplitude_rad);
         let words = format!(
-            "at {at} rad amplitude it makes the pendulum lose {times:.2} times as much energy {longest_s:.0} s after the release \
+            "at {at} rad amplitude it makes the pendulum lose {times:.2} times as much energy {after_s:.0} s after the release \
              as just behind it"
         );
         Self { words, ..self }
@@ -252,14 +257,19 @@ mod tests {
             parameters.set_friction(0.0, dry_nm, dry_nm, 0.0);
             parameters
         };
-        // 3 mN·m that come to 6 in a straight line of 300 s, of which 100 s have passed: 4. A swing that loses more also becomes smaller.
-        let mut grows = truth(6e-3);
+        // 3 mN·m that grow along a straight line: 4 after 100 s. A swing that loses more also becomes smaller.
+        let mut grows = truth(3e-3);
         let effect = Effect::<f64>::by_name("general-drift").unwrap();
-        grows.set(effect.id, &[-3e-3, 0.0, 300.0, -1.0]).unwrap();
+        grows.set(effect.id, &[1e-5, 0.0, 300.0, -1.0]).unwrap();
         let swings = [Swing::new("growing", &[0.0, 50.0, 100.0], &[1.4, 1.3, 1.1], 1e-4)];
         let count = Tally::default();
         let found = evidence(&problem_of(&swings, &grows, &count), &grows).remove(0);
         assert!(found.words.contains("lose 1.3") && found.words.contains("100 s after the release"), "{found:?}");
+        assert!(found.picture.starts_with("Energy lost") && (0.2..0.3).contains(&found.loss_share), "{found:?}");
+        // So strong in the end that no swing of this size is whole.
+        grows.set(effect.id, &[3e-3, 0.0, 300.0, -1.0]).unwrap();
+        let found = evidence(&problem_of(&swings, &grows, &count), &grows).remove(0);
+        assert!(found.words.contains("times as much energy") && !found.words.contains("100 s after"), "{found:?}");
     }
 
     #[test]

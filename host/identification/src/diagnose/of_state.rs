@@ -196,7 +196,9 @@ mod tests {
         }
         let scale = said(0.99, 0.97, &[1.2, 0.8]);
         assert!(
-            scale.kind == Kind::LawOrScale && scale.words.contains("or the scale of the sensor"),
+            scale.kind == Kind::LawOrScale
+                && scale.words.contains("or the scale of the sensor")
+                && scale.words.contains("Either does it alone"),
             "{}",
             scale.words
         );

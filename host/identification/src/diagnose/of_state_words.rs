@@ -26,8 +26,9 @@ impl OfState {
         let said = match self.kind {
             Kind::Law => format!("A law of the motion is missing: {removes}."),
             Kind::LawOrScale => format!(
-                "A law of the motion is missing, or the scale of the sensor or the camera is not even: {removes}, and \
-                 an error of the readings {reading}."
+                "A law of the motion is missing, or the scale of the sensor or the camera is not even: {removes}; in its \
+                 place an error of the readings would remove {reading}. Either does it alone, and these swings can't \
+                 tell which."
             ),
             Kind::Elsewhere => format!("No law of the motion would explain the rest: {removes}. {}", self.elsewhere()),
             Kind::Undecided => format!("Whether a law of the motion is missing can't be told: {removes}."),

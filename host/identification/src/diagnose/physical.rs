@@ -53,16 +53,19 @@ fn is_sure(problem: &Problem, model: &Fitted, id: u16, index: usize) -> bool {
 /// Does friction brake everywhere on the way? Dry friction, which is all there is at low speed, must not hide behind
 /// the drag of high speeds.
 fn brakes_everywhere(problem: &Problem, model: &Fitted, amplitude_rad: f64) -> bool {
-    let brakes = |shares: &[f64]| brakes_at(problem, model, amplitude_rad, shares);
-    brakes(&[-1.0, -0.5, 0.5, 1.0]) && brakes(&[-0.02, 0.02])
+    let (longest_s, slow) = (problem.longest_s(), [-0.02, 0.02]);
+    let begins = [0.0, 0.3 * longest_s];
+    let brakes = |times_s: &[f64], shares: &[f64]| brakes_at(model, amplitude_rad, times_s, shares);
+    // In the end the swings are small, and slow.
+    brakes(&begins, &[-1.0, -0.5, 0.5, 1.0]) && brakes(&begins, &slow) && brakes(&[0.0, longest_s], &slow)
 }
 
-/// The same at these shares of the speed that the pendulum may have at each place.
-fn brakes_at(problem: &Problem, model: &Fitted, amplitude_rad: f64, shares: &[f64]) -> bool {
+/// The same at these times, and at these shares of the speed that the pendulum may have at each place.
+fn brakes_at(model: &Fitted, amplitude_rad: f64, times_s: &[f64], shares: &[f64]) -> bool {
     let pendulum = model.parameters.pendulum;
     let natural = (pendulum.gravity_torque_nm() / pendulum.pivot_inertia_kg_m2()).sqrt();
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-    for time_s in [0.0, 0.3 * problem.longest_s()] {
+    for &time_s in times_s {
         for place in -N_GRID..=N_GRID {
             let angle_rad = 0.9 * amplitude_rad * f64::from(place) / f64::from(N_GRID);
             let fastest = natural * (amplitude_rad.powi(2) - angle_rad.powi(2)).sqrt();
@@ -183,5 +186,20 @@ mod tests {
             is_sound(problem, &model)
         };
         assert!(!with_drag(2e-4, reversed));
+    }
+
+    #[test]
+    fn friction_that_would_drive_the_pendulum_before_the_swing_ends_is_none() {
+        let fading_by = |rate_nm_s: f64| {
+            with_drag(0.0, |problem, model| {
+                let mut model = model.clone();
+                model.parameters.set_friction(0.0, 1e-3, 0.0, 0.0);
+                let drift = Effect::<f64>::by_name("drifting-friction").unwrap();
+                model.parameters.set(drift.id, &[-rate_nm_s, 0.0, 300.0]).unwrap();
+                is_sound(problem, &model)
+            })
+        };
+        // 1 mN·m, of which half and twice are gone after the two seconds of the swing.
+        assert_eq!([fading_by(2.5e-4), fading_by(1e-3)], [true, false]);
     }
 }

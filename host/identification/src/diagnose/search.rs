@@ -7,7 +7,7 @@ use super::models::{
     worth_all_samples,
 };
 use super::physical::is_sound;
-use super::widening::{narrowed, widened};
+use super::widening::{begun_from_special_cases, narrowed, widened};
 use crate::cores::on_all_cores;
 use crate::fit::descent::{Termination, Tolerance};
 use crate::fit::fitted::{Fitted, Stiction};
@@ -149,7 +149,9 @@ fn next_level(
 ) -> Vec<Fitted> {
     let mut found = found_roughly(rough, beam, candidates, budget);
     found.extend(narrowed(rough, &found));
+    found.extend(begun_from_special_cases(rough, &found));
     sort(&mut found);
+    drop_doubles(&mut found);
     if budget.allows_more() {
         found.extend(widened(rough, &found));
         sort(&mut found);

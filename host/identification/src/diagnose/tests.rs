@@ -11,7 +11,7 @@ use super::score::{Prediction, predictions};
 use super::search::{Found, search};
 use super::summary::{Diagnosis, Summary};
 use super::verdict::{INDISTINGUISHABLE, Judge};
-use super::widening::{exchanged, narrowed, widened};
+use super::widening::{begun_from_special_cases, exchanged, narrowed, widened};
 use super::{base_problem, candidates, diagnose, levels, zero};
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::{Fitted, Stiction};
@@ -27,7 +27,7 @@ use crate::swing::{Swing, Window};
 use crate::verdict::Left;
 use shared::effect::{Effect, MAX_VALUES};
 use shared::model::Model;
-use shared::parameters::Parameters;
+use shared::parameters::{Parameters, base};
 use std::time::Instant;
 
 pub(crate) const NOISE_RAD: f64 = 5e-4;
@@ -344,10 +344,16 @@ fn what_is_missing_promises_most_and_is_fitted_in_its_place() {
     // A spring stands for the drag as badly as nothing at all.
     let spring = fitted(&problem, &rig_with("torsional-spring", &[0.0, 0.0]));
     let replacements = Replacements { problem: &problem, rough: &rough, candidates: &candidates, known: &[] };
-    let found = replacements.of(&spring, |_| base.evaluated(&rough));
-    assert!(found[0].cost < 0.5 * base.cost);
-    // Three are fitted: of these the drifting friction drives the pendulum. The brake would come next.
-    assert_eq!(found.iter().map(Fitted::name).collect::<Vec<_>>(), ["quadratic-drag", "power-law-drag"]);
+    let found = |replacements: Replacements| replacements.of(&spring, |_| base.evaluated(&rough));
+    let names = |found: &[Fitted]| found.iter().map(Fitted::name).collect::<Vec<_>>();
+    let three = found(replacements);
+    assert!(three[0].cost < 0.5 * base.cost);
+    // Three are fitted. The brake would come next.
+    assert_eq!(names(&three), ["quadratic-drag", "power-law-drag", "drifting-friction"]);
+    // Dry friction that differs by more than there is drives the pendulum one way.
+    let candidates = ["quadratic-drag", "asymmetric-coulomb"].map(effect);
+    let sound = found(Replacements { problem: &problem, rough: &rough, candidates: &candidates, known: &[] });
+    assert_eq!(names(&sound), ["quadratic-drag"]);
 }
 
 #[test]
@@ -526,9 +532,16 @@ fn the_zero_that_is_missing_has_a_value() {
     assert_eq!(added.unwrap_err(), ChangeError::Free { name: "angle-offset" });
 }
 
+/// The paper's rig without stiction, with more viscous friction (N·m·s/rad) that fades within six seconds.
+fn with_fading(viscous: f64) -> Parameters<f64> {
+    let mut truth = rig_with("drifting-friction", &[0.0, -viscous / 6.0, 6.0]);
+    truth.effects.iter_mut().find(|effect| effect.id == base::VISCOUS).unwrap().values[0] += viscous;
+    truth
+}
+
 #[test]
 fn one_release_cant_tell_a_friction_that_fades_from_a_drag() {
-    let truth = rig_with("drifting-friction", &[0.0, 6e-4, 6.0]);
+    let truth = with_fading(6e-4);
     let one = [simulated("one", &truth, 20.0, 1)];
     let found = diagnose(&one, &[], &rig());
     let told = |name: &str| found.verdict.contains(&name) || found.undecided.contains(&name);
@@ -538,7 +551,7 @@ fn one_release_cant_tell_a_friction_that_fades_from_a_drag() {
 
 #[test]
 fn where_nothing_is_left_either_one_release_cant_tell_them_apart() {
-    let truth = rig_with("drifting-friction", &[0.0, 2e-4, 6.0]);
+    let truth = with_fading(2e-4);
     let one = [simulated("one", &truth, 12.0, 1)];
     let found = diagnose(&one, &[], &rig());
     assert_eq!(found.left, Left::Noise);
@@ -563,6 +576,23 @@ fn a_wider_law_is_tried_in_its_usual_form_too() {
     assert_eq!(names(&[with_excess(&problem, &rig(), 1.0), Fitted { cost: 1e3 * wide.cost, ..wide.clone() }]), [""; 0]);
     let both = wide.with(effect("quadratic-drag"), &[DRAG]).unwrap();
     assert_eq!(names(&[Fitted { cost: wide.cost, ..both }]), [""; 0]);
+}
+
+#[test]
+fn a_wider_law_that_lost_its_way_is_begun_from_its_special_case() {
+    let (swings, count) = (with_drag(), Tally::default());
+    let problem = base_problem(&swings, (&rig()).into(), &count);
+    let special = fitted(&problem, &rig_with("quadratic-drag", &[DRAG]));
+    let lost = Fitted { cost: 20.0 * special.cost, ..begun(&problem, &rig_with("power-law-drag", &[DRAG, 0.5])) };
+    let found = begun_from_special_cases(&problem, &[special.clone(), lost.clone()]);
+    assert_eq!(found.iter().map(Fitted::name).collect::<Vec<_>>(), ["power-law-drag"]);
+    assert!(found[0].cost <= special.cost, "{} {}", found[0].cost, special.cost);
+    let n_begun = |level: &[Fitted]| begun_from_special_cases(&problem, level).len();
+    // One that found its way, one alone, one whose special case stands beside another law.
+    let wide = fitted(&problem, &rig_with("power-law-drag", &[DRAG, 2.0]));
+    let worse = Fitted { cost: 2.0 * wide.cost, ..special.clone() };
+    let beside = special.with(effect("torsional-spring"), &[1e-3, 0.0]).unwrap();
+    assert_eq!([n_begun(&[worse, wide]), n_begun(&[lost.clone()]), n_begun(&[beside, lost])], [0; 3]);
 }
 
 #[test]

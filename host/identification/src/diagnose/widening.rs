@@ -42,6 +42,30 @@ pub(super) fn narrowed(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
     narrow.into_iter().flatten().filter(|model| is_sound(rough, model)).collect()
 }
 
+/// Models of a level with a law in its wider form that cost more than the same with its special case, begun anew from the
+/// numbers of that: from its own starts a wider law may end in a side valley, and would be told as one that explains less. Those
+/// that follow their special case were begun from it.
+pub(super) fn begun_from_special_cases(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
+    let of_law = |model: &Fitted, wide: &'static Effect<f64>| -> Option<Fitted> {
+        let (at, value) = wide.rules.special_case_at.filter(|_| !wide.rules.follows_special_case)?;
+        let special = Effect::by_name(wide.generalises?).filter(|special| !model.has(special.name))?;
+        let is_it = |known: &&Fitted| {
+            known.effects.len() == model.effects.len()
+                && known.has(special.name)
+                && model.effects.iter().all(|other| other.id == wide.id || known.has(other.name))
+        };
+        let best = level.iter().filter(is_it).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let mut values = wide.starts[0];
+        values[usize::from(at)] = value;
+        let begun = exchanged(best, special, wide, values).filter(|_| best.cost < model.cost)?;
+        Some(begun.refined(rough, Band::Held, Tolerance::SCREEN))
+    };
+    let of_model =
+        |model: &Fitted| model.effects.iter().filter_map(|wide| of_law(model, wide)).collect::<Vec<Fitted>>();
+    let begun = on_all_cores(level, of_model);
+    begun.into_iter().flatten().filter(|model| is_sound(rough, model)).collect()
+}
+
 /// A model whose error is this share of the motion is late by up to a sixth of a radian in the end, where first-order answers err
 /// by a tenth. A spring that hardens, before a gyroscope, is found only so, at 0.22; with none, another pair of laws was missed
 /// for the time it takes. Half and twice were not tried.

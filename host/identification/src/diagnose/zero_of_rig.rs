@@ -21,7 +21,7 @@ pub fn held_off_rad(parameters: &Parameters<f64>) -> f64 {
 
 /// What a fit says of the zero of the rig whose swings these are, for a person; `None` where it is as right as it can be.
 pub fn words(swings: &[Swing], fit: &Fit) -> Option<String> {
-    let off_rad = off_beyond_friction(swings, fit)?;
+    let (off_rad, _) = off_beyond_friction(swings, fit)?;
     let degrees = off_rad.to_degrees();
     Some(format!(
         "the zero of the sensor is off by {off_rad:.3} rad ({degrees:.1}°): the fit takes it off, but a rig's observer is \
@@ -29,7 +29,8 @@ pub fn words(swings: &[Swing], fit: &Fit) -> Option<String> {
     ))
 }
 
-fn off_beyond_friction(swings: &[Swing], fit: &Fit) -> Option<f64> {
+/// How far it is off (rad) and the standard deviation of that, where friction does not hold the pendulum so far off.
+pub fn off_beyond_friction(swings: &[Swing], fit: &Fit) -> Option<(f64, f64)> {
     let held_rad = held_off_rad(&fit.parameters);
     // All that follows takes a while, and a zero that is right needs none of it.
     if fit.starts.iter().any(|start| start.offset_rad.abs() <= held_rad) {
@@ -39,7 +40,7 @@ fn off_beyond_friction(swings: &[Swing], fit: &Fit) -> Option<f64> {
     let problem = problem_of(swings, fit.rig(), &count).without_stiction();
     let point = Point { values: problem.template_values(), starts: fit.starts.clone() };
     let model = Fitted::at(&problem, &point).evaluated(&problem);
-    zero::off_rad(&problem, &model).map(|(off_rad, _)| off_rad).filter(|off_rad| off_rad.abs() > held_rad)
+    zero::off_rad(&problem, &model).filter(|(off_rad, _)| off_rad.abs() > held_rad)
 }
 
 #[cfg(test)]

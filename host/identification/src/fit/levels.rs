@@ -121,7 +121,9 @@ fn part(effect: &Effect<f64>, unit: &str) -> Option<Part> {
     let is_friction = matches!(effect.action, Action::Base | Action::Friction(_) | Action::Formula(_));
     match unit {
         _ if !is_friction => None,
-        "N·m" | "m" => Some(Part::Dry),
+        // N·m/s and N·m/rad are what dry and viscous friction grow by in a second.
+        "N·m" | "m" | "N·m/s" => Some(Part::Dry),
+        "N·m/rad" => Some(Part::Speed),
         _ if unit.starts_with("N·m") && unit.contains('s') => Some(Part::Speed),
         _ => None,
     }
@@ -147,10 +149,13 @@ mod tests {
     fn coulomb_and_stiction_are_dry_and_drags_are_not() {
         let mut parameters = Parameters::paper();
         parameters.set(10, &[1e-5]).unwrap();
+        let drift = Effect::<f64>::by_name("drifting-friction").unwrap().id;
+        parameters.set(drift, &[1e-5, 1e-6, 10.0]).unwrap();
         let before = parameters.clone();
         scale(&mut parameters, 1.1, 0.8);
         let factor = |id: u16, index: usize| parameters.values(id).unwrap()[index] / before.values(id).unwrap()[index];
-        for (id, index, expected) in [(1, 0, 0.8), (2, 0, 1.1), (3, 0, 1.1), (3, 1, 1.0), (10, 0, 0.8)] {
+        let of_base = [(1, 0, 0.8), (2, 0, 1.1), (3, 0, 1.1), (3, 1, 1.0), (10, 0, 0.8)];
+        for (id, index, expected) in of_base.into_iter().chain([(drift, 0, 1.1), (drift, 1, 0.8), (drift, 2, 1.0)]) {
             assert!((factor(id, index) - expected).abs() < 1e-12, "{id} {index}: {}", factor(id, index));
         }
     }

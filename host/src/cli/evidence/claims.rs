@@ -1,8 +1,7 @@
 //! Claims in words: what is suspected, what was dropped and why, and on which parts of the swings one holds.
 
 use crate::cli::table::wrapped;
-use crate::compare::pictures::short_name;
-use crate::diagnose::holds::{ALPHA, Part};
+use crate::diagnose::holds::ALPHA;
 use crate::diagnose::{Diagnosis, Holding, Standing};
 
 /// Why what stands beside a law that explains much more is not claimed.
@@ -91,24 +90,6 @@ fn chance(claim: &Holding) -> String {
 
 fn probability(p: f64) -> String {
     if p < 1e-2 { format!("{p:.0e}") } else { format!("{p:.2}") }
-}
-
-/// On which parts a claimed effect is seen.
-pub(super) fn seen_on(claim: &Holding) -> String {
-    let named = |is_meant: &dyn Fn(&Part) -> bool| {
-        let names: Vec<&str> =
-            claim.parts.iter().filter(|part| is_meant(part)).map(|part| short_name(&part.name)).collect();
-        (!names.is_empty()).then(|| names.join(", "))
-    };
-    let mut words = match named(&|part| part.seen == Some(true)) {
-        Some(parts) => format!("seen {parts}"),
-        None => "on no part alone".to_owned(),
-    };
-    let undecided = |is_measured: bool| move |part: &Part| part.seen.is_none() && part.std.is_some() == is_measured;
-    words += &named(&undecided(true)).map_or(String::new(), |parts| format!("; can't be told {parts}"));
-    words += &named(&undecided(false)).map_or(String::new(), |parts| format!("; too few windows alone {parts}"));
-    words += &named(&|part| part.seen == Some(false)).map_or(String::new(), |parts| format!("; not seen {parts}"));
-    words
 }
 
 #[cfg(test)]

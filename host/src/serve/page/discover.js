@@ -67,8 +67,7 @@ function showWords() {
     : found.zero_is_doubtful ? "fitted, which these swings don't prove to be off," : null;
   const zero = putRight ? ` With the sensor's zero ${putRight} it leaves ${mrad(found.rmse_after)}.${state.zero_words ? ` ${state.zero_words}` : ''}` : '';
   const hasNoLaw = found.staircase.length === 1;
-  const seenOn = (claim) => claim.parts.filter((part) => part.seen).map((part) => part.name).join(', ') || 'no part alone';
-  const held = found.holds_on.map((claim) => ` ${claim.effect} is seen on ${seenOn(claim)}.`).join('');
+  const held = state.seen_words.map((words) => ` ${words}.`).join('');
   const touched = found.touches.map((touch) => `Something touched the pendulum at ${touch.time_s.toFixed(2)} s of ${touch.recording}, or its time jumped there: only the longer part of that swing is looked at here. `).join('');
   const driven = found.driven.length ? `The swings of ${found.driven.join(', ')} don't become smaller: a motor or a hand drives them, and what follows says nothing of this pendulum. ` : '';
   const lost = found.follows ? '' : `The model does not follow these swings at all: it leaves ${mrad(found.rmse_after)}. Did nothing touch or drive it, and are unit, zero and geometry right? `;

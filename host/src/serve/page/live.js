@@ -60,8 +60,10 @@ export function show(state) {
   rig = state.rig;
   const connected = rig.firmware !== null;
   byId('listen').disabled = !connected || rig.recording !== null;
-  byId('listen').textContent = rig.listening ? 'Pause' : 'Go on';
-  byId('again').hidden = !connected || !rig.simulated || rig.recording !== null;
+  // The simulated pendulum is let go anew whenever it is listened to.
+  const goesOn = rig.simulated ? 'Let go again' : 'Go on';
+  byId('listen').textContent = rig.listening ? 'Pause' : goesOn;
+  byId('again').hidden = !connected || !rig.simulated || !rig.listening || rig.recording !== null;
   byId('record').disabled = !connected;
   byId('record').textContent = rig.recording ? 'Stop recording' : 'Record a swing';
   const ports = byId('port');
