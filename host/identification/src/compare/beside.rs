@@ -145,7 +145,7 @@ fn has_more_than_noise(recordings: &[Judged]) -> bool {
 
 /// The same, each run begun where a fit to the recordings begins it if that leaves less: what it begins with beside its start, such
 /// as the play of a sensor, may hide a better one.
-fn begun_as_fitted(
+pub(super) fn begun_as_fitted(
     measurements: &[Measurement],
     as_fitted: Vec<Judged>,
     parameters: &Parameters<f64>,
