@@ -12,7 +12,7 @@ mod standing;
 mod tilt;
 mod time;
 
-use super::chosen::{Parted, ReadingSource, Sources, TimeSource};
+use super::chosen::{Parted, ReadingSource, SetPoint, Sources, TimeSource};
 use super::columns::Columns;
 use super::error::{Fault, NoAngle};
 use super::header::Header;
@@ -21,7 +21,7 @@ use super::runs;
 use super::samples::MOST_COLUMNS;
 use super::table::Table;
 use super::units::{AngleUnit, TimeUnit};
-use super::words::{Meaning, meaning};
+use super::words::{Meaning, is_target, meaning};
 use angle::{angle_unit_of, as_angle, mute_column};
 use beside::beside;
 use boxes::Boxes;
@@ -68,7 +68,8 @@ impl Sources {
         let is_free = |idx: &usize| !needed.contains(idx) && run != Some(*idx) && !is_ours;
         let is_told = asked.angle.is_some() || asked.x.is_some();
         let others = beside(table, &reading, is_told).into_iter().filter(is_free).take(MOST_COLUMNS).collect();
-        Ok(Self { time, reading, parted, code, run, others, otherwise })
+        let set_point = set_point(table, &reading).filter(|_| !is_told);
+        Ok(Self { time, reading, parted, code, run, others, set_point, otherwise })
     }
 
     /// The same, where another run of the file shows that its angles are degrees and nothing else says so.
@@ -76,6 +77,17 @@ impl Sources {
         let ReadingSource::Angle { idx, unit: None } = self.reading else { return None };
         Some(Self { reading: ReadingSource::Angle { idx, unit: Some(AngleUnit::Degrees) }, ..self.clone() })
     }
+}
+
+/// What a controller is told throughout the first rows, in the unit of the angle.
+fn set_point(table: &Table, reading: &ReadingSource) -> Option<SetPoint> {
+    let ReadingSource::Angle { idx: angle, .. } = *reading else { return None };
+    let is_its = |idx: &usize| {
+        let is_alike = angle_unit_of(table, *idx) == angle_unit_of(table, angle);
+        *idx != angle && table.says(*idx, is_target) && is_alike && table.is_of_numbers(*idx) && !table.moves(*idx)
+    };
+    let idx = (0..table.n_columns).find(is_its)?;
+    Some(SetPoint { column: table.column_name(idx), value: *table.first_numbers(idx).first()? })
 }
 
 /// Two columns without names, of which one goes on evenly.

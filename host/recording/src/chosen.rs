@@ -20,8 +20,19 @@ pub(super) struct Sources {
     pub(super) run: Option<usize>,
     /// What drives or carries the pendulum, where it moves.
     pub(super) others: Vec<usize>,
+    /// What a controller holds it at, if that stands beside it.
+    pub(super) set_point: Option<SetPoint>,
     /// What could be told if the column of the readings turns out to be a wrong one.
     pub(super) otherwise: String,
+}
+
+/// A column of targets that is the same in the first rows.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct SetPoint {
+    /// What messages call it.
+    pub(super) column: String,
+    /// In the unit of the angle.
+    pub(super) value: f64,
 }
 
 /// A time in two columns.

@@ -57,6 +57,17 @@ pub enum ColumnsError {
         /// As written.
         role: String,
     },
+    /// One coordinate of a point.
+    #[error(
+        "--columns: {given} without {other}; a point has both, such as t=0,x=1,y=2, and a column that is the angle itself is told as \
+         theta=1"
+    )]
+    OneCoordinate {
+        /// The one that is there.
+        given: &'static str,
+        /// The one that is not.
+        other: &'static str,
+    },
     /// A unit that does not fit.
     #[error(
         "--columns: \"{unit}\" is no unit of {role}; expected s, ms, us, ns, min or day for t, rad, deg, mrad, gon or turn for theta, or what one of the column is such as 4096/turn or 0.088deg, rad/s, deg/s, rpm or 0.0076deg/s for rate"
@@ -75,7 +86,11 @@ impl FromStr for Columns {
     fn from_str(text: &str) -> Result<Self, ColumnsError> {
         let mut columns = Self::default();
         text.split(',').try_for_each(|part| columns.take(part.trim()))?;
-        Ok(columns)
+        match (&columns.x, &columns.y) {
+            (Some(_), None) => Err(ColumnsError::OneCoordinate { given: "x", other: "y" }),
+            (None, Some(_)) => Err(ColumnsError::OneCoordinate { given: "y", other: "x" }),
+            _ => Ok(columns),
+        }
     }
 }
 
@@ -198,6 +213,8 @@ mod tests {
             ("theta=0:0/turn", "such as 4096/turn"),
             ("theta=0:4096/s", "such as 4096/turn"),
             ("code=0:deg", "no unit of code"),
+            ("t=0,x=1", "x without y"),
+            ("t=0,y=1", "theta=1"),
         ];
         for (text, expected) in cases {
             let message = text.parse::<Columns>().unwrap_err().to_string();

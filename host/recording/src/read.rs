@@ -22,7 +22,6 @@ use super::runs::{self, Runs};
 use super::samples::{Samples, keep};
 use super::source::Lines;
 use super::table::Table;
-use super::words;
 use shared::measured::Measured;
 
 /// Degrees are 57 to the radian: numbers that become so many times smaller were some.
@@ -157,7 +156,7 @@ fn parse(reader: impl BufRead, name: &str, options: &ReadOptions) -> Result<Vec<
     if table.is_turned {
         notes.push("it has a quantity a line: each is read as a column".to_owned());
     }
-    table.is_of_gyroscope |= words::is_gyroscope(name);
+    table.call(name);
     match bare_g::fault(&table).filter(|_| options.columns.is_none()) {
         Some(fault) => Err(Faulty::from(fault)),
         None => of_table(table, options, notes),
@@ -231,6 +230,9 @@ impl Opened<'_> {
         samples.finish(&mut notes).map_err(|fault| sources.undecided(table).unwrap_or(fault))?;
         let sources = sources.settled(table, &mut samples, options, &mut notes)?;
         let sources = sources.swinging(table, &mut samples, &mut notes)?;
+        if !is_ours {
+            sources.refuse_readings(table, &samples, options)?;
+        }
         let mut times_s = sources.time.times_s(&samples, sources.told(), &mut notes)?;
         if !is_ours {
             if !sources.counts() {

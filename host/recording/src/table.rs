@@ -31,6 +31,9 @@ const MOST_QUANTITIES: usize = 8;
 /// … and no fewer numbers in it.
 const FEWEST_TURNED: usize = 100;
 
+/// Words that label the rows stand in the first columns.
+const MOST_LABELS: usize = 8;
+
 /// Comments and blank lines above the table may be more.
 const MOST_LINES_HELD: usize = 5000;
 
@@ -54,6 +57,8 @@ pub(super) struct Table<'a> {
     pub(super) is_turned: bool,
     /// The file is called after a gyroscope, or was so in its archive.
     pub(super) is_of_gyroscope: bool,
+    /// The file is called so, was so in its archive, or what stands in it.
+    called: Vec<String>,
     /// The line of the names, where a row is stuck to them.
     pub(super) glued_line: Option<usize>,
     /// Settings in numbers above the rows.
@@ -85,8 +90,9 @@ impl<'a> Table<'a> {
         let is_turned = turned.is_some();
         let held = turned.unwrap_or(held);
         let layout = Layout::of(&held, &dress)?;
-        Ok(Self {
+        let mut table = Self {
             is_of_gyroscope: lines.name.as_deref().is_some_and(is_gyroscope),
+            called: lines.name.iter().cloned().collect(),
             lines,
             n_lines: held.len(),
             comments: remarks(&held, layout.first_row_idx),
@@ -100,7 +106,18 @@ impl<'a> Table<'a> {
             numerals: layout.numerals,
             glued_line: layout.glued_line,
             settings: layout.settings,
-        })
+        };
+        table.called.extend(table.labels());
+        Ok(table)
+    }
+
+    /// What always stands in the columns of words.
+    fn labels(&self) -> Vec<String> {
+        let label = |idx: usize| {
+            let first = self.first_cells(idx).next()?;
+            (self.is_of_words(idx) && self.first_cells(idx).all(|cell| cell == first)).then(|| first.to_owned())
+        };
+        (0..self.n_columns.min(MOST_LABELS)).filter_map(label).collect()
     }
 
     /// Comment lines among the first lines, with their numbers from 1.
@@ -199,6 +216,17 @@ impl<'a> Table<'a> {
     pub(super) fn is_of_words(&self, idx: usize) -> bool {
         let is_word = |cell: &str| cell.contains(char::is_alphabetic) && !looks_like_number(cell, self.separator);
         self.first_cells(idx).all(|cell| is_word(cell) && !is_missing(cell))
+    }
+
+    /// Takes what the file is called.
+    pub(super) fn call(&mut self, name: &str) {
+        self.is_of_gyroscope |= is_gyroscope(name);
+        self.called.push(name.to_owned());
+    }
+
+    /// Is the file called so, a column, or what always stands in a column of words?
+    pub(super) fn is_called(&self, is_it: impl Fn(&str) -> bool) -> bool {
+        self.called.iter().chain(self.names.iter().flatten()).any(|name| is_it(name))
     }
 
     /// Is a cell among the first rows nothing but the unit of a voltage?

@@ -17,11 +17,11 @@ pub(super) use super::units::{angle_unit, rate_unit, time_unit};
 pub(super) use drive::{is_of_drive, is_of_volts};
 pub(super) use hints::{
     is_counter, is_estimate, is_estimate_of, is_of_carrier, is_of_pendulum, is_of_sine, is_size, is_stamp, is_step,
-    says_nothing, says_nothing_else,
+    is_target, says_nothing, says_nothing_else,
 };
 pub(super) use meaning::{Meaning, is_named_angle, is_unit, meaning};
 pub(super) use rotary::{beside_alpha, beside_theta, is_rate_of_alpha, is_speed};
 pub(super) use sensors::{
     is_acceleration, is_distance, is_duration, is_gyroscope, is_length, is_orientation, is_quaternion, is_raw,
-    is_turn_of_body, may_be_acceleration,
+    is_turn_of_body, may_be_acceleration, says_angles, says_turns,
 };

@@ -1,11 +1,11 @@
 //! A whole comparison of swings whose law is known in closed form: small ones with viscous friction and white noise.
 
+use super::beside::begun_as_fitted;
 use super::follow::Followed;
 use super::measurement::Measurement;
 use super::pictures::pictures;
 use super::recording::Judged;
 use super::verdict::Answer;
-use super::beside::begun_as_fitted;
 use super::{Comparison, Options, compare, follow, recording};
 use crate::fit::problem::Start;
 use crate::plot::Content;

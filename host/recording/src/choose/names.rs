@@ -281,10 +281,13 @@ pub(super) fn example(table: &Table, role: &str, candidates: &[usize], wrong: Op
         numbers.windows(2).any(|pair| pair[0] != pair[1]) && !rises_evenly(&numbers)
     };
     let is_angle = |idx: usize| names.get(idx).is_some_and(|name| matches!(meaning(name), Meaning::Angle { .. }));
+    // Counts of an accelerometer would be fitted as angles.
+    let may_be_one = |idx: usize| moves(idx) && !table.says(idx, is_acceleration);
     let told = |time: usize, candidates: &[usize]| {
         let may_be = |idx: &usize| ![Some(time), wrong, rest].contains(&Some(*idx)) && !candidates.contains(idx);
         let others = || (0..table.n_columns).filter(may_be);
-        let angle = others().find(|idx| is_angle(*idx) && moves(*idx)).or_else(|| others().find(|idx| moves(*idx)));
+        let angle =
+            others().find(|idx| is_angle(*idx) && moves(*idx)).or_else(|| others().find(|idx| may_be_one(*idx)));
         format!("t={time},theta={}", angle.map_or("COLUMN".to_owned(), |idx| idx.to_string()))
     };
     let each: Vec<String> = match role {

@@ -1,7 +1,7 @@
 //! What was measured, and which columns hold it.
 
 use super::angle::choose_angle;
-use super::names::{bare_axes, example, find, no_angle};
+use super::names::{bare_axes, example, find, listed, no_angle};
 use crate::chosen::ReadingSource;
 use crate::columns::Columns;
 use crate::error::{Fault, NoAngle};
@@ -10,7 +10,7 @@ use crate::options::ReadOptions;
 use crate::samples::MOST_COLUMNS;
 use crate::table::Table;
 use crate::units::RateUnit;
-use crate::words::{Meaning, is_size, meaning};
+use crate::words::{Meaning, is_quaternion, is_size, meaning, says_angles, says_turns};
 use shared::measured::Measured;
 
 /// Rates where the user, the header or the names say so, else angles.
@@ -28,6 +28,14 @@ pub(super) fn choose_reading(
     let is_told = asked.angle.is_some() || asked.x.is_some();
     if let (false, true, Some(axes)) = (is_told, table.is_of_gyroscope, bare_axes(table)) {
         return Ok(rates(table, options, axes, None));
+    }
+    if let (false, Some(columns)) = (is_told, bare_axes(table)) {
+        if is_of_turns(table) {
+            return Ok(ReadingSource::Rivals { example: example(table, "angle", &columns, None), columns });
+        }
+        if table.is_called(says_angles) {
+            return Err(angles_or_point(table, &columns));
+        }
     }
     let measured =
         (!is_told).then(|| header.measured.or(options.measured.filter(|_| header.version.is_none()))).flatten();
@@ -50,6 +58,23 @@ pub(super) fn choose_reading(
             Ok(ReadingSource::Angle { idx, unit: options.angle_unit.or(unit) })
         }
         (_, angle) => angle,
+    }
+}
+
+/// Are its x, y and z the angles of an orientation, and no parts of a quaternion?
+pub(super) fn is_of_turns(table: &Table) -> bool {
+    let has_w = table.names.iter().flatten().any(|name| name.trim().eq_ignore_ascii_case("w") || is_quaternion(name));
+    table.is_called(says_turns) && !has_w
+}
+
+/// Angles may be those of an orientation, or of the releases of a point.
+fn angles_or_point(table: &Table, axes: &[usize]) -> Fault {
+    let angle = example(table, "angle", &axes[..1], None);
+    let point = angle.replace("theta=", "x=");
+    Fault::AmbiguousColumn {
+        role: "angle, or x and y of a point",
+        candidates: listed(table, axes),
+        example: format!("{angle} or {point},y={}", axes[1]),
     }
 }
 

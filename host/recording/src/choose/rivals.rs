@@ -12,7 +12,8 @@ use super::super::told::Told;
 use super::super::units::AngleUnit;
 use super::super::words::is_turn_of_body;
 use super::angle::angle_unit_of;
-use super::names::{SHOWN, listed, unnamed};
+use super::names::{SHOWN, bare_axes, listed, unnamed};
+use super::reading::is_of_turns;
 
 /// No pendulum turns farther.
 const TURN_DEG: f64 = 360.0;
@@ -61,7 +62,8 @@ impl Sources {
         let liveliest = (0..columns.len()).max_by(|a, b| movements[*a].total_cmp(&movements[*b])).unwrap_or(0);
         let idx = columns[liveliest];
         let names = table.names.as_deref().unwrap_or_default();
-        let are_turns = columns.iter().all(|idx| names.get(*idx).is_some_and(|name| is_turn_of_body(name)));
+        let are_axes = is_of_turns(table) && bare_axes(table).as_ref() == Some(columns);
+        let are_turns = are_axes || columns.iter().all(|idx| names.get(*idx).is_some_and(|name| is_turn_of_body(name)));
         let taken = table.column_name(idx);
         if let Some(place) = the_same(&samples.readings, &units).filter(|_| options.angle_unit.is_none()) {
             let others: Vec<usize> = columns.iter().copied().filter(|idx| *idx != columns[place]).collect();

@@ -18,7 +18,7 @@ use super::super::units::TimeUnit;
 use super::super::words::{self, Meaning, meaning};
 use super::names::{all_best, ambiguous, find, named_times, the_one};
 use super::parted::parted;
-use super::standing::{has_words_and_no_time, rises_evenly, time_without_name, unnamed_time};
+use super::standing::{counts, has_words_and_no_time, rises_evenly, time_without_name, unnamed_time};
 
 /// Times of unstated unit beyond this many seconds count from 1970, in the unit that puts them within a century of it.
 const EPOCH_BEGINS_S: f64 = 1e8;
@@ -48,7 +48,7 @@ impl TimeSource {
         let is_doubtful = unit.is_none() && samples.times.len() >= MIN_SAMPLES;
         let unit = match unit {
             None if is_doubtful && (step > LONGEST_STEP_S || is_spreadsheet_date(first)) => {
-                unit_by_period(samples, notes).ok_or(Fault::StepTooLong { step, told })?
+                unit_by_period(samples, told, notes)?.ok_or(Fault::StepTooLong { step, told })?
             }
             unit => unit.unwrap_or(TimeUnit::Seconds),
         };
@@ -70,7 +70,22 @@ fn is_spreadsheet_date(first: f64) -> bool {
 
 /// The one unit in which the swings take as long as those of a pendulum: longest and shortest periods are less than a
 /// thousand apart, as seconds and milliseconds are.
-fn unit_by_period(samples: &Samples, notes: &mut Vec<String>) -> Option<TimeUnit> {
+fn unit_by_period(samples: &Samples, told: Told, notes: &mut Vec<String>) -> Result<Option<TimeUnit>, Fault> {
+    let Some((unit, name, period_s)) = possible_unit(samples) else { return Ok(None) };
+    let is_counted = are_counted(&samples.times);
+    if is_counted && period_s > LONGEST_SEEN_S {
+        return Err(Fault::CountsRows { unit: name, period_s, told });
+    }
+    notes.push(format!(
+        "the unit of the time is not stated: in {name} it swings there and back in {period_s:.3} s, as a pendulum does, \
+         in any other unit it would not{}",
+        if is_counted { "; if it counts frames or samples, --rate says how many rows a second there are" } else { "" }
+    ));
+    Ok(Some(unit))
+}
+
+/// That unit, its name, and the period in it, s.
+fn possible_unit(samples: &Samples) -> Option<(TimeUnit, &'static str, f64)> {
     let range = |readings: &Vec<f64>| {
         let (low, high) = readings.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
         high - low
@@ -86,20 +101,7 @@ fn unit_by_period(samples: &Samples, notes: &mut Vec<String>) -> Option<TimeUnit
     ];
     let is_possible = |unit: TimeUnit| (SHORTEST_PERIOD_S..LONGEST_PERIOD_S).contains(&(period * unit.seconds()));
     let (unit, name) = units.into_iter().find(|(unit, _)| is_possible(*unit))?;
-    let period_s = period * unit.seconds();
-    let is_counted = are_counted(&samples.times);
-    notes.push(match is_counted {
-        true if period_s > LONGEST_SEEN_S => format!(
-            "doubtful: nothing states the unit of the time, and in {name} it would swing there and back in {period_s:.1} s; \
-             it seems to count frames or samples: say --rate, how many rows a second there are"
-        ),
-        _ => format!(
-            "the unit of the time is not stated: in {name} it swings there and back in {period_s:.3} s, as a pendulum does, \
-             in any other unit it would not{}",
-            if is_counted { "; if it counts frames or samples, --rate says how many rows a second there are" } else { "" }
-        ),
-    });
-    Some(unit)
+    Some((unit, name, period * unit.seconds()))
 }
 
 /// Whole numbers with the very same step throughout may be frames of a video, of which every tenth was looked at.
@@ -189,8 +191,23 @@ pub(super) fn choose_time(
             notes.push(format!("no column names: column {idx} read as time"));
             Ok(TimeSource::Column { idx, unit: unit_in_cell(table, idx, words::time_unit) })
         }
-        (None, None, None) => Err(Fault::NoTimeColumn { available: table.available() }),
+        (None, None, None) => {
+            let idx = alone_rising(table).ok_or_else(|| Fault::NoTimeColumn { available: table.available() })?;
+            notes.push(format!("{} is the only column that goes on evenly: read as the time", table.column_name(idx)));
+            Ok(TimeSource::Column { idx, unit: unit_in_cell(table, idx, words::time_unit) })
+        }
     }
+}
+
+/// The only column that goes on evenly, by steps that count no rows, where its name says nothing.
+fn alone_rising(table: &Table) -> Option<usize> {
+    let names = table.names.as_deref()?;
+    let rises = |idx: &usize| {
+        let numbers = table.first_numbers(*idx);
+        numbers.len() >= MIN_SAMPLES && rises_evenly(&numbers) && !counts(&numbers)
+    };
+    let mut rising = (0..names.len()).filter(|idx| meaning(&names[*idx]) == Meaning::Other).filter(rises);
+    rising.next().filter(|_| rising.next().is_none())
 }
 
 /// Time and reading where x and y are a plot's: one of them, mostly x, goes on by even steps, which a point that swings

@@ -120,6 +120,61 @@ pub enum Fault {
         /// What could be told of this file.
         example: String,
     },
+    /// Rows in the order of the angle.
+    #[error(
+        "the rows seem to be sorted by column {by}: put in order, the numbers of column {time} go on evenly, as a time does; sort the \
+         rows by column {time}, and if it is not the time after all name the one that is, --columns t=..."
+    )]
+    SortedByReading {
+        /// The column that goes on evenly.
+        time: usize,
+        /// The column that rises.
+        by: usize,
+    },
+    /// It does not swing freely.
+    #[error(
+        "column {angle} stays about {value}, which is what {target} says throughout: a controller holds it there by its motor, and \
+         gravity alone does not swing it; record how it swings with the motor off. If nothing holds it, say --columns {}",
+        told.angle("", "")
+    )]
+    Held {
+        /// What messages call the column of the angle.
+        angle: String,
+        /// The column of the set point.
+        target: String,
+        /// What stands there.
+        value: f64,
+        /// The columns.
+        told: Told,
+    },
+    /// What drives a motor, and neither an angle nor a place.
+    #[error(
+        "column {column} has no more than {n} values throughout, as what a motor is told, and is neither an angle nor x of a point; \
+         choose another one with --columns, e.g. {example}"
+    )]
+    FewLevels {
+        /// Name or number of the column.
+        column: String,
+        /// As many as are few.
+        n: usize,
+        /// What could be told of this file.
+        example: String,
+    },
+    /// Whole numbers that count rows.
+    #[error(
+        "nothing states the unit of the time, whose steps are the same whole number throughout, and in {unit} it would swing there \
+         and back in {period_s:.1} s: it seems to count frames or samples; say how many rows a second there are, --rate 30, or \
+         the unit if it has one, --columns {}",
+        told.angle(":ms", "")
+    )]
+    CountsRows {
+        /// The unit that fits best.
+        unit: &'static str,
+        /// Its period then.
+        period_s: f64,
+        /// The columns.
+        told: Told,
+    },
     /// No time and no rate.
     #[error("no time column among {available}; name it with --columns t=..., or give the sampling rate with --rate")]
     NoTimeColumn {
@@ -171,7 +226,9 @@ pub enum Fault {
     /// Angles too large for radians, unit not stated.
     #[error(
         "angles reach {largest}, expected at most {limit} rad for a pendulum; if they are degrees say --degrees, if they are \
-         counts or volts say what one is worth, --columns {} or theta={}:54.5deg, if it really turned over say --radians",
+         counts or volts say what one is worth, --columns {} or theta={}:54.5deg, if they are a distance (cm, mm) say what one of \
+         it is worth, 57.3° over the pendulum's length in that unit, where it swings by less than 20°, if it really turned over \
+         say --radians",
         told.angle("", ":4096/turn"),
         told.reading,
         largest = *largest as f32,
@@ -191,8 +248,8 @@ pub enum Fault {
     },
     /// Steps too long for seconds, unit not stated.
     #[error(
-        "the median time step is {step} s, expected less than {limit} s for a pendulum; if the column counts {unit}, or is \
-         not the time, say so: --columns {} or t=1,theta=2; if it counts frames, say how many a second: --rate 30",
+        "the median time step is {step} s, expected less than {limit} s for a pendulum; if the column counts {unit}, \
+         say so: --columns {}; if it is not the time, name the one that is, t=...; if it counts frames, say how many a second: --rate 30",
         told.angle(units::finer(*step).1, ""),
         unit = units::finer(*step).0,
         step = *step as f32,

@@ -47,6 +47,25 @@ pub enum SegmentError {
         /// Readings there are.
         n_samples: usize,
     },
+    /// Because the sensor is too coarse for it.
+    #[error(
+        "it turns {n_turning_points} times in {duration_s:.2} s, but goes only {n_seen} times farther than four steps of its sensor \
+         ({step} {unit}) before it turns again, expected at least {}: so few steps are no swings; release from a larger angle, or \
+         choose another stretch with --from and --to",
+        MIN_TURNING_POINTS - 1
+    )]
+    WithinSteps {
+        /// Turning points found.
+        n_turning_points: usize,
+        /// Length of the stretch, s.
+        duration_s: f64,
+        /// How often it goes farther.
+        n_seen: usize,
+        /// Of the sensor, as shown.
+        step: String,
+        /// Of the readings.
+        unit: &'static str,
+    },
     /// Something drives it.
     #[error(
         "its swings grow, from {} to {} {unit} to either side, where free ones die away: something drives it (a motor, a \

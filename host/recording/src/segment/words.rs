@@ -1,7 +1,7 @@
 //! What was cut, what was left out and what is doubtful, in words.
 
 use super::start::Start;
-use super::{Bounds, Cut, SegmentOptions};
+use super::{Bounds, Cut, MIN_TURNING_POINTS, SegmentOptions};
 use crate::Recording;
 use crate::noise::Noise;
 use crate::number::significant;
@@ -14,6 +14,10 @@ const NOISE_DIGITS: usize = 3;
 /// What is taken of a recording is doubted where it swings over less than this share of what a longer part swings over that is
 /// cut. Half and twice of it say the same of the recording in water for which it was made, whose tail keeps a thirteenth.
 const SMALL_TAIL: f64 = 0.3;
+
+/// And where it does not take longer, if it swings over less than this share of that: two wanders behind a propeller's push go a sixth
+/// and an eleventh as far. With half of it the first would pass; twice of it was not tried.
+const TINY_TAIL: f64 = 0.2;
 
 /// Times are shown to so much, s.
 const SHOWN_S: f64 = 0.01;
@@ -145,13 +149,15 @@ fn carried(cut: &Cut, bounds: &Bounds) -> Option<String> {
     Some(format!("cut {more_s:.2} s more in which {column} still moves; --from begins earlier"))
 }
 
-/// That the best of the swings may be what is cut: it takes longer than all that is left, and swings far larger.
+/// That the best of the swings may be what is cut: it swings far larger, and takes longer than all that is left or many times as far.
 fn doubt_of_tail(cut: &Cut, before: &Range<usize>, free: &Range<usize>) -> Option<String> {
     let (largest_rad, taken_rad) = (cut.largest_rad(before)?, cut.largest_rad(free)?);
-    let is_tail = cut.duration_s(before) > cut.duration_s(free) && taken_rad < SMALL_TAIL * largest_rad;
-    is_tail.then(|| {
-        let times = largest_rad / taken_rad;
-        format!("doubtful: what is cut before takes longer and swings {times:.0} times as far; is that the free swing?")
+    let is_longer = cut.duration_s(before) > cut.duration_s(free);
+    // One way of a hand is no swing.
+    let is_tiny = taken_rad < TINY_TAIL * largest_rad && cut.count_turns(before) >= MIN_TURNING_POINTS;
+    (is_tiny || is_longer && taken_rad < SMALL_TAIL * largest_rad).then(|| {
+        let (times, longer) = (largest_rad / taken_rad, if is_longer { "takes longer and " } else { "" });
+        format!("doubtful: what is cut before {longer}swings {times:.0} times as far; is that the free swing?")
     })
 }
 

@@ -69,6 +69,36 @@ pub(crate) fn is_of_carrier(name: &str) -> bool {
     words(name).iter().any(|word| CARRIER.contains(&word.as_str()))
 }
 
+/// Is it what a controller is told to hold? `target_deg`, `Sollwert`, `Alvo_graus`.
+pub(crate) fn is_target(name: &str) -> bool {
+    words(name).iter().any(|word| TARGET.contains(&word.as_str()))
+}
+
+/// Words of what a controller is told.
+const TARGET: &[&str] = &[
+    "target",
+    "setpoint",
+    "reference",
+    "ref",
+    "desired",
+    "goal",
+    "soll",
+    "sollwert",
+    "ziel",
+    "sollwinkel",
+    "zielwinkel",
+    "consigne",
+    "cible",
+    "consigna",
+    "referencia",
+    "referência",
+    "objetivo",
+    "deseado",
+    "alvo",
+    "riferimento",
+    "obiettivo",
+];
+
 /// Words of what an observer tells.
 const ESTIMATE: &[&str] = &["hat", "est", "estimate", "estimated", "estimation"];
 

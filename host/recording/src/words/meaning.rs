@@ -121,7 +121,11 @@ impl<'a> Name<'a> {
         let says_derived = self.words.iter().any(|word| DERIVED.contains(&word.as_str()) && !is_alpha(word));
         // `dAngle` falls into two words.
         let is_step = self.words.windows(2).any(|pair| pair[0] == "d" && is_derivative(&pair.concat()));
-        says_derived || is_step || self.words.iter().any(|word| is_derivative(word)) || has_derivative_sign(self.name)
+        says_derived
+            || says_acceleration(&self.words)
+            || is_step
+            || self.words.iter().any(|word| is_derivative(word))
+            || has_derivative_sign(self.name)
     }
 
     /// `angular_velocity`, `AngVel`, `vitesse angulaire`, `yaw_speed`, and no acceleration.
@@ -314,6 +318,7 @@ mod tests {
             ("adc_code", Meaning::Code),
             ("voltage", Meaning::Other),
             ("Magnetic Field x (µT)", Meaning::Other),
+            ("acel x", Meaning::Other),
             ("mx_uT", Meaning::Other),
             ("Latitude (°)", Meaning::Other),
             ("Direction (°)", Meaning::Other),

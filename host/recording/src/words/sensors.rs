@@ -141,6 +141,22 @@ pub(crate) fn is_orientation(name: &str) -> bool {
     words(name).iter().any(|word| word == "orientation")
 }
 
+/// Does a name, of a file say, tell that x, y and z are the angles of an orientation? `EulerAngles`, `attitude_2`, `rpy`.
+pub(crate) fn says_turns(name: &str) -> bool {
+    words(name).iter().any(|word| word.starts_with("euler") || TURNS.contains(&word.as_str()))
+}
+
+/// Words of three such angles.
+const TURNS: &[&str] = &["orientation", "orientierung", "attitude", "rpy", "ypr"];
+
+/// Does it say angles, of an orientation or of several releases? `angles_2`.
+pub(crate) fn says_angles(name: &str) -> bool {
+    words(name).iter().any(|word| ANGLES.contains(&word.as_str()))
+}
+
+/// Words of several angles.
+const ANGLES: &[&str] = &["angles", "ángulos", "angulos", "ângulos", "angoli"];
+
 /// Is it one of the angles of an orientation? `pitch`, `Roll (deg)`, `AngleX`, `Euler_Y`, `tilt z`.
 pub(crate) fn is_turn_of_body(name: &str) -> bool {
     let words = words(name);
@@ -165,7 +181,7 @@ pub(crate) fn is_acceleration(name: &str) -> bool {
     let in_metres = is_per_square && words.iter().any(|word| word == "m");
     let in_g = words.last().is_some_and(|word| matches!(word.as_str(), "g" | "mg")) && has(&["ax", "ay", "az"]);
     let is_angular = words.iter().any(|word| angle_unit(word).is_some() || ANGULAR.contains(&word.as_str()));
-    (in_metres || in_g || has(ACCELERATION)) && !is_angular
+    (in_metres || in_g || words.iter().any(|word| names_acceleration(word))) && !is_angular
 }
 
 /// Is it that by its name or by its letters alone? `ax`, beside an angle, is no rate of a turn about x.
@@ -175,24 +191,59 @@ pub(crate) fn may_be_acceleration(name: &str) -> bool {
 
 /// Is it an acceleration of whatever kind by its words? `Winkelbeschleunigung`, `Accélération angulaire`.
 pub(super) fn says_acceleration(words: &[String]) -> bool {
-    let is_one = |word: &String| {
-        ACCELERATION.contains(&word.as_str()) || word.ends_with("beschleunigung") || word.ends_with("加速度")
-    };
+    let is_one =
+        |word: &String| names_acceleration(word) || word.ends_with("beschleunigung") || word.ends_with("加速度");
     words.iter().any(is_one)
+}
+
+/// `accel`, and with the axis at either end: `accx`, `zaccl`.
+fn names_acceleration(word: &str) -> bool {
+    let is_axis = |letter: char| matches!(letter, 'x' | 'y' | 'z');
+    let is_one = |word: &str| ACCELERATION.contains(&word);
+    is_one(word) || word.strip_suffix(is_axis).is_some_and(is_one) || word.strip_prefix(is_axis).is_some_and(is_one)
 }
 
 /// Words of an acceleration.
 const ACCELERATION: &[&str] = &[
     "acceleration",
+    "accelerations",
     "accelerometer",
     "acc",
     "accel",
     "accl",
+    "acce",
+    "accelero",
     "beschleunigung",
+    "beschleunigungen",
+    "beschleunigungssensor",
+    "beschl",
     "accélération",
+    "accéléromètre",
+    "accelerometre",
+    "accél",
     "aceleración",
     "aceleracion",
+    "aceleraciones",
+    "acelerómetro",
+    "acelerometro",
+    "acel",
     "accelerazione",
+    "accelerazioni",
+    "accelerometro",
+    "aceleração",
+    "aceleracao",
+    "acelerômetro",
+    "versnelling",
+    "akselerasjon",
+    "kiihtyvyys",
+    "przyspieszenie",
+    "zrychlení",
+    "gyorsulás",
+    "ivme",
+    "ускорение",
+    "прискорення",
+    "加速度",
+    "가속도",
 ];
 
 /// Words that make it one of the angle.
@@ -215,6 +266,17 @@ mod tests {
     }
 
     #[test]
+    fn files_of_orientations_are_told_from_those_of_releases() {
+        for name in ["EulerAngles", "euler_20180927", "imu-attitude", "Orientation", "rpy1"] {
+            assert!(says_turns(name), "{name}");
+        }
+        for name in ["angles", "release_angle_30", "ruler", "x", "altitude"] {
+            assert!(!says_turns(name), "{name}");
+        }
+        assert!(says_angles("angles_2") && !says_angles("release_angle_30"));
+    }
+
+    #[test]
     fn volts_and_counts_are_told_from_speeds() {
         for name in ["CH1(V)", "Channel A (mV)", "encoder", "raw_angle", "pot (V)", "Channel 0", "1 Volt", "counts"] {
             assert!(is_raw(name), "{name}");
@@ -226,7 +288,20 @@ mod tests {
 
     #[test]
     fn accelerations_along_an_axis_are_told_from_those_of_an_angle() {
-        for name in ["Linear Acceleration x (m/s^2)", "Acceleration y (m/s²)", "ax_g", "Beschleunigung z", "accX"] {
+        for name in [
+            "Linear Acceleration x (m/s^2)",
+            "Acceleration y (m/s²)",
+            "ax_g",
+            "Beschleunigung z",
+            "accX",
+            "xAccl",
+            "zaccl",
+            "accy",
+            "acel_x",
+            "Beschl. x",
+            "Aceleração z",
+            "加速度 x",
+        ] {
             assert!(is_acceleration(name), "{name}");
         }
         for name in ["alpha (rad/s²)", "Angular acceleration (rad/s^2)", "x (m)", "angle", "t_s", "v (m/s)", "g"] {

@@ -110,3 +110,11 @@ fn a_small_tail_behind_a_longer_motion_is_doubted() {
     };
     assert!(doubts(1.2) && !doubts(0.2));
 }
+
+#[test]
+fn a_tiny_tail_behind_some_swings_is_doubted_that_take_no_longer() {
+    let moved = (0..1200).map(|idx| 1.2 * (f64::from(idx) * 0.031).sin() * (f64::from(idx) * 0.0021).cos());
+    let segments = find(&[moved.collect(), swing(0.15, 12.0)].concat());
+    let doubt = segments.notes.iter().find(|note| note.contains("is that the free swing?"));
+    assert!(doubt.is_some_and(|doubt| !doubt.contains("takes longer")), "{:?}", segments.notes);
+}

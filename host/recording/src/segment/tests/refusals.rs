@@ -52,3 +52,19 @@ fn turning_points_alone_are_told_from_few_readings() {
     let noise = told((0..200).map(|_| noise.normal()).collect());
     assert!(matches!(noise, SegmentError::TooFewSwings { .. }), "{noise}");
 }
+
+/// To and fro by two steps of an encoder of 0.25°, and by ten.
+#[test]
+fn ways_of_one_or_two_steps_of_the_sensor_are_no_swings() {
+    let step_rad = 0.25_f64.to_radians();
+    let stepped = |steps: f64| {
+        let times_s = (0..6000).map(|idx| STEP_S * f64::from(idx));
+        let angles = times_s.map(|t| steps * (-0.01 * t).exp() * (2.0 * t).cos());
+        let angles_rad = angles.map(|angle| step_rad * angle.round()).collect();
+        segment(&Recording::uniform(1.0 / STEP_S, angles_rad).unwrap(), &SegmentOptions::default())
+    };
+    let refused = stepped(1.2).unwrap_err();
+    assert!(matches!(refused, SegmentError::WithinSteps { n_seen: 0, .. }), "{refused:?}");
+    assert!(refused.to_string().contains("four steps of its sensor (4.36e-3 rad)"), "{refused}");
+    assert!(stepped(5.0).is_ok());
+}
