@@ -1,6 +1,7 @@
 //! A recording made ready for the fit: the free swing alone, its time counted from its first sample.
 
 pub mod step;
+pub mod zero;
 
 use crate::pace;
 use crate::recording::noise::Colour;
@@ -107,6 +108,8 @@ pub struct Swing {
     n_lively: usize,
     /// Of one of which some samples are left: does it come to rest, as all of them say?
     rests: Option<bool>,
+    /// Between what its sensor's zero can lie, in the unit of the readings.
+    zero_range: (f64, f64),
 }
 
 /// How much of the swings a fit looks at.
@@ -166,6 +169,9 @@ impl Swing {
         let period_s = 2.0 * half_swing_s.unwrap_or(f64::INFINITY);
         let pace = pace::of_period(period_s);
         let longest_step_s = longest_step_s(&times_s, lively_rad, period_s, pace);
+        let is_swing = measured == Measured::Angle && half_swing_s.is_some();
+        let last = last_period(&times_s, pace);
+        let zero_range = if is_swing { zero::range_rad(&readings[last..]) } else { zero::ANYWHERE };
         Self {
             name: name.to_owned(),
             n_lively,
@@ -183,6 +189,7 @@ impl Swing {
             doubts: Vec::new(),
             longest_step_s,
             rests: None,
+            zero_range,
         }
     }
 
@@ -319,10 +326,20 @@ impl Swing {
 
     /// Half of how far it still swings in its last period, rad.
     pub fn last_amplitude_rad(&self) -> f64 {
-        let from = self.times_s.partition_point(|t| *t < self.duration_s() - LAST_PERIOD_S * self.pace);
-        let last = self.angles_rad[from..].iter().map(|reading| self.size_rad(*reading));
+        let last =
+            self.angles_rad[last_period(&self.times_s, self.pace)..].iter().map(|reading| self.size_rad(*reading));
         let (low, high) = last.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)));
         0.5 * (high - low)
+    }
+
+    /// Between what its sensor's zero can lie, in the unit of the readings.
+    pub fn zero_range(&self) -> (f64, f64) {
+        self.zero_range
+    }
+
+    /// The zero with which a search begins.
+    pub fn first_zero(&self) -> f64 {
+        zero::first_rad(self.zero_range)
     }
 
     /// Every k-th sample, so that about `rate_hz` remain; unchanged if there are no more than that.
@@ -381,6 +398,12 @@ impl Swing {
         let fallen = (largest.powi(2) - rate_rad_s.powi(2)) / (2.0 * small_rad_s.powi(2));
         -acceleration_rad_s2.signum() * (1.0 - fallen).clamp(-1.0, 1.0).acos()
     }
+}
+
+/// Where the last period begins.
+fn last_period(times_s: &[f64], pace: f64) -> usize {
+    let end_s = times_s.last().copied().unwrap_or(0.0);
+    times_s.partition_point(|t| *t < end_s - LAST_PERIOD_S * pace)
 }
 
 /// Usual and fine steps, each so many times as long as it need be.

@@ -12,6 +12,7 @@ use crate::fit::problem::{Problem, Unknown};
 use crate::fit::start;
 use crate::fit::tally::Tally;
 use crate::recording::turning::half_swing_s;
+use crate::swing::zero::within_half_a_turn;
 use crate::swing::{Swing, Window};
 use serde::Serialize;
 use shared::parameters::Parameters;
@@ -87,14 +88,14 @@ const READINGS: &[Reading] = &[
 
 /// Is the sensor's zero so far off that the recording must stand on its head?
 pub fn is_upside_down(offset_rad: f64) -> bool {
-    offset_rad.abs() > UPSIDE_DOWN_RAD
+    within_half_a_turn(offset_rad).abs() > UPSIDE_DOWN_RAD
 }
 
 /// The most likely reason why a swing does not follow the model.
 fn reason(swing: &Swing, parameters: &Parameters<f64>, judged: &Judged, begins_well: bool) -> String {
     let offset_rad = judged.start.offset_rad;
     if judged.verdict.explained > HOPELESS && is_upside_down(offset_rad) {
-        let change = if offset_rad > 0.0 { "subtract π" } else { "add π" };
+        let change = if within_half_a_turn(offset_rad) > 0.0 { "subtract π" } else { "add π" };
         return format!("the zero seems to be at the top: 0 must be the hanging pendulum ({change})");
     }
     if swing.is_driven || is_driven(&judged.measured) {

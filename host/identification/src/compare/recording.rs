@@ -15,6 +15,7 @@ use crate::fit::problem::Start;
 use crate::fit::quality::VELOCITY_CUTOFF_HZ;
 use crate::recording::Measured;
 use crate::recording::noise::{Noise, SlowExcess, slow_excess};
+use crate::swing::zero::within_half_a_turn;
 use crate::swing::{Swing, Window};
 use crate::verdict::{ChiSquare, Left};
 use crate::zero_phase;
@@ -232,6 +233,7 @@ fn notes(measurement: &Measurement, offset_rad: f64) -> Vec<String> {
 
 /// A word about a sensor's zero that is far off.
 fn zero_words(offset_rad: f64) -> Option<String> {
+    let offset_rad = within_half_a_turn(offset_rad);
     let degrees = offset_rad.to_degrees();
     (offset_rad.abs() > ZERO_OFF_RAD).then(|| {
         format!("the sensor's zero is off: the pendulum hangs at {offset_rad:.3} rad ({degrees:.1}°); calibrate it")

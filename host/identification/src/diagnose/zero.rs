@@ -13,12 +13,13 @@ use crate::fit::covariance::with_model_error;
 use crate::fit::descent::{Tolerance, descend};
 use crate::fit::fitted::Fitted;
 use crate::fit::linear::Steps;
-use crate::fit::problem::{PER_SWING, Problem};
+use crate::fit::problem::{PER_SWING, Problem, Start};
 use crate::fit::refine::Band;
 use crate::fit::uncertainty::Status;
 use crate::number::with_spread;
 use crate::recording::Measured;
 use crate::recording::noise::smallest_step;
+use crate::swing::zero::within_half_a_turn;
 use crate::swing::{Swing, Window};
 use shared::effect::Effect;
 
@@ -49,7 +50,7 @@ fn visible_rad(problem: &Problem) -> f64 {
 }
 
 /// Offsets of the recordings may differ by this share of their mean.
-const COMMON: f64 = 0.5;
+pub(super) const COMMON: f64 = 0.5;
 
 /// What shifts the swings.
 #[derive(Clone, Debug)]
@@ -138,14 +139,19 @@ pub(super) fn value(problem: &Problem, model: &Fitted) -> Option<Value> {
 
 fn mean_offset(model: &Fitted) -> f64 {
     let starts = &model.starts;
-    starts.iter().map(|start| start.offset_rad).sum::<f64>() / starts.len() as f64
+    starts.iter().map(zero_rad).sum::<f64>() / starts.len() as f64
+}
+
+/// Whole turns are no error of a zero.
+fn zero_rad(start: &Start) -> f64 {
+    within_half_a_turn(start.offset_rad)
 }
 
 /// Is the zero off by the same angle in all swings, visibly?
 fn is_off(problem: &Problem, model: &Fitted) -> bool {
     let mean = mean_offset(model);
     let differ = |offset: f64| (offset - mean).abs() > COMMON * mean.abs();
-    if mean.abs() < visible_rad(problem) || model.starts.iter().any(|start| differ(start.offset_rad)) {
+    if mean.abs() < visible_rad(problem) || model.starts.iter().map(zero_rad).any(differ) {
         return false;
     }
     mean.abs() > SIGNIFICANT * std_of_mean(problem, model)
@@ -159,7 +165,7 @@ fn std_of_mean(problem: &Problem, model: &Fitted) -> f64 {
 
 fn between_swings(model: &Fitted) -> f64 {
     let (mean, n) = (mean_offset(model), model.starts.len() as f64);
-    let squares: f64 = model.starts.iter().map(|start| (start.offset_rad - mean).powi(2)).sum();
+    let squares: f64 = model.starts.iter().map(|start| (zero_rad(start) - mean).powi(2)).sum();
     if n < 2.0 { 0.0 } else { (squares / (n - 1.0) / n).sqrt() }
 }
 
@@ -180,7 +186,7 @@ mod tests {
     use super::*;
     use crate::diagnose::base_problem;
     use crate::diagnose::tests::{rig, simulated};
-    use crate::fit::problem::{Point, Start};
+    use crate::fit::problem::Point;
     use crate::fit::tally::Tally;
 
     #[test]

@@ -54,11 +54,22 @@ impl Arrow {
         }
     }
 
-    /// The column of a shared number.
-    pub fn shared_column(&self, j: usize) -> DVector<f64> {
+    /// A column: of a shared number, or of one of a swing's own.
+    pub fn column(&self, j: usize) -> DVector<f64> {
+        if let Some(beyond) = j.checked_sub(self.n_shared) {
+            return self.own_column(beyond / self.n_own, beyond % self.n_own);
+        }
         let own = self.borders.iter().flat_map(|border| border.row(j).iter().copied().collect::<Vec<f64>>());
         let all: Vec<f64> = self.shared.column(j).iter().copied().chain(own).collect();
         DVector::from_vec(all)
+    }
+
+    fn own_column(&self, swing_idx: usize, own_idx: usize) -> DVector<f64> {
+        let mut column = DVector::zeros(self.len());
+        column.rows_mut(0, self.n_shared).copy_from(&self.borders[swing_idx].column(own_idx));
+        let first = self.n_shared + swing_idx * self.n_own;
+        column.rows_mut(first, self.n_own).copy_from(&self.own[swing_idx].column(own_idx));
+        column
     }
 
     /// Adds what is known of the shared numbers from elsewhere.
@@ -182,7 +193,7 @@ mod tests {
         let arrow = Arrow::new(2, 2, &blocks);
         let whole = arrow.dense();
         assert!((arrow.quadratic(&x) - x.dot(&(&whole * &x))).abs() < 1e-12);
-        assert_eq!(arrow.shared_column(1), whole.column(1));
+        assert!((0..8).all(|j| arrow.column(j) == whole.column(j)));
         assert!((0..8).all(|j| arrow.square(j) == whole[(j, j)]));
     }
 

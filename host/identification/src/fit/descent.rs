@@ -6,7 +6,7 @@
 use super::bend::bent;
 use super::linear::{Linear, Steps, linearise};
 use super::problem::{Point, Problem};
-use super::step::{Step, bounded_step, stepped};
+use super::step::{Step, bounded_step, bounded_zero, stepped};
 use crate::swing::Window;
 use nalgebra::DVector;
 use simulation::LANES;
@@ -178,6 +178,10 @@ impl Here<'_, '_> {
         let mut point = stepped(self.point, change, self.problem.unknowns.len());
         let all = point.values.iter_mut().zip(&self.problem.unknowns);
         all.for_each(|(value, unknown)| *value = value.clamp(unknown.low, unknown.high));
+        for (swing_idx, start) in point.starts.iter_mut().enumerate() {
+            let (_, low, high) = bounded_zero(self.problem, self.point, swing_idx);
+            start.offset_rad = start.offset_rad.clamp(low, high);
+        }
         point
     }
 

@@ -88,7 +88,7 @@ fn solved(
         let solve_start = |simulated: Vec<f64>| {
             let mut simulated = beside(swing, simulated, start);
             let gradient = DVector::from_fn(PER_SWING, |i, _| dot(&columns[i], &simulated.residuals_rad));
-            let step = solve_damped(&normal, &gradient, 0.0, &[true; PER_SWING]);
+            let step = start_step(&normal, &gradient, start.offset_rad, swing.zero_range());
             for i in 0..n_samples {
                 let moved = step[0] * columns[0][i] + step[1] * columns[1][i];
                 simulated.angles_rad[i] += moved;
@@ -127,6 +127,26 @@ fn beside(swing: &Swing, simulated: Vec<f64>, start: Start) -> Simulated {
 }
 
 /// Mean squares over all samples, counts summed.
+/// The step to the best start whose zero stays within its range, or where it is if that lies beyond.
+fn start_step(
+    normal: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    offset_rad: f64,
+    (low, high): (f64, f64),
+) -> DVector<f64> {
+    const OFFSET: usize = PER_SWING - 1;
+    let step = solve_damped(normal, gradient, 0.0, &[true; PER_SWING]);
+    let target = offset_rad + step[OFFSET];
+    let bounded = target.clamp(low.min(offset_rad), high.max(offset_rad));
+    if bounded == target {
+        return step;
+    }
+    let left = gradient - normal.column(OFFSET) * (bounded - offset_rad);
+    let mut step = solve_damped(normal, &left, 0.0, &[true, true, false]);
+    step[OFFSET] = bounded - offset_rad;
+    step
+}
+
 fn pooled(parts: &[&(Start, Responses, usize)]) -> Responses {
     let n_samples: usize = parts.iter().map(|part| part.2).sum();
     let mean = |value: fn(&Responses) -> f64| {
@@ -154,4 +174,20 @@ pub fn responses_at(problem: &Problem, point: &Point, window: Window) -> Respons
         })
         .collect();
     pooled(&parts.iter().collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_zero_beyond_its_range_is_put_on_its_end_and_the_start_is_solved_for_again() {
+        let normal = DMatrix::from_row_slice(3, 3, &[4.0, 0.0, 1.0, 0.0, 2.0, 0.0, 1.0, 0.0, 3.0]);
+        let gradient = DVector::from_vec(vec![4.0, 2.0, 20.0]);
+        let free = start_step(&normal, &gradient, 0.5, (f64::NEG_INFINITY, f64::INFINITY));
+        let bound = start_step(&normal, &gradient, 0.5, (-1.5, 1.5));
+        assert!(free[2] > 5.0, "{free}");
+        // 4·a + 1·1 = 4 with the zero moved by 1.
+        assert!((bound[2] - 1.0).abs() < 1e-12 && (bound[0] - 0.75).abs() < 1e-12, "{bound}");
+    }
 }

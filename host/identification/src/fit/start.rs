@@ -14,13 +14,14 @@ const FARTHEST_FACTOR: f64 = 4.0;
 /// So many are: each is 6 % larger than the one before. Half and twice were not tried.
 const TRIED_FACTORS: usize = 48;
 
-/// Start angles and velocities read off the swings, offset zero.
+/// Start angles and velocities read off the swings, offset zero where they swing about there.
 pub fn starts(swings: &[Swing]) -> Vec<Start> {
     swings
         .iter()
         .map(|swing| {
             let (angle_rad, velocity_rad_s) = swing.start_guess();
-            Start { angle_rad, velocity_rad_s, offset_rad: 0.0 }
+            let offset_rad = swing.first_zero();
+            Start { angle_rad: angle_rad - offset_rad, velocity_rad_s, offset_rad }
         })
         .collect()
 }

@@ -15,7 +15,7 @@ pub(super) struct Step {
 }
 
 impl Step {
-    /// An unknown that would leave its bounds is put on its bound, and the others are solved for again.
+    /// A number that would leave its bounds is put on its bound, and the others are solved for again.
     pub(super) fn bounded(problem: &Problem, point: &Point, linear: &Equations, damping: f64) -> Self {
         let n_unknowns = problem.unknowns.len();
         let is_offset = |j: usize| j >= n_unknowns && (j - n_unknowns) % PER_SWING == PER_SWING - 1;
@@ -26,17 +26,23 @@ impl Step {
         loop {
             let factor = ArrowFactor::new(&linear.normal, damping, |j| free[j]);
             let step = factor.solve(&gradient) + &fixed_step;
-            let leaving = (0..n_unknowns).filter(|j| free[*j]).find_map(|j| {
-                let target = point.values[j] + step[j];
-                let bounded = target.clamp(problem.unknowns[j].low, problem.unknowns[j].high);
-                (bounded != target).then_some((j, bounded - point.values[j]))
-            });
+            let bounded = |j: usize| {
+                let (here, low, high) = match j < n_unknowns {
+                    true => (point.values[j], problem.unknowns[j].low, problem.unknowns[j].high),
+                    false => bounded_zero(problem, point, (j - n_unknowns) / PER_SWING),
+                };
+                let target = here + step[j];
+                let bounded = target.clamp(low, high);
+                (bounded != target).then_some((j, bounded - here))
+            };
+            let is_bounded = |j: &usize| *j < n_unknowns || is_offset(*j);
+            let leaving = (0..free.len()).filter(|j| free[*j] && is_bounded(j)).find_map(bounded);
             match leaving {
                 None => return Self { change: step, damping, free },
                 Some((j, to_bound)) => {
                     free[j] = false;
                     fixed_step[j] = to_bound;
-                    gradient -= linear.normal.shared_column(j) * to_bound;
+                    gradient -= linear.normal.column(j) * to_bound;
                 }
             }
         }
@@ -46,6 +52,13 @@ impl Step {
     pub(super) fn answer(&self, linear: &Equations, gradient: &DVector<f64>) -> DVector<f64> {
         ArrowFactor::new(&linear.normal, self.damping, |j| self.free[j]).solve(gradient)
     }
+}
+
+/// The sensor's zero of a swing, and between what it may be; one that begins beyond that may stay there.
+pub(super) fn bounded_zero(problem: &Problem, point: &Point, swing_idx: usize) -> (f64, f64, f64) {
+    let here = point.starts[swing_idx].offset_rad;
+    let (low, high) = problem.swings[swing_idx].zero_range();
+    (here, low.min(here), high.max(here))
 }
 
 /// The same as a change alone.
@@ -64,4 +77,34 @@ pub fn stepped(point: &Point, step: &DVector<f64>, n_unknowns: usize) -> Point {
         start.offset_rad += step[first + 2];
     }
     next
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{rig, simulated};
+    use crate::fit::identify::problem_of;
+    use crate::fit::linear::{Steps, equations};
+    use crate::fit::problem::Start;
+    use crate::fit::tally::Tally;
+    use crate::swing::Window;
+
+    /// Begun where it hangs, a turn and more from where the readings are, so that only a far zero helps.
+    #[test]
+    fn no_step_leaves_the_turn_in_which_the_recording_swings() {
+        let (rig, count) = (rig(), Tally::default());
+        let swings = [simulated("one", &rig, 10.0, 1)];
+        let problem = problem_of(&swings, &rig, &count);
+        let (low, high) = swings[0].zero_range();
+        assert!(low < -1.4 && low > -1.8 && high > 1.4 && high < 1.8, "{low} {high}");
+        let swung = |offset_rad| Start { angle_rad: -7.0, velocity_rad_s: 0.0, offset_rad };
+        let after = |offset_rad| {
+            let point = Point { values: problem.template_values(), starts: vec![swung(offset_rad)] };
+            let linear = equations(&problem, &point, Window::Whole, &mut Steps::new(&problem));
+            offset_rad + bounded_step(&problem, &point, &linear, 0.0)[problem.unknowns.len() + PER_SWING - 1]
+        };
+        assert!((after(0.0) - high).abs() < 1e-9, "{}", after(0.0));
+        // One that is beyond it does not go on.
+        assert!(after(low - 1.0) >= low - 1.0 - 1e-9);
+    }
 }
