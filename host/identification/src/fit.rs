@@ -25,6 +25,7 @@ mod held;
 pub mod held_out;
 pub mod identify;
 mod knots;
+mod later;
 mod left_out;
 pub mod levels;
 pub mod linear;

@@ -207,6 +207,10 @@ impl Swings {
     fn scale_of(&self, periods: &[(f64, f64)], largest_rad: f64) -> Scale {
         let Some((growth, spread, span)) = growth_of(periods, largest_rad) else { return Scale::Unknown };
         log::debug!("period grows by {growth:.3} ± {spread:.3} of what is predicted, over {:.2} %", 100.0 * span);
+        // A pendulum's period that falls so much is no pendulum's in any unit: what else changes it hides its growth.
+        if growth + SURE * spread < -MOST_GROWTH {
+            return Scale::Unknown;
+        }
         if growth + SURE * spread < LEAST_GROWTH {
             let (predicted_percent, may_be_none) = (100.0 * span, growth.abs() < SURE * spread);
             return Scale::TooLarge { predicted_percent, found_percent: predicted_percent * growth, may_be_none };
@@ -382,6 +386,22 @@ mod tests {
             let turns = swings_of(0.1, TAU.powi(2), bending).scale();
             assert!(matches!(turns, Scale::TooSmall { factor } if (factor / TAU - 1.0).abs() < 0.1), "{turns:?}");
         }
+    }
+
+    /// As where the top of a swing lies between few samples: of nearly equal amplitudes the growth asked for is a millionth.
+    #[test]
+    fn a_period_that_falls_by_more_than_a_pendulum_s_grows_says_nothing_of_the_unit() {
+        let nearly_alike = |fall: f64| {
+            let amplitude = |n: u32| 0.4 * (1.0 - 1e-5 * f64::from(n));
+            let scatter = |n: u32| 1e-7 * (f64::from(n.wrapping_mul(2_654_435_761) >> 16) / 65536.0 - 0.5);
+            let periods = (0..30).map(|n| (amplitude(n), 1.0 - fall * amplitude(n) + scatter(n))).collect();
+            Swings { largest_rad: 0.4, middle_rad: 0.0, period_s: 1.0, periods }
+        };
+        let (growth, spread, _) = nearly_alike(1.0).growth().unwrap();
+        assert!(growth + SURE * spread < -MOST_GROWTH, "no case: {growth} ± {spread}");
+        assert_eq!(nearly_alike(1.0).scale(), Scale::Unknown);
+        // One that does not grow at all is that of degrees or of a spring.
+        assert!(matches!(nearly_alike(0.0).scale(), Scale::TooLarge { .. }));
     }
 
     /// A motor swings it to and fro in 1.15 s, one and a half times, and then it swings freely, in 1 s.

@@ -40,8 +40,9 @@ pub enum FitError {
     Mixed(#[from] MixedReadings),
     /// The model never came near.
     #[error(
-        "the model does not follow the swings at all: error {error:.3} {unit}; is the {name} in {unit}, zero where the \
+        "the model does not follow the swings at all: error {error:.3} {unit}; {later}is the {name} in {unit}, zero where the \
          pendulum hangs, and the geometry right? Did nothing touch or drive it (--from, --to)?",
+        later = later_words(*follows_from_s),
         unit = measured.unit(),
         name = measured.name()
     )]
@@ -50,5 +51,14 @@ pub enum FitError {
         error: f64,
         /// What the readings are.
         measured: Measured,
+        /// From when on it would, on the clock of the recording, if it would.
+        follows_from_s: Option<f64>,
     },
+}
+
+/// What to do first where a later part is followed.
+fn later_words(follows_from_s: Option<f64>) -> String {
+    follows_from_s.map_or_else(String::new, |from_s| {
+        format!("but it follows them from {from_s:.2} s on: --from {from_s:.2} leaves out what a hand did before. If that is not it: ")
+    })
 }

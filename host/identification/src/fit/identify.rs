@@ -17,7 +17,7 @@ use super::sequential::Stage;
 use super::short_memory::swings_in_what_is_left;
 use super::tolerance::KnownRig;
 use super::touch::Touch;
-use super::{ranges, start, touch};
+use super::{later, ranges, start, touch};
 use crate::fit::tally::Tally;
 use crate::formula::effect_of;
 use crate::geometry;
@@ -78,7 +78,8 @@ pub fn fit<'r>(
     let in_noise = swings_in_what_is_left(on, &model);
     let in_noise_on = in_noise.as_ref().map(|(swings, _)| on.on(swings));
     let report = Report { problem: in_noise_on.as_ref().unwrap_or(on), model, given: &options.ranges };
-    let mut fit = report.build(held_out, responses_before, stages, &count, began)?;
+    let built = report.build(held_out, responses_before, stages, &count, began);
+    let mut fit = built.map_err(|fault| with_later_start(fault, swings, rig))?;
     if is_anew {
         fit.starts = touch::given_back(&fit.starts, swings.len(), &mut touches);
     }
@@ -116,6 +117,16 @@ fn found_by(
             });
             (not_worse_than_given(problem, found), stages)
         }
+    }
+}
+
+/// The same with a later start from which the swing would be followed.
+fn with_later_start(fault: FitError, swings: &[Swing], rig: KnownRig<'_>) -> FitError {
+    match fault {
+        FitError::Hopeless { error, measured, .. } => {
+            FitError::Hopeless { error, measured, follows_from_s: later::follows_from_s(swings, rig) }
+        }
+        other => other,
     }
 }
 

@@ -39,7 +39,7 @@ impl Report<'_, '_> {
         let (problem, model) = (self.problem, &self.model);
         let rmse_rad = problem.rmse_rad(model.cost);
         if !problem.is_followed(model.cost) {
-            return Err(FitError::Hopeless { error: rmse_rad, measured: kind(problem.swings) });
+            return Err(FitError::Hopeless { error: rmse_rad, measured: kind(problem.swings), follows_from_s: None });
         }
         let uncertainty = uncertainty(problem, model);
         let quantities = problem.unknowns.iter().map(|unknown| unknown.quantity);

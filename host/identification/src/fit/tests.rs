@@ -225,7 +225,15 @@ fn the_stop_level_is_found_between_the_turning_points_that_frame_it() {
 
 #[test]
 fn an_error_of_rates_is_told_in_their_unit() {
-    let words = |measured| FitError::Hopeless { error: 0.0452, measured }.to_string();
+    let words = |measured| FitError::Hopeless { error: 0.0452, measured, follows_from_s: None }.to_string();
     assert!(words(Measured::Rate).contains("error 0.045 rad/s; is the rate in rad/s"), "{}", words(Measured::Rate));
     assert!(words(Measured::Angle).contains("error 0.045 rad; is the angle in rad,"), "{}", words(Measured::Angle));
+}
+
+#[test]
+fn a_later_start_that_is_followed_is_named_before_anything_else() {
+    let fault = FitError::Hopeless { error: 0.6, measured: Measured::Angle, follows_from_s: Some(2.9) };
+    let words = fault.to_string();
+    let [from, unit] = ["--from 2.90", "is the angle in rad"].map(|part| words.find(part));
+    assert!(from.is_some() && from < unit, "{words}");
 }
