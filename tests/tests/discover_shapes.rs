@@ -86,10 +86,12 @@ impl Outcome {
 }
 
 fn deviations(rig: &Rig, values: &Value) -> Vec<(&'static str, f64)> {
-    let mut truths = vec![("I", rig.inertia_kg_m2), ("Mw", rig.viscous)];
+    // Friction that ages is told as it is at the release.
+    let aged = rig.hidden("ageing-friction").map_or(1.0, |ageing| 1.0 + ageing.size);
+    let mut truths = vec![("I", rig.inertia_kg_m2), ("Mw", aged * rig.viscous)];
     // Bristles carry all dry friction, and are no part of Mc.
     if rig.hidden("hard-bristle").is_none() {
-        truths.push(("Mc", rig.coulomb_nm));
+        truths.push(("Mc", aged * rig.coulomb_nm));
     }
     let stated = |(symbol, truth): (&'static str, f64)| {
         let value = values.as_array()?.iter().find(|value| value["symbol"] == symbol)?;
