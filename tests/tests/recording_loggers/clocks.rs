@@ -191,11 +191,10 @@ fn numbers_that_may_be_frames_are_said_to_be() {
 }
 
 #[test]
-fn frames_that_would_make_a_pendulum_of_a_hundred_metres_are_doubted() {
+fn frames_that_would_make_a_pendulum_of_a_hundred_metres_are_refused() {
     let frames: String = swing(25, 40).iter().enumerate().map(|(n, (_, a, _))| format!("{n} {a:.5}\n")).collect();
-    let recording = open(format!("x y\n{frames}").as_bytes(), &ReadOptions::default()).unwrap();
-    let notes = recording.notes().join("; ");
-    assert!(notes.contains("doubtful: nothing states the unit of the time") && notes.contains("say --rate"), "{notes}");
+    let refused = open(format!("x y\n{frames}").as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(refused.contains("nothing states the unit of the time") && refused.contains("--rate 30"), "{refused}");
     let at_25_hz = ReadOptions { rate_hz: Some(25.0), ..ReadOptions::default() };
     let recording = open(format!("x y\n{frames}").as_bytes(), &at_25_hz).unwrap();
     assert!((recording.step_s() - 0.04).abs() < 1e-9 && !recording.notes().join("; ").contains("doubtful"));

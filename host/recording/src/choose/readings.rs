@@ -304,6 +304,9 @@ mod tests {
     fn the_only_column_that_goes_on_evenly_is_the_time() {
         let refused = file("a.csv", "arm_data,td\n", |(t, a, _)| format!("{a:.5},{t:.3}")).unwrap_err();
         assert!(refused.contains("no angle column"), "{refused}");
+        let refused =
+            file("a.csv", "sample,angle\n", |(t, a, _)| format!("{:.0},{a:.5}", 40.0 * t + (5.0 * t).floor()));
+        assert!(refused.clone().is_err_and(|refused| refused.contains("no time column")), "{refused:?}");
         let notes = file("a.csv", "theta,td\n", |(t, a, _)| format!("{a:.5},{t:.3}")).unwrap();
         assert!(notes.join("; ").contains("1 (td) is the only column that goes on evenly"), "{notes:?}");
     }

@@ -18,13 +18,16 @@ use super::super::units::TimeUnit;
 use super::super::words::{self, Meaning, meaning};
 use super::names::{all_best, ambiguous, find, named_times, the_one};
 use super::parted::parted;
-use super::standing::{counts, has_words_and_no_time, rises_evenly, time_without_name, unnamed_time};
+use super::standing::{has_words_and_no_time, rises_evenly, time_without_name, unnamed_time};
 
 /// Times of unstated unit beyond this many seconds count from 1970, in the unit that puts them within a century of it.
 const EPOCH_BEGINS_S: f64 = 1e8;
 
 /// A gate on slightly leaning hinges takes that long, and Foucault's pendulum under the dome of the Panthéon, 67 m long, 16.4 s.
 const LONGEST_SEEN_S: f64 = 17.0;
+
+/// That and what large swings add, 18 % at 90°: whole numbers of which a swing takes longer count rows.
+const LONGEST_COUNTED_S: f64 = 1.18 * LONGEST_SEEN_S;
 
 impl TimeSource {
     /// Times in s from the numbers that were read.
@@ -73,14 +76,20 @@ fn is_spreadsheet_date(first: f64) -> bool {
 fn unit_by_period(samples: &Samples, told: Told, notes: &mut Vec<String>) -> Result<Option<TimeUnit>, Fault> {
     let Some((unit, name, period_s)) = possible_unit(samples) else { return Ok(None) };
     let is_counted = are_counted(&samples.times);
-    if is_counted && period_s > LONGEST_SEEN_S {
+    if is_counted && period_s > LONGEST_COUNTED_S {
         return Err(Fault::CountsRows { unit: name, period_s, told });
     }
-    notes.push(format!(
-        "the unit of the time is not stated: in {name} it swings there and back in {period_s:.3} s, as a pendulum does, \
-         in any other unit it would not{}",
-        if is_counted { "; if it counts frames or samples, --rate says how many rows a second there are" } else { "" }
-    ));
+    notes.push(match is_counted {
+        true if period_s > LONGEST_SEEN_S => format!(
+            "doubtful: nothing states the unit of the time, and in {name} it would swing there and back in {period_s:.1} s; \
+             it seems to count frames or samples: say --rate, how many rows a second there are"
+        ),
+        _ => format!(
+            "the unit of the time is not stated: in {name} it swings there and back in {period_s:.3} s, as a pendulum does, \
+             in any other unit it would not{}",
+            if is_counted { "; if it counts frames or samples, --rate says how many rows a second there are" } else { "" }
+        ),
+    });
     Ok(Some(unit))
 }
 
@@ -199,12 +208,12 @@ pub(super) fn choose_time(
     }
 }
 
-/// The only column that goes on evenly, by steps that count no rows, where its name says nothing.
+/// The only column that goes on evenly, by steps that are no whole numbers of rows, where its name says nothing.
 fn alone_rising(table: &Table) -> Option<usize> {
     let names = table.names.as_deref()?;
     let rises = |idx: &usize| {
         let numbers = table.first_numbers(*idx);
-        numbers.len() >= MIN_SAMPLES && rises_evenly(&numbers) && !counts(&numbers)
+        numbers.len() >= MIN_SAMPLES && rises_evenly(&numbers) && numbers.iter().any(|number| number.fract() != 0.0)
     };
     let mut rising = (0..names.len()).filter(|idx| meaning(&names[*idx]) == Meaning::Other).filter(rises);
     rising.next().filter(|_| rising.next().is_none())
