@@ -31,6 +31,7 @@ pub mod levels;
 pub mod linear;
 mod memory;
 mod number;
+mod of_rig;
 mod other_turn;
 mod phase;
 pub mod problem;

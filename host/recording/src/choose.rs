@@ -5,6 +5,7 @@ mod beside;
 mod boxes;
 mod names;
 mod parted;
+mod rates;
 mod reading;
 mod readings;
 mod rivals;

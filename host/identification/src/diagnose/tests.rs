@@ -592,7 +592,7 @@ fn a_wider_law_that_lost_its_way_is_begun_from_its_special_case() {
     let wide = fitted(&problem, &rig_with("power-law-drag", &[DRAG, 2.0]));
     let worse = Fitted { cost: 2.0 * wide.cost, ..special.clone() };
     let beside = special.with(effect("torsional-spring"), &[1e-3, 0.0]).unwrap();
-    assert_eq!([n_begun(&[worse, wide]), n_begun(&[lost.clone()]), n_begun(&[beside, lost])], [0; 3]);
+    assert_eq!([n_begun(&[worse, wide]), n_begun(std::slice::from_ref(&lost)), n_begun(&[beside, lost])], [0; 3]);
 }
 
 #[test]

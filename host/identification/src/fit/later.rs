@@ -5,7 +5,7 @@
 //! first, until one is followed.
 
 use super::by_least_squares::fitted_as_it_is;
-use super::identify::problem_of;
+use super::of_rig::problem_of;
 use super::tally::Tally;
 use super::tolerance::KnownRig;
 use crate::recording::turning::turning_points;

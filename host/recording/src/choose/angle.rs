@@ -3,7 +3,7 @@
 use super::boxes::Boxes;
 use super::names::{all_best, ambiguous, example, find, named_times, no_angle, the_one};
 use super::parted::parted;
-use super::reading::rate_columns;
+use super::rates::rate_columns;
 use super::standing::{counts, unnamed_time};
 use super::time::unit_in_cell;
 use crate::cell::{Cell, Numerals};
