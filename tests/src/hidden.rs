@@ -16,7 +16,7 @@ pub use shapes::SHAPES;
 use host::fit::identify::{Method, Options, fit};
 use host::recording::Recording;
 use host::swing::Swing;
-use plant::{Plant, STEP_S};
+use plant::Plant;
 use sensor::Sensor;
 use shapes::Shapes;
 use shared::parameters::Parameters;
@@ -415,9 +415,9 @@ impl Clock {
 
 /// Lets the shaft and its sensor go on from one time after the release to another.
 fn follow(plant: &mut Plant, sensor: &mut Sensor, from_s: f64, to_s: f64) {
-    let n_steps = ((to_s - from_s) / STEP_S).ceil().max(0.0);
-    for _ in 0..n_steps as usize {
-        let step_s = (to_s - from_s) / n_steps;
+    let n_steps = plant.n_steps(to_s - from_s);
+    for _ in 0..n_steps {
+        let step_s = (to_s - from_s) / n_steps as f64;
         plant.advance(step_s);
         sensor.follow(plant.motion(), step_s);
     }

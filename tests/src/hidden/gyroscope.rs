@@ -1,6 +1,6 @@
 //! A phone on the pendulum: what its gyroscope writes, in the dress of phyphox.
 
-use super::{LONGEST_S, Plant, REST_S, Random, Rig, STEP_S};
+use super::{LONGEST_S, Plant, REST_S, Random, Rig};
 
 /// A gyroscope about the shaft.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +46,6 @@ impl Gyroscope {
 }
 
 fn advance(plant: &mut Plant, seconds: f64) {
-    let n_steps = (seconds / STEP_S).ceil().max(0.0);
-    (0..n_steps as usize).for_each(|_| plant.advance(seconds / n_steps));
+    let n_steps = plant.n_steps(seconds);
+    (0..n_steps).for_each(|_| plant.advance(seconds / n_steps as f64));
 }

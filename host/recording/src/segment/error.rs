@@ -49,8 +49,8 @@ pub enum SegmentError {
     },
     /// Because the sensor is too coarse for it.
     #[error(
-        "it turns {n_turning_points} times in {duration_s:.2} s, but goes only {n_seen} times farther than four steps of its sensor \
-         ({step} {unit}) before it turns again, expected at least {}: so few steps are no swings; release from a larger angle, or \
+        "it turns {n_turning_points} times in {duration_s:.2} s, but only {n_seen} of the ways between go farther than four steps of its sensor \
+         ({step} {unit}), expected at least {}: so few steps are no swings; release from a larger angle, or \
          choose another stretch with --from and --to",
         MIN_TURNING_POINTS - 1
     )]
