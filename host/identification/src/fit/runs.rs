@@ -126,7 +126,6 @@ fn beside(swing: &Swing, simulated: Vec<f64>, start: Start) -> Simulated {
     Simulated { angles_rad: simulated, residuals_rad }
 }
 
-/// Mean squares over all samples, counts summed.
 /// The step to the best start whose zero stays within its range, or where it is if that lies beyond.
 fn start_step(
     normal: &DMatrix<f64>,
@@ -147,6 +146,7 @@ fn start_step(
     step
 }
 
+/// Mean squares over all samples, counts summed.
 fn pooled(parts: &[&(Start, Responses, usize)]) -> Responses {
     let n_samples: usize = parts.iter().map(|part| part.2).sum();
     let mean = |value: fn(&Responses) -> f64| {
