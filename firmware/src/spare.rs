@@ -67,6 +67,14 @@ impl<M: RawMutex> Spare<M> {
         })
     }
 
+    /// Is there an order that is carried out, or will be as soon as there is time?
+    pub fn is_wanted(&self) -> bool {
+        self.desk.lock(|desk| {
+            let desk = desk.borrow();
+            desk.is_busy || desk.order.is_some() && !desk.is_held
+        })
+    }
+
     /// Is something named?
     pub fn names(&self) -> bool {
         self.desk.lock(|desk| desk.borrow().found.names())

@@ -1,14 +1,16 @@
 //! The firmware in QEMU, with a simulated pendulum on its second serial port and a terminal on its first.
 //!
-//! The pendulum is the clock: one code is one sample, and the firmware acknowledges every sixteen, so neither runs
-//! away from the other and no wall-clock time enters a result.
+//! The pendulum is the clock: one code is one sample. Codes come in blocks, which the firmware acknowledges, so that neither
+//! runs away from the other and no wall-clock time enters a result.
 
 mod counter;
 mod writes;
 
 use crate::HANG;
 use crate::plant::{Plant, Scenario};
-use std::io::{BufRead, BufReader, Read, Write};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::os::unix::fs::FileExt;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -26,11 +28,20 @@ pub const MACHINE: &str = "netduinoplus2";
 /// Samples a second of every scenario here.
 const RATE_HZ: f64 = 1000.0;
 
-/// Samples on their way at most, not yet acknowledged.
-pub const WINDOW: u64 = 128;
+/// The file of the codes, in QEMU's folder.
+const CODES: &str = "codes";
 
-/// What the firmware sends on the pendulum's line when it starts; every other byte says how many samples it took.
+/// Codes of a block, which has a place in that file.
+const BLOCK: u64 = 16;
+const PLACES: u64 = 8;
+
+/// Samples on their way at most, not yet acknowledged.
+pub const WINDOW: u64 = PLACES * BLOCK;
+
+/// What the firmware sends on the pendulum's line when it starts, and what it is answered; every other byte of it
+/// acknowledges a block.
 const STARTS: u8 = 0;
+const BEGINS: u8 = 0x80;
 
 /// A running emulator. It ends with this value.
 pub struct Qemu {
@@ -83,8 +94,10 @@ impl Qemu {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let directory = own_directory()?;
         let socket = directory.join("plant");
+        let codes = File::create(directory.join(CODES)).map_err(|error| error.to_string())?;
         let chardev = format!("socket,id=plant,path={},server=on,wait=on", socket.display());
         let mut process = command()
+            .current_dir(&directory)
             .args(["-chardev", "pty,id=link", "-serial", "chardev:link"])
             .args(["-chardev", &chardev, "-serial", "chardev:plant"])
             .args(["-semihosting-config", "enable=on,target=native,arg=image"])
@@ -113,7 +126,7 @@ impl Qemu {
             next_scenario: Mutex::new(None),
         });
         let feeder = Arc::clone(&shared);
-        let plant = std::thread::spawn(move || feeder.feed(Plant::new(scenario), line));
+        let plant = std::thread::spawn(move || feeder.feed(Plant::new(scenario), line, &codes));
         Ok(Self { shared, port, directory, log, plant: Some(plant), _turn: turn })
     }
 
@@ -181,42 +194,63 @@ impl Drop for Qemu {
 }
 
 impl Shared {
-    /// Sends samples while the firmware acknowledges them. None is sent before it has started, and what was on its way
-    /// when it starts again counts as lost.
-    fn feed(&self, mut plant: Plant, mut line: UnixStream) {
-        let mut in_flight = WINDOW;
+    /// Sends blocks of samples while the firmware acknowledges them. None is sent before it has started, and what was on
+    /// its way when it starts again counts as lost.
+    fn feed(&self, mut plant: Plant, mut line: UnixStream, codes: &File) {
+        let mut blocks = Blocks { in_flight: PLACES, next_place: 0 };
         while !self.stop.load(Ordering::Relaxed) {
             if let Some(scenario) = self.next_scenario.lock().ok().and_then(|mut next| next.take()) {
                 plant = Plant::new(scenario);
             }
-            let allowed = self.allowed.load(Ordering::Relaxed).saturating_sub(self.n_samples.load(Ordering::Relaxed));
-            let n_new = allowed.min(WINDOW - in_flight);
-            let bytes: Vec<u8> = (0..n_new).flat_map(|_| two_bytes(plant.next_code().0)).collect();
-            if line.write_all(&bytes).is_err() {
-                return;
+            while blocks.in_flight < PLACES {
+                let n_allowed =
+                    self.allowed.load(Ordering::Relaxed).saturating_sub(self.n_samples.load(Ordering::Relaxed));
+                let block: Vec<u16> = (0..n_allowed.min(BLOCK)).map(|_| plant.next_code().0).collect();
+                if block.is_empty() {
+                    break;
+                }
+                if blocks.send(&block, codes, &mut line).is_err() {
+                    return;
+                }
+                self.n_samples.fetch_add(block.len() as u64, Ordering::Relaxed);
+                self.n_swings.store(u64::from(plant.n_swings()), Ordering::Relaxed);
             }
-            in_flight += n_new;
-            self.n_samples.fetch_add(n_new, Ordering::Relaxed);
-            self.n_swings.store(u64::from(plant.n_swings()), Ordering::Relaxed);
 
             let mut said = [0; 64];
             let n_said = line.read(&mut said).unwrap_or(0);
-            for credit in &said[..n_said] {
-                match *credit {
-                    STARTS => {
-                        in_flight = 0;
-                        self.n_starts.fetch_add(1, Ordering::Release);
-                    }
-                    credit => in_flight = in_flight.saturating_sub(u64::from(credit)),
+            for reply in &said[..n_said] {
+                if *reply != STARTS {
+                    blocks.in_flight = blocks.in_flight.saturating_sub(1);
+                    continue;
+                }
+                blocks.in_flight = 0;
+                self.n_starts.fetch_add(1, Ordering::Release);
+                if line.write_all(&[BEGINS]).is_err() {
+                    return;
                 }
             }
         }
     }
 }
 
-/// A code of fourteen bits on the line: the first byte has its top bit set.
-fn two_bytes(code: u16) -> [u8; 2] {
-    [0x80 | (code >> 7) as u8, (code & 0x7f) as u8]
+/// What is on its way to the firmware.
+struct Blocks {
+    in_flight: u64,
+    /// Where in the file the next one stands.
+    next_place: u64,
+}
+
+impl Blocks {
+    /// First the codes, two bytes each, low byte first; then 0pppnnnn on the line, their place and how many they are beyond
+    /// one.
+    fn send(&mut self, block: &[u16], codes: &File, line: &mut UnixStream) -> io::Result<()> {
+        let bytes: Vec<u8> = block.iter().flat_map(|code| code.to_le_bytes()).collect();
+        codes.write_all_at(&bytes, self.next_place * 2 * BLOCK)?;
+        line.write_all(&[(self.next_place as u8) << 4 | (block.len() - 1) as u8])?;
+        self.next_place = (self.next_place + 1) % PLACES;
+        self.in_flight += 1;
+        Ok(())
+    }
 }
 
 /// The emulator with what every run needs: no window, no console, files and exit code by semihosting.

@@ -35,14 +35,10 @@ fn suspects(link: &mut Link) -> Suspects {
     }
 }
 
-/// So many samples pass at once.
-const PORTION: u64 = 1000;
-
-/// What the rig says once it has looked again, and so many more samples have passed. None passes while it looks: the
-/// emulator takes samples as fast as it can, so that a look would be overtaken by the next release, which on a board
-/// takes 45 s.
+/// What the rig says once so many more samples have passed and it has looked again, for which it lets the pendulum wait.
 fn after(n_samples: u64, qemu: &Qemu, link: &mut Link, n_looks: u32) -> Suspects {
     let (began, until) = (Instant::now(), qemu.n_samples() + n_samples);
+    qemu.gauge().let_pass(n_samples);
     loop {
         let (said, passed) = (suspects(link), qemu.n_samples());
         if passed >= until && said.n_looks > n_looks && !said.is_looking {
@@ -50,7 +46,6 @@ fn after(n_samples: u64, qemu: &Qemu, link: &mut Link, n_looks: u32) -> Suspects
             return said;
         }
         assert!(began.elapsed() < HANG, "no look within {HANG:?}, {passed} of {until} samples: {said:?}");
-        qemu.gauge().let_pass(if said.is_looking { 0 } else { PORTION.min(until.saturating_sub(passed)) });
         std::thread::sleep(Duration::from_millis(20));
     }
 }

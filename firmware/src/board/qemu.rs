@@ -35,11 +35,11 @@ const MOST_POINTS_PER_S: f32 = 10_000.0;
 pub fn start(_: Spawner) -> Board<Plant, Receiver, Sender, RamFlash, Machine> {
     systick::start();
     let (sender, receiver) = usart::link();
-    let (credits, codes) = usart::plant();
+    let (replies, blocks) = usart::plant();
     Board {
         name: NAME,
         most_points_per_s: MOST_POINTS_PER_S,
-        sampler: Plant::new(codes, credits),
+        sampler: Plant::new(blocks, replies),
         receiver,
         sender,
         flash: RamFlash::new(),

@@ -1,44 +1,89 @@
 //! Samples from a simulated pendulum outside, which is also the clock: one code is one sample, however long it takes.
 //!
-//! A code is two bytes, the first with its top bit set: 1hhhhhhh 0lllllll, high and low seven bits of fourteen. A
-//! byte that is lost costs one sample and nothing else. For every sixteen codes taken one byte goes back, so that the
-//! pendulum never runs far ahead of the firmware; a zero says that the firmware starts, before which it hears nothing.
+//! QEMU takes one byte of a serial port at a time, and for each its two threads wait for one another. So codes come in
+//! blocks, through a file in the folder that it was started in: sixteen of two bytes each, low byte first, in one of
+//! eight places. A byte on the line says that a block is there: 0pppnnnn, its place and how many codes it has beyond the
+//! first. For each block one byte goes back, so that the pendulum never runs far ahead of the firmware. A zero says that
+//! the firmware starts; what comes before the answer to it, 0x80, was meant for the run before.
 
 use super::usart::{Receiver, Sender};
+use crate::board::spare::SPARE;
+use embassy_time::{Duration, Instant, Timer};
 use embedded_io_async::{Read, Write};
 use firmware::ports::{BATCH, Batch, Sampler};
+use semihosting::fs::File;
+use semihosting::io::{self, Read as _, Seek as _, SeekFrom};
 use shared::sensor::Sensor;
 use shared::units::Code;
 
-/// Samples acknowledged by one byte.
-const SAMPLES_PER_CREDIT: u32 = 16;
+/// What the pendulum writes and the firmware reads.
+const FILE: &core::ffi::CStr = c"codes";
 
-const FIRST: u8 = 0x80;
+/// Codes of a block.
+const BLOCK: usize = 16;
+const _: () = assert!(BLOCK <= BATCH);
+
+const BYTES_PER_CODE: usize = 2;
 
 const STARTS: u8 = 0;
+const TAKEN: u8 = 1;
+
+/// From here on blocks are meant for this run.
+const BEGINS: u8 = 0x80;
+
+/// While the rig looks at its last releases, the next block waits for it, but no longer than this: samples that come as
+/// fast as they are taken would leave no time for the look, and the next release would overtake it, which takes most of
+/// a minute on a board.
+const LOOKED_AT_MOST: Duration = Duration::from_millis(100);
 
 /// The pendulum's end of the line.
 pub struct Plant {
-    codes: Receiver,
-    credits: Sender,
-    high: Option<u8>,
-    uncredited: u32,
-    has_started: bool,
+    blocks: Receiver,
+    replies: Sender,
+    /// Open from the start on.
+    codes: Option<File>,
 }
 
 impl Plant {
     /// On the two directions of a serial port.
-    pub fn new(codes: Receiver, credits: Sender) -> Self {
-        Self { codes, credits, high: None, uncredited: 0, has_started: false }
+    pub fn new(blocks: Receiver, replies: Sender) -> Self {
+        Self { blocks, replies, codes: None }
     }
 
-    fn push(&mut self, byte: u8, batch: &mut Batch) {
-        if byte & FIRST != 0 {
-            self.high = Some(byte & !FIRST);
-        } else if let Some(high) = self.high.take() {
-            // As many bytes were read as can make codes that fit.
-            let _ = batch.codes.push(Code(u16::from(high) << 7 | u16::from(byte)));
+    async fn say(&mut self, reply: u8) {
+        let Ok(()) = self.replies.write_all(&[reply]).await;
+    }
+
+    async fn hear(&mut self) -> u8 {
+        let mut byte = [0];
+        let Ok(_) = self.blocks.read(&mut byte).await;
+        byte[0]
+    }
+
+    async fn begin(&mut self) {
+        self.codes = Some(File::open(FILE).expect("QEMU's folder has the pendulum's codes"));
+        self.say(STARTS).await;
+        while self.hear().await != BEGINS {}
+    }
+
+    fn read(&mut self, block: u8, batch: &mut Batch) -> io::Result<()> {
+        let (place, n_codes) = (usize::from(block >> 4), usize::from(block & 0xf) + 1);
+        let mut bytes = [0; BYTES_PER_CODE * BLOCK];
+        if let Some(file) = &mut self.codes {
+            file.seek(SeekFrom::Start((place * bytes.len()) as u64))?;
+            file.read_exact(&mut bytes[..BYTES_PER_CODE * n_codes])?;
         }
+        batch
+            .codes
+            .extend(bytes[..BYTES_PER_CODE * n_codes].as_chunks().0.iter().map(|two| Code(u16::from_le_bytes(*two))));
+        Ok(())
+    }
+}
+
+async fn let_it_look() {
+    let until = Instant::now() + LOOKED_AT_MOST;
+    while SPARE.is_wanted() && Instant::now() < until {
+        Timer::after_millis(1).await;
     }
 }
 
@@ -48,7 +93,7 @@ impl Sampler for Plant {
         rate_hz
     }
 
-    /// Fourteen bits of a code come through, enough for a potentiometer.
+    /// Fourteen bits of a code are enough for a potentiometer.
     fn can_read(sensor: &Sensor) -> bool {
         matches!(sensor, Sensor::Potentiometer(_))
     }
@@ -56,19 +101,14 @@ impl Sampler for Plant {
     fn start(&mut self, _: &Sensor, _: f32) {}
 
     async fn next(&mut self) -> Batch {
-        if !self.has_started {
-            self.has_started = true;
-            let Ok(()) = self.credits.write_all(&[STARTS]).await;
+        if self.codes.is_none() {
+            self.begin().await;
         }
+        let_it_look().await;
         let mut batch = Batch::default();
-        let mut bytes = [0; BATCH];
-        let Ok(n_bytes) = self.codes.read(&mut bytes).await;
-        bytes[..n_bytes].iter().for_each(|byte| self.push(*byte, &mut batch));
-        self.uncredited += batch.codes.len() as u32;
-        while self.uncredited >= SAMPLES_PER_CREDIT {
-            self.uncredited -= SAMPLES_PER_CREDIT;
-            let Ok(()) = self.credits.write_all(&[SAMPLES_PER_CREDIT as u8]).await;
-        }
+        let block = self.hear().await;
+        self.read(block, &mut batch).expect("a block of the pendulum's codes");
+        self.say(TAKEN).await;
         batch
     }
 }
