@@ -17,7 +17,7 @@ fn rig(hidden: Vec<Hidden>) -> Rig {
     Rig {
         hidden,
         releases_rad: vec![1.4, -1.0, 0.6],
-        rate_hz: 125.0,
+        rate_hz: 100.0,
         stiction_nm: 0.0,
         velocity_band: 0.0,
         ..Rig::random(5)

@@ -21,7 +21,7 @@ fn a_law_outside_the_list_is_offered_as_a_formula() {
             is_listed: false,
         }],
         releases_rad: vec![1.4, -1.0, 0.6],
-        rate_hz: 125.0,
+        rate_hz: 100.0,
         ..Rig::random(5)
     };
     let (swings, held_out) = (rig.swings(), Rig { releases_rad: vec![-1.2], seed: 77, ..rig.clone() }.swings());

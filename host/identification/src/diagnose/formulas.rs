@@ -106,8 +106,29 @@ pub struct Found {
 }
 
 /// The best few formulas on top of a fitted model, the best first; `score` is the criterion of a model, `weight` what a
-/// factor costs there.
+/// factor costs there. They are sought on decimated swings and finished on all samples.
 pub fn formulas(problem: &Problem, model: &Fitted, score: impl Fn(&Fitted) -> f64, weight: f64) -> Vec<Found> {
+    let decimated = problem.decimated();
+    let rough = problem.on(&decimated);
+    let seen = model.evaluated(&rough);
+    let rank = |found: &Found| rank(score(&found.model), weight, found.length);
+    let mut found = promising(&rough, &seen, weight);
+    found.iter_mut().for_each(|found| found.model = found.model.evaluated(problem));
+    found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+    found.dedup_by(|a, b| a.guess.effect == b.guess.effect);
+    found.truncate(OFFERED);
+    let finished = |found: &Found| {
+        let general = found.finished(problem);
+        let special = special_case(&rough, &seen, &general).map(|special| special.finished(problem));
+        std::iter::once(general).chain(special).collect::<Vec<Found>>()
+    };
+    let mut found: Vec<Found> = on_all_cores(&found, finished).into_iter().flatten().collect();
+    found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+    found
+}
+
+/// Formulas that predict most beyond what their length costs, fitted.
+fn promising(problem: &Problem, model: &Fitted, weight: f64) -> Vec<Found> {
     let alone = |laws: &[Law]| laws.iter().filter_map(|law| guess(problem, vec![*law], NO_NUMBER[0])).collect();
     let (of_speed, of_angle): (Vec<Guess>, Vec<Guess>) = (alone(&OF_SPEED), alone(&OF_ANGLE));
     let first = judged(problem, model, &[of_speed, of_angle].concat());
@@ -117,20 +138,7 @@ pub fn formulas(problem: &Problem, model: &Fitted, score: impl Fn(&Fitted) -> f6
     let worth = |(guess, prediction): &(Guess, Prediction)| prediction.reduction - unit * guess.length() as f64;
     all.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     all.truncate(FITTED);
-    let found = on_all_cores(&all, |(guess, prediction)| fitted(problem, model, guess, prediction));
-    let mut found: Vec<Found> = found.into_iter().flatten().collect();
-    let rank = |found: &Found| rank(score(&found.model), weight, found.length);
-    found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
-    found.dedup_by(|a, b| a.guess.effect == b.guess.effect);
-    found.truncate(OFFERED);
-    let finished = |found: &Found| {
-        let general = found.finished(problem);
-        let special = special_case(problem, model, &general).map(|special| special.finished(problem));
-        std::iter::once(general).chain(special).collect::<Vec<Found>>()
-    };
-    let mut found: Vec<Found> = on_all_cores(&found, finished).into_iter().flatten().collect();
-    found.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
-    found
+    on_all_cores(&all, |(guess, prediction)| fitted(problem, model, guess, prediction)).into_iter().flatten().collect()
 }
 
 /// What a factor has to take off the squares for its `weight`: noise, or where the model leaves more, what it leaves.
