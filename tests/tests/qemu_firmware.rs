@@ -150,6 +150,8 @@ fn a_hard_fault_restarts_the_rig_and_is_remembered() {
 fn a_restart_in_the_middle_of_a_save_leaves_the_old_or_the_new_parameters() {
     let (qemu, mut link) = start();
     link.hello().unwrap();
+    // Samples, which none of this needs, would come as fast as they are taken.
+    qemu.hold(true);
     let mut old = other_parameters();
     assert_eq!(link.ask(Command::SetParameters((&old).into())).unwrap(), Answer::Done);
     assert_eq!(link.ask(Command::Save).unwrap(), Answer::Done);
