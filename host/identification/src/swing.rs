@@ -1,6 +1,7 @@
 //! A recording made ready for the fit: the free swing alone, its time counted from its first sample.
 
 pub mod step;
+pub mod wandering;
 pub mod zero;
 
 use crate::pace;

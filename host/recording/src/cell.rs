@@ -51,6 +51,10 @@ impl Numerals {
 
     /// Reads one cell, and learns from it.
     pub(super) fn read(&mut self, cell: &str) -> Cell {
+        self.with_a_point(cell.trim_ascii()).map_or_else(|| self.read_any(cell), Cell::Number)
+    }
+
+    fn read_any(&mut self, cell: &str) -> Cell {
         if let Some(degrees) = of_degrees_and_minutes(cell) {
             return Cell::Number(degrees);
         }
@@ -59,12 +63,24 @@ impl Numerals {
             return Cell::Missing;
         }
         if cell.contains(MINUS) {
-            return self.read(&cell.replace(MINUS, "-"));
+            return self.read_any(&cell.replace(MINUS, "-"));
         }
         match self.bare(cell) {
             Cell::Text => number_and_unit(cell).map_or(Cell::Text, |(number, _)| self.bare(number)),
             found => found,
         }
+    }
+
+    /// What most cells of most files are, read at once: a number with a point.
+    fn with_a_point(&mut self, cell: &str) -> Option<f64> {
+        let is_of_number = |byte: &u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'-' | b'+' | b'e' | b'E');
+        if self.decimal == Decimal::Comma || !cell.as_bytes().iter().all(is_of_number) {
+            return None;
+        }
+        let number = cell.parse().ok()?;
+        let n_behind = cell.len() - 1 - cell.rfind('.')?;
+        self.doubtful_points |= self.decimal == Decimal::Unknown && n_behind == 3;
+        Some(number)
     }
 
     fn bare(&mut self, cell: &str) -> Cell {
@@ -216,6 +232,21 @@ mod tests {
         ];
         for (text, number) in cases {
             assert_eq!(Numerals::new().read(text), Cell::Number(number), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_read_at_once_is_what_all_else_makes_of_it() {
+        for decimal in [Decimal::Unknown, Decimal::Point, Decimal::Comma] {
+            for text in [
+                "1.5", "-1.250", " 12.345 ", "1.5e3", "-1.5E-3", ".5", "5.", "+.125", "1.0e999", ".", "-.", "1.2.3",
+                "12", "-",
+            ] {
+                let known = Numerals { decimal, ..Numerals::new() };
+                let (mut at_once, mut by_all) = (known.clone(), known);
+                assert_eq!(at_once.read(text), by_all.read_any(text), "{text}");
+                assert_eq!(format!("{at_once:?}"), format!("{by_all:?}"), "{text}");
+            }
         }
     }
 

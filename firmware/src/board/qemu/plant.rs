@@ -69,13 +69,13 @@ impl Plant {
     fn read(&mut self, block: u8, batch: &mut Batch) -> io::Result<()> {
         let (place, n_codes) = (usize::from(block >> 4), usize::from(block & 0xf) + 1);
         let mut bytes = [0; BYTES_PER_CODE * BLOCK];
+        let start = (place * bytes.len()) as u64;
+        let taken = &mut bytes[..BYTES_PER_CODE * n_codes];
         if let Some(file) = &mut self.codes {
-            file.seek(SeekFrom::Start((place * bytes.len()) as u64))?;
-            file.read_exact(&mut bytes[..BYTES_PER_CODE * n_codes])?;
+            file.seek(SeekFrom::Start(start))?;
+            file.read_exact(taken)?;
         }
-        batch
-            .codes
-            .extend(bytes[..BYTES_PER_CODE * n_codes].as_chunks().0.iter().map(|two| Code(u16::from_le_bytes(*two))));
+        batch.codes.extend(taken.as_chunks().0.iter().map(|two| Code(u16::from_le_bytes(*two))));
         Ok(())
     }
 }

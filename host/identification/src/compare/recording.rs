@@ -15,6 +15,7 @@ use crate::fit::problem::Start;
 use crate::fit::quality::VELOCITY_CUTOFF_HZ;
 use crate::recording::Measured;
 use crate::recording::noise::{Noise, SlowExcess, slow_excess};
+use crate::swing::wandering;
 use crate::swing::zero::within_half_a_turn;
 use crate::swing::{Swing, Window};
 use crate::verdict::{ChiSquare, Left};
@@ -227,17 +228,18 @@ fn stop_angles(swing: &Swing, followed: &Followed) -> (f64, f64) {
 
 fn notes(measurement: &Measurement, offset_rad: f64) -> Vec<String> {
     let mut notes = measurement.notes.clone();
-    notes.extend(zero_words(offset_rad).filter(|_| measurement.swing.measured == Measured::Angle));
+    notes.extend(zero_words(&measurement.swing, offset_rad).filter(|_| measurement.swing.measured == Measured::Angle));
     notes
 }
 
 /// A word about a sensor's zero that is far off.
-fn zero_words(offset_rad: f64) -> Option<String> {
+fn zero_words(swing: &Swing, offset_rad: f64) -> Option<String> {
     let offset_rad = within_half_a_turn(offset_rad);
     let degrees = offset_rad.to_degrees();
-    (offset_rad.abs() > ZERO_OFF_RAD).then(|| {
-        format!("the sensor's zero is off: the pendulum hangs at {offset_rad:.3} rad ({degrees:.1}°); calibrate it")
-    })
+    let calibrate =
+        || format!("the sensor's zero is off: the pendulum hangs at {offset_rad:.3} rad ({degrees:.1}°); calibrate it");
+    let is_off = offset_rad.abs() > ZERO_OFF_RAD;
+    is_off.then(|| wandering::words(swing, offset_rad).unwrap_or_else(calibrate))
 }
 
 /// Share of a motion's variance that residuals leave explained.
@@ -256,6 +258,18 @@ mod tests {
     fn explained_is_the_share_of_the_motion_about_its_mean() {
         // Σ(θ − 2.5)² = 5, Σr² = 0.5.
         assert!((explained(&[1.0, 2.0, 3.0, 4.0], &[0.5, -0.5, 0.0, 0.0]) - 0.9).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_zero_that_wanders_is_not_sent_to_be_calibrated() {
+        let times_s: Vec<f64> = (0..2000).map(|i| f64::from(i) * 1e-2).collect();
+        let said = |zero_rad: &dyn Fn(f64) -> f64| {
+            let angle = |t: &f64| 0.6 * (6.0 * t).cos() * (-0.02 * t).exp() + zero_rad(*t);
+            zero_words(&Swing::new("one", &times_s, &times_s.iter().map(angle).collect::<Vec<f64>>(), 1e-3), 0.15)
+        };
+        assert!(said(&|_| 0.15).unwrap().ends_with("(8.6°); calibrate it"));
+        let wandering = said(&|t| 0.15 + 0.06 * (0.5 * t).sin()).unwrap();
+        assert!(wandering.starts_with("no one zero is right for one") && wandering.contains("Fasten"), "{wandering}");
     }
 
     #[test]

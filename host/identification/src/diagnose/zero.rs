@@ -19,6 +19,7 @@ use crate::fit::uncertainty::Status;
 use crate::number::with_spread;
 use crate::recording::Measured;
 use crate::recording::noise::smallest_step;
+use crate::swing::wandering::COMMON;
 use crate::swing::zero::within_half_a_turn;
 use crate::swing::{Swing, Window};
 use shared::effect::Effect;
@@ -48,9 +49,6 @@ fn visible_rad(problem: &Problem) -> f64 {
     };
     problem.swings.iter().map(of_swing).fold(0.0, f64::max)
 }
-
-/// Offsets of the recordings may differ by this share of their mean.
-pub(super) const COMMON: f64 = 0.5;
 
 /// What shifts the swings.
 #[derive(Clone, Debug)]
