@@ -66,6 +66,16 @@ impl Plant {
         while self.hear().await != BEGINS {}
     }
 
+    /// The next block. Whoever starts twice before the first answer has another one between them.
+    async fn next_block(&mut self) -> u8 {
+        loop {
+            match self.hear().await {
+                BEGINS => {}
+                block => return block,
+            }
+        }
+    }
+
     fn read(&mut self, block: u8, batch: &mut Batch) -> io::Result<()> {
         let (place, n_codes) = (usize::from(block >> 4), usize::from(block & 0xf) + 1);
         let mut bytes = [0; BYTES_PER_CODE * BLOCK];
@@ -106,7 +116,7 @@ impl Sampler for Plant {
         }
         let_it_look().await;
         let mut batch = Batch::default();
-        let block = self.hear().await;
+        let block = self.next_block().await;
         self.read(block, &mut batch).expect("a block of the pendulum's codes");
         self.say(TAKEN).await;
         batch
