@@ -116,6 +116,11 @@ fn looked_at(server: &Server, n: &str) -> Value {
     })
 }
 
+/// Another rig is there, and what was found of the one before is gone.
+fn met(server: &Server, port: &str) {
+    server.tab().wait_for(|state| state["rig"]["port"] == port && !state["rig"]["firmware"].is_null());
+}
+
 /// The simulated rig's own friction and inertia are those of a drawing. With older firmware the program judges.
 #[test]
 fn numbers_that_are_wrong_are_fitted_from_the_live_view_and_nothing_is_missing_then() {
@@ -165,6 +170,7 @@ fn another_rig_brings_its_own_model_and_takes_along_what_was_listened_to() {
     server.post("/api/rig/suspect", "{\"effect\":\"magic\"}").refused(422, "no effect called magic");
 
     assert_eq!(server.post("/api/rig/connect", "{\"port\":\"sim:drag\"}").status, 204);
+    met(&server, "sim:drag");
     let state = looked_at(&server, "one release");
     assert_eq!(state["rig"]["port"], "sim:drag");
     assert!(!has(&state, "backlash") && state["recordings"] == json!([]), "{}", state["model"]);

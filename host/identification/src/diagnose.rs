@@ -26,6 +26,7 @@ mod of_state_words;
 pub mod physical;
 pub mod replacement;
 pub mod resemblance;
+mod rests;
 pub mod score;
 pub mod search;
 mod seen;

@@ -7,6 +7,7 @@ use super::holds::{Holding, Standing};
 use super::levels;
 use super::models::is_explained;
 use super::physical::is_sound;
+use super::rests::Rests;
 use super::score::{Prediction, predictions};
 use super::search::{Found, search};
 use super::summary::SpecialCase;
@@ -61,7 +62,7 @@ impl<'a, 'b> Bench<'a, 'b> {
         'b: 'c,
     {
         let Self { problem, rough, candidates, budget, .. } = *self;
-        Judge { problem, rough, found, candidates, budget }
+        Judge { problem, rough, found, candidates, budget, rests: Rests::default() }
     }
 
     /// Every effect is tried beside a base model, and judged.

@@ -7,7 +7,6 @@ use super::value::values;
 use super::verdict::Judge;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, HeldOut};
-use crate::fit::refine::on_all;
 use crate::fit::tally::Tally;
 use crate::swing::Swing;
 use crate::verdict::CHANCE_STDS;
@@ -151,7 +150,7 @@ impl Judge<'_, '_> {
 
     /// A claimed model without one effect, refitted to all samples; the base model where none is left.
     fn smaller(&self, claimed: &Fitted, id: u16) -> Fitted {
-        let rest = on_all(self.problem, &self.without(claimed, id));
+        let rest = self.without_on_all(claimed, id);
         if rest.effects.is_empty() { self.found.base.clone() } else { rest }
     }
 }

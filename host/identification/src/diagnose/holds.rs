@@ -320,7 +320,7 @@ impl Judge<'_, '_> {
         if found.len() < 2 {
             return None;
         }
-        let rest = |effect: &&'static Effect<f64>| on_all(self.problem, &self.without(claimed, effect.id));
+        let rest = |effect: &&'static Effect<f64>| self.without_on_all(claimed, effect.id);
         let rests: Vec<Fitted> = claimed.effects.iter().map(rest).collect();
         // What pushes to one side is no matter of the shape of laws that act alike to both.
         let may_be_a_shape = |effect: &str| Effect::<f64>::by_name(effect).is_some_and(|it| !it.rules.resembles_offset);
@@ -353,7 +353,7 @@ impl Judge<'_, '_> {
         if n_left == 0 {
             return self.found.base.clone();
         }
-        let rest = on_all(self.problem, &self.without(claimed, doubtful.id));
+        let rest = self.without_on_all(claimed, doubtful.id);
         match self.found.levels.get(n_left - 1) {
             Some(level) => rest.better(self.preferred(level).clone()),
             None => rest,

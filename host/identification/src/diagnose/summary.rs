@@ -12,6 +12,7 @@ use super::ties::{FamilyClaim, family};
 use super::value::{Candidate, Value};
 use super::verdict::Judge;
 use super::zero;
+use crate::cores::on_all_cores;
 use crate::fit::apart::apart_rmse;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, held_out_rmse};
@@ -357,7 +358,7 @@ impl Summary<'_, '_, '_> {
             formulas,
             evidence: evidence(problem, &self.claimed.parameters),
             values,
-            candidates: models.into_iter().map(|model| self.judge.candidate(model)).collect(),
+            candidates: on_all_cores(models, |model| self.judge.candidate(model)),
             parameters: problem.tolerances.settled(&self.claimed.parameters),
             leading,
             base_parameters: problem.tolerances.settled(&base.parameters),

@@ -7,6 +7,7 @@ use super::extension::extensions;
 use super::holds::{Holding, Standing};
 use super::models::excess;
 use super::replacement::Replacements;
+use super::rests::Rests;
 use super::score::{Prediction, predictions};
 use super::search::{Found, search};
 use super::summary::{Diagnosis, Summary};
@@ -123,7 +124,14 @@ fn judged<T>(
     let (base, levels) = levels(&problem);
     let found = Found { base, levels };
     let candidates = [effect("quadratic-drag"), effect("power-law-drag"), effect("torsional-spring")];
-    ask(&Judge { problem: &problem, rough: &rough, found: &found, candidates: &candidates, budget: &budget })
+    ask(&Judge {
+        problem: &problem,
+        rough: &rough,
+        found: &found,
+        candidates: &candidates,
+        budget: &budget,
+        rests: Rests::default(),
+    })
 }
 
 /// A model with this reduced chi-square, as if it had been fitted.
@@ -238,9 +246,9 @@ fn a_drag_that_was_fitted_is_told_from_its_wider_form_by_the_exponent() {
 
 /// What is told of a claim, which may have the zero beside it.
 fn told(judge: &Judge, claimed: &Fitted, offset_is_missing: bool, held_out: &[Swing]) -> Diagnosis {
-    let Judge { problem, rough, found, candidates, budget } = *judge;
+    let Judge { problem, rough, found, candidates, budget, .. } = *judge;
     let summary = Summary {
-        judge: Judge { problem, rough, found, candidates, budget },
+        judge: Judge { problem, rough, found, candidates, budget, rests: Rests::default() },
         base: found.base.clone(),
         first_look: None,
         claimed: claimed.clone(),

@@ -4,6 +4,7 @@ use super::budget::Budget;
 use super::models::{ALIKE_NOISES, MOST_LEFT, MOST_LEFT_UNEXPLAINED, NEAR, excess, is_explained};
 use super::physical::is_sound;
 use super::replacement::Replacements;
+use super::rests::Rests;
 use super::search::Found;
 use super::value::{Candidate, values};
 use super::widening::in_usual_form;
@@ -32,6 +33,8 @@ pub(super) struct Judge<'a, 'b> {
     pub(super) found: &'b Found,
     pub(super) candidates: &'b [&'static Effect<f64>],
     pub(super) budget: &'b Budget<'b>,
+    /// What it asked for already.
+    pub(super) rests: Rests,
 }
 
 impl Judge<'_, '_> {
@@ -167,7 +170,7 @@ impl Judge<'_, '_> {
         let decimated = model.evaluated(self.rough);
         let without = |effect: &&'static Effect<f64>| {
             let levels = self.without(&model, effect.id);
-            self.may_be_dispensable(&levels[0], &decimated).then(|| on_all(self.problem, &levels))
+            self.may_be_dispensable(&levels[0], &decimated).then(|| self.without_on_all(&model, effect.id))
         };
         let may_go = model.effects.iter().filter(|effect| Some(effect.name) != stays);
         let dispensable = may_go.filter_map(without).filter(|smaller| {
@@ -193,6 +196,16 @@ impl Judge<'_, '_> {
     /// The model without an effect, on decimated swings with the stop levels that may suit it: refitted from where it was,
     /// or from where the search had it if that is better.
     pub(super) fn without(&self, model: &Fitted, id: u16) -> Vec<Fitted> {
+        self.rests.levels(model, id, || self.fitted_without(model, id))
+    }
+
+    /// The same on all samples.
+    pub(super) fn without_on_all(&self, model: &Fitted, id: u16) -> Fitted {
+        let levels = self.without(model, id);
+        self.rests.on_all(model, id, || on_all(self.problem, &levels))
+    }
+
+    fn fitted_without(&self, model: &Fitted, id: u16) -> Vec<Fitted> {
         let smaller = model.without(id);
         let is_it = |other: &&Fitted| {
             other.effects.len() == smaller.effects.len() && smaller.effects.iter().all(|e| other.has(e.name))
@@ -250,7 +263,10 @@ impl Judge<'_, '_> {
             name: model.name(),
             rmse: self.problem.rmse_rad(model.cost),
             criterion: self.criterion(model),
-            parameters: values(self.problem, model).into_iter().filter(|value| model.has(value.effect)).collect(),
+            parameters: match model.effects.is_empty() {
+                true => Vec::new(),
+                false => values(self.problem, model).into_iter().filter(|value| model.has(value.effect)).collect(),
+            },
         }
     }
 }
