@@ -47,7 +47,9 @@ pub(super) fn extensions(
     let is_part = |effect: &Effect<f64>| effect.wider_form().is_some_and(|wide| model.has(wide.name));
     let fresh: Vec<&'static Effect<f64>> =
         candidates.iter().copied().filter(|effect| !model.has(effect.name) && !is_part(effect)).collect();
-    let (first, mut others) = worth_fitting(predictions(problem, model, &fresh));
+    let promised = predictions(problem, model, &fresh);
+    let supports: Vec<Prediction> = promised.iter().filter(|promise| is_support(promise.effect)).cloned().collect();
+    let (first, mut others) = worth_fitting(promised);
     let best_reduction = first.first().map_or(0.0, |prediction| prediction.reduction);
     if best_reduction < least_share * (model.cost - problem.noise_cost()) {
         return Vec::new();
@@ -73,6 +75,14 @@ pub(super) fn extensions(
     }
     level.extend(on_all_cores(&others, |prediction| prediction.fitted(problem)));
     sort(&mut level);
+    if model.effects.is_empty() && !is_explained(&level) && budget.allows_more() {
+        // Over the whole swings another resonance lies at every few oscillations of a support, and a fit ends in one beside the
+        // true one: so it is begun with the first swings, from each of its starts, whatever that promised.
+        let is_tried = |promise: &&Prediction| first.iter().any(|tried| tried.effect.id == promise.effect.id);
+        let tried: Vec<&Prediction> = supports.iter().filter(is_tried).collect();
+        level.extend(on_all_cores(tried, |promise| promise.grown(problem)));
+        sort(&mut level);
+    }
     drop_doubles(&mut level);
     level
 }
@@ -163,10 +173,11 @@ fn fitted(on: &Problem, model: &Fitted, prediction: &Prediction, best_reduction:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::tests::{effect, rig};
+    use crate::diagnose::tests::{effect, fitted as fitted_from, rig, simulated};
     use crate::fit::identify::problem_of;
     use crate::fit::problem::Point;
     use crate::fit::tally::Tally;
+    use crate::verdict::Left;
 
     #[test]
     fn all_starts_of_a_leading_effect_are_fitted_and_one_more_of_each_other() {
@@ -184,5 +195,20 @@ mod tests {
         let starts = |name: &str| all.iter().filter(|prediction| prediction.effect.name == name).count();
         assert!(effect("stribeck").starts.len() > 1);
         assert_eq!((starts("stribeck"), starts("detent")), (1, effect("detent").starts.len()));
+    }
+
+    /// A fit to the whole swing ends at 1.3 times the noise's squares.
+    #[test]
+    fn a_stand_is_found_from_the_first_swings() {
+        let (mut truth, count) = (rig(), Tally::default());
+        let [support, law] = ["resonant-support", "power-law-drag"].map(effect);
+        truth.set(support.id, &[0.04, 4.2, 0.04, 1.0]).unwrap();
+        let swings = [simulated("stand", &truth, 40.0, 1)];
+        let problem = problem_of(&swings, &rig(), &count);
+        let (decimated, budget) = (problem.decimated(), Budget::new(&count));
+        let rough = problem.on(&decimated);
+        let base = fitted_from(&problem, &rig()).evaluated(&rough);
+        let level = extensions(&rough, &base, &[support, law], 0.0, &budget);
+        assert!(level[0].has(support.name) && rough.chi_square(level[0].cost).left() != Left::Missing, "{level:?}");
     }
 }

@@ -51,6 +51,13 @@ impl Covariance {
         self
     }
 
+    /// The same where no column is surer than a variance that is told of it.
+    pub(super) fn no_surer(self, than: impl Fn(usize) -> Option<f64>) -> Self {
+        let size = self.matrix.nrows();
+        let least = DMatrix::from_fn(size, size, |i, j| if i == j { than(i).unwrap_or(0.0) } else { 0.0 });
+        Self { matrix: larger_diagonal(self.matrix, &least), ..self }
+    }
+
     /// Correlation of two columns, which their scatter over clusters may have left beyond one.
     pub fn correlation(&self, i: usize, j: usize) -> Option<f64> {
         Some((self.matrix[(i, j)] / (self.std(i)? * self.std(j)?)).clamp(-1.0, 1.0))
