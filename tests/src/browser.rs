@@ -44,6 +44,9 @@ impl Browser {
             options["mobileEmulation"] = json!({ "deviceMetrics": metrics });
         }
         capabilities.insert("goog:chromeOptions".to_owned(), options);
+        // By itself it gives a script half a minute, which a page that draws on a busy machine may take before it listens.
+        let hang_ms = HANG.as_millis() as u64;
+        capabilities.insert("timeouts".to_owned(), json!({ "script": hang_ms, "pageLoad": hang_ms }));
         let mut builder = ClientBuilder::new(HttpConnector::new());
         builder.capabilities(capabilities);
         let client = builder.connect(&format!("http://127.0.0.1:{port}")).await.expect("chromium starts");
