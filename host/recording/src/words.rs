@@ -11,6 +11,7 @@ mod meaning;
 mod rotary;
 mod sensors;
 mod split;
+mod unit_in_name;
 mod vocabulary;
 
 pub(super) use super::units::{angle_unit, rate_unit, time_unit};

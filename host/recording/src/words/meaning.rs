@@ -3,7 +3,8 @@
 use super::derivative::{has_derivative_sign, is_derivative};
 use super::hints::is_of_pendulum;
 use super::sensors::{TURNS_OF_BODY, is_about_axis, says_acceleration};
-use super::split::words;
+use super::split::{pieces, words};
+use super::unit_in_name::{InName, PerTime, per_time, unit_in};
 use super::vocabulary::{
     ANGLE, CODE, COSINE, DATE, DERIVED, DISPLACEMENT, OF_PLACE, OTHER_QUANTITIES, OTHER_UNITS, RATE, SINE, SPEED, TILT,
     TIME, X, Y,
@@ -67,14 +68,18 @@ struct Name<'a> {
     words: Vec<String>,
     time: Option<TimeUnit>,
     angle: Option<AngleUnit>,
+    per_time: Option<PerTime>,
+    /// Of a unit of time and one of an angle: is the latter that of the column?
+    is_in_angles: bool,
 }
 
 impl<'a> Name<'a> {
     fn of(name: &'a str) -> Self {
-        let words = words(name);
-        let time = words.iter().rev().find_map(|word| time_unit(word));
-        let angle = words.iter().rev().find_map(|word| angle_unit(word));
-        Self { name, words, time, angle }
+        let pieces = pieces(name);
+        let (time, angle) = (unit_in(&pieces, time_unit), unit_in(&pieces, angle_unit));
+        let is_in_angles = angle.as_ref().map(InName::rank) > time.as_ref().map(InName::rank);
+        let (time, angle) = (time.map(|found| found.unit), angle.map(|found| found.unit));
+        Self { name, words: words(name), time, angle, per_time: per_time(&pieces), is_in_angles }
     }
 
     fn has(&self, list: &[&str]) -> bool {
@@ -90,19 +95,21 @@ impl<'a> Name<'a> {
 
     /// `α / °` is an angle; without a unit it is taken for the acceleration.
     fn alpha(&self) -> Option<Meaning> {
-        let is_angle = self.angle.is_some() && self.time.is_none() && self.has(ALPHA);
+        let is_angle = self.angle.is_some() && self.per_time.is_none() && self.has(ALPHA);
         (is_angle && self.words.len() <= 2 && !self.is_squared())
             .then_some(Meaning::Angle { unit: self.angle, strength: NAMES_THE_THING })
     }
 
+    /// An acceleration, or the square of a rate.
     fn is_squared(&self) -> bool {
-        self.name.contains(['²', '^'])
+        let is_power =
+            || self.name.contains('²') || self.name.match_indices('^').any(|(at, _)| !is_inverse(&self.name[at..]));
+        self.per_time.as_ref().is_some_and(|per_time| per_time.is_squared) || is_power()
     }
 
     /// A derivative: an angular velocity, or nothing that is read.
     fn derived(&self) -> Option<Meaning> {
-        // rad/s, deg/s: an angle and a time unit in one name is a velocity; with s² it is an acceleration.
-        let is_per_time = self.angle.is_some() && self.time.is_some();
+        let is_per_time = self.per_time.is_some();
         let has_rate_unit = self.words.iter().any(|word| rate_word(word).is_some());
         if !(is_per_time || has_rate_unit || self.is_derived()) {
             return None;
@@ -139,8 +146,9 @@ impl<'a> Name<'a> {
 
     /// Of a rate: an angle alone is meant per second.
     fn rate_unit(&self) -> Option<RateUnit> {
-        let in_time = self.angle.map(|angle| RateUnit { angle, time: self.time.unwrap_or(TimeUnit::Seconds) });
-        self.words.iter().find_map(|word| rate_word(word)).or(in_time)
+        let per_time = self.per_time.as_ref().map(|per_time| per_time.unit);
+        let in_one_word = || self.words.iter().find_map(|word| rate_word(word));
+        per_time.or_else(in_one_word).or_else(|| self.angle.map(RateUnit::per_second))
     }
 
     fn named_time(&self) -> Option<Meaning> {
@@ -194,7 +202,7 @@ impl<'a> Name<'a> {
     fn by_its_unit(&self) -> Meaning {
         match (self.has(CODE), self.time, self.angle) {
             (true, ..) => Meaning::Code,
-            (_, Some(_), _) => Meaning::Time { unit: self.time, strength: NAMES_A_UNIT },
+            (_, Some(_), _) if !self.is_in_angles => Meaning::Time { unit: self.time, strength: NAMES_A_UNIT },
             (.., Some(_)) => Meaning::Angle { unit: self.angle, strength: NAMES_A_UNIT },
             _ if self.has(TILT) || self.has(TURNS_OF_BODY) => Meaning::Angle { unit: None, strength: NAMES_A_UNIT },
             // `pendulum`, where nothing else is said of it.
@@ -205,6 +213,11 @@ impl<'a> Name<'a> {
             _ => Meaning::Other,
         }
     }
+}
+
+/// Of a power: is it that of one divided by it? `^-1`, `^(-1)`, `^{-1}`.
+fn is_inverse(power: &str) -> bool {
+    power.trim_start_matches(['^', '(', '{']).starts_with("-1")
 }
 
 /// x or y, where it is not both.
@@ -326,6 +339,22 @@ mod tests {
             ("mV", Meaning::Other),
             ("gx_dps", rate(AngleUnit::Degrees)),
             ("motor_rpm", Meaning::Rate { unit: rate_unit("rpm") }),
+            ("Angle after 10 s (deg)", angle(Some(AngleUnit::Degrees))),
+            ("α after 10 s (deg)", Meaning::Other),
+            (
+                "Ground To PENDULUM - 4.9966e-003 s (Relative Rotation Z) [°]",
+                Meaning::Angle { unit: Some(AngleUnit::Degrees), strength: NAMES_A_UNIT },
+            ),
+            (
+                "Pendulum (deg), released after 10 s",
+                Meaning::Angle { unit: Some(AngleUnit::Degrees), strength: NAMES_A_UNIT },
+            ),
+            ("ω (rad·s⁻¹)", rate(AngleUnit::Radians)),
+            ("ω [rad s^{-1}]", rate(AngleUnit::Radians)),
+            ("wz_deg_s", rate(AngleUnit::Degrees)),
+            ("x (rad/s²)", Meaning::Other),
+            ("theta_rad_s2", Meaning::Other),
+            ("omega^2", Meaning::Other),
         ];
         for (name, expected) in cases {
             assert_eq!(meaning(name), expected, "{name}");

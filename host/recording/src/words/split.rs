@@ -20,10 +20,34 @@ fn all_words(name: &str) -> Vec<String> {
 
 /// Lower-case words with the digits at their ends.
 pub(super) fn words_with_digits(name: &str) -> impl Iterator<Item = String> {
-    name.split(|letter: char| !letter.is_alphanumeric() && letter != '°')
-        .flat_map(|part| if is_unit_with_prefix(part) { vec![part.to_owned()] } else { humps(part) })
-        .map(|word| word.to_lowercase())
-        .filter(|word| !word.is_empty())
+    pieces(name).into_iter().map(|piece| piece.word)
+}
+
+/// A lower-case word with the digits at its end, and the signs between it and the word before.
+pub(super) struct Piece {
+    pub(super) gap: String,
+    pub(super) word: String,
+}
+
+/// A name in all its words and signs, but for the signs at its end.
+pub(super) fn pieces(name: &str) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    let mut rest = name;
+    while let Some(begin) = rest.find(is_of_word) {
+        let end = rest[begin..].find(|letter| !is_of_word(letter)).map_or(rest.len(), |length| begin + length);
+        let part = &rest[begin..end];
+        let humps = if is_unit_with_prefix(part) { vec![part.to_owned()] } else { humps(part) };
+        let mut gap = &rest[..begin];
+        for hump in humps.into_iter().filter(|hump| !hump.is_empty()) {
+            pieces.push(Piece { gap: std::mem::take(&mut gap).to_owned(), word: hump.to_lowercase() });
+        }
+        rest = &rest[end..];
+    }
+    pieces
+}
+
+fn is_of_word(letter: char) -> bool {
+    letter.is_alphanumeric() || letter == '°'
 }
 
 /// `timeMs` in two, and `IMU1Angle`.
