@@ -5,6 +5,7 @@ mod beside;
 mod boxes;
 mod names;
 mod parted;
+mod quaternion;
 mod rates;
 mod reading;
 mod readings;

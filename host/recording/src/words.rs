@@ -20,9 +20,9 @@ pub(super) use hints::{
     is_counter, is_estimate, is_estimate_of, is_of_carrier, is_of_pendulum, is_of_sine, is_size, is_stamp, is_step,
     is_target, says_nothing, says_nothing_else,
 };
-pub(super) use meaning::{Meaning, is_named_angle, is_unit, meaning};
+pub(super) use meaning::{Meaning, is_named_angle, is_other_quantity, is_unit, meaning};
 pub(super) use rotary::{beside_alpha, beside_theta, is_rate_of_alpha, is_speed};
 pub(super) use sensors::{
     is_acceleration, is_distance, is_duration, is_gyroscope, is_length, is_orientation, is_quaternion, is_raw,
-    is_turn_of_body, may_be_acceleration, says_angles, says_turns,
+    is_turn_of_body, may_be_acceleration, says_angles, says_turns, w_x_y_z,
 };

@@ -3,6 +3,7 @@
 use super::boxes::Boxes;
 use super::names::{all_best, ambiguous, example, find, named_times, no_angle, the_one};
 use super::parted::parted;
+use super::quaternion::{is_part, quaternion};
 use super::rates::rate_columns;
 use super::standing::{counts, unnamed_time};
 use super::time::unit_in_cell;
@@ -65,7 +66,7 @@ fn angle_in(table: &Table, idx: usize) -> ReadingSource {
 fn named_point(table: &Table) -> Option<(usize, usize)> {
     match Boxes::of(table) {
         Some(boxes) => Some((boxes.x, boxes.y)),
-        None => the_one(table, Meaning::X).zip(the_one(table, Meaning::Y)),
+        None => the_one(table, Meaning::X).zip(the_one(table, Meaning::Y)).filter(|(x, _)| !is_part(table, *x)),
     }
 }
 
@@ -121,7 +122,7 @@ fn with_alpha(table: &Table, mut named: Vec<(usize, Option<AngleUnit>)>) -> Vec<
 
 /// x, y and z of an orientation are no angles where a w stands beside them.
 fn without_quaternion(table: &Table, mut named: Vec<(usize, Option<AngleUnit>)>) -> Vec<(usize, Option<AngleUnit>)> {
-    if table.names.iter().flatten().any(|name| words::is_quaternion(name)) {
+    if quaternion(table).is_some() {
         named.retain(|(idx, _)| !table.says(*idx, words::is_orientation));
     }
     named

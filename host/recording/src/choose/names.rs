@@ -7,9 +7,10 @@ use super::super::runs::is_one_of_several;
 use super::super::table::Table;
 use super::super::words::{
     Meaning, is_acceleration, is_distance, is_duration, is_estimate, is_estimate_of, is_length, is_of_carrier,
-    is_of_pendulum, is_quaternion, is_raw, meaning, says_nothing_else,
+    is_of_drive, is_of_pendulum, is_other_quantity, is_raw, meaning, says_nothing_else,
 };
 use super::parted::parted;
+use super::quaternion::quaternion;
 use super::standing::{rises_evenly, time_without_name, unnamed_time};
 
 /// Estimates that are looked at, at most: a state has some numbers.
@@ -56,9 +57,14 @@ pub(super) fn no_angle(table: &Table) -> Fault {
     }
     let first = |is_it: fn(&str) -> bool| table.names.iter().flatten().position(|name| is_it(name));
     let raw = the_raw(table);
-    match (first(is_acceleration).or_else(|| bare_accelerations(table)), periods(table), raw, first(is_quaternion)) {
+    match (first(is_acceleration).or_else(|| bare_accelerations(table)), periods(table), raw, quaternion(table)) {
         (Some(_), ..) => NoAngle::OnlyAccelerations { available }.into(),
         (_, Some(_), ..) => NoAngle::OnlyDurations { available }.into(),
+        (.., Some(drive), _) if let Some(moved) = moved_by(table, drive) => {
+            let (drive, moved, example) =
+                (table.column_name(drive), table.column_name(moved), example(table, "angle", &[moved], None));
+            NoAngle::BesideDrive { available, drive, moved, example }.into()
+        }
         (.., Some(idx), _) => NoAngle::OnlyRaw { available, example: example(table, "angle", &[idx], None) }.into(),
         (.., Some(_)) => NoAngle::OnlyQuaternions { available }.into(),
         _ => {
@@ -73,6 +79,18 @@ fn the_raw(table: &Table) -> Option<usize> {
     let names = table.names.as_deref()?;
     let raw = (0..names.len()).filter(|idx| is_raw(&names[*idx]) && table.is_of_numbers(*idx));
     raw.min_by_key(|idx| (!is_of_pendulum(&names[*idx]), is_of_carrier(&names[*idx])))
+}
+
+/// The first column that this one may move by its name, where that is the voltage or the current of a motor.
+fn moved_by(table: &Table, drive: usize) -> Option<usize> {
+    let times = named_times(table);
+    let is_else = |name: &str| is_of_drive(name) || is_raw(name) || is_acceleration(name) || is_other_quantity(name);
+    let may_be = |idx: &usize| {
+        let numbers = table.first_numbers(*idx);
+        let is_free = !times.contains(idx) && !table.says(*idx, |name| is_else(name) || is_time(name));
+        is_free && table.is_of_numbers(*idx) && table.moves(*idx) && !rises_evenly(&numbers)
+    };
+    table.says(drive, is_of_drive).then(|| (0..table.n_columns).find(may_be))?
 }
 
 /// The column of periods, where there is one: named so, or `T` beside a length or above numbers that stay about the same.
@@ -283,11 +301,14 @@ pub(super) fn example(table: &Table, role: &str, candidates: &[usize], wrong: Op
     let is_angle = |idx: usize| names.get(idx).is_some_and(|name| matches!(meaning(name), Meaning::Angle { .. }));
     // Counts of an accelerometer would be fitted as angles.
     let may_be_one = |idx: usize| moves(idx) && !table.says(idx, is_acceleration);
+    // What moves it is not its angle, where anything else moves.
+    let is_undriven = |idx: usize| may_be_one(idx) && !table.says(idx, is_of_drive);
     let told = |time: usize, candidates: &[usize]| {
         let may_be = |idx: &usize| ![Some(time), wrong, rest].contains(&Some(*idx)) && !candidates.contains(idx);
         let others = || (0..table.n_columns).filter(may_be);
+        let first = |is_it: &dyn Fn(usize) -> bool| others().find(|idx| is_it(*idx));
         let angle =
-            others().find(|idx| is_angle(*idx) && moves(*idx)).or_else(|| others().find(|idx| may_be_one(*idx)));
+            first(&|idx| is_angle(idx) && moves(idx)).or_else(|| first(&is_undriven)).or_else(|| first(&may_be_one));
         format!("t={time},theta={}", angle.map_or("COLUMN".to_owned(), |idx| idx.to_string()))
     };
     let each: Vec<String> = match role {
@@ -335,6 +356,19 @@ mod tests {
         let mut notes = Vec::new();
         note_rivals(&table, "angle", taken, as_angle, &mut notes);
         notes
+    }
+
+    #[test]
+    fn the_voltage_of_a_motor_is_not_advised_where_something_else_moves() {
+        let told = |heading: &str| {
+            let row = |idx: i32| format!("{},{},{}\n", 0.1 * f64::from(idx), (7 * idx) % 5, (3 * idx) % 4);
+            let text = format!("{heading}\n{}", (0..20).map(row).collect::<String>());
+            no_angle(&Table::new(Lines::of(text.as_bytes(), &mut Vec::new()).unwrap()).unwrap()).to_string()
+        };
+        let driven = told("t,alpha,voltage");
+        assert!(driven.contains("2 (voltage) drives") && driven.contains("--columns t=0,theta=1"), "{driven}");
+        assert!(told("t,temperature,voltage").contains("theta=2:54.5deg"));
+        assert!(told("t,motor current,voltage").contains("theta=2:54.5deg"));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::angle::choose_angle;
 use super::names::{bare_axes, example, find, listed, no_angle};
+use super::quaternion::quaternion;
 use super::rates::{rate_columns, rates};
 use crate::chosen::ReadingSource;
 use crate::columns::Columns;
@@ -10,7 +11,7 @@ use crate::header::Header;
 use crate::options::ReadOptions;
 use crate::table::Table;
 use crate::units::RateUnit;
-use crate::words::{is_quaternion, says_angles, says_turns};
+use crate::words::{says_angles, says_turns};
 use shared::measured::Measured;
 
 /// Rates where the user, the header or the names say so, else angles.
@@ -63,7 +64,8 @@ pub(super) fn choose_reading(
 
 /// Are its x, y and z the angles of an orientation, and no parts of a quaternion?
 pub(super) fn is_of_turns(table: &Table) -> bool {
-    let has_w = table.names.iter().flatten().any(|name| name.trim().eq_ignore_ascii_case("w") || is_quaternion(name));
+    let is_w = |name: &String| name.trim().eq_ignore_ascii_case("w");
+    let has_w = table.names.iter().flatten().any(is_w) || quaternion(table).is_some();
     table.is_called(says_turns) && !has_w
 }
 

@@ -71,6 +71,21 @@ pub enum NoAngle {
         /// What could be told of this file.
         example: String,
     },
+    /// Volts or the like that by their name are a motor's, and something that it may move.
+    #[error(
+        "no angle column among {available}; by its name {drive} drives the pendulum, and {moved} may be its angle: \
+         --columns {example}. If another column is the angle, name it with --columns theta=..."
+    )]
+    BesideDrive {
+        /// Names or count of what there is.
+        available: String,
+        /// What messages call the drive.
+        drive: String,
+        /// The same of what it may move.
+        moved: String,
+        /// What could be told of this file.
+        example: String,
+    },
     /// One coordinate of a point.
     #[error(
         "{column} is one coordinate of a point and no angle; export x and y of it, or where it swings by less than 20° say \

@@ -2,7 +2,7 @@
 
 use super::derivative::{has_derivative_sign, is_derivative};
 use super::hints::is_of_pendulum;
-use super::sensors::{TURNS_OF_BODY, is_about_axis, says_acceleration};
+use super::sensors::{TURNS_OF_BODY, is_about_axis, is_acceleration, says_acceleration};
 use super::split::{pieces, words};
 use super::unit_in_name::{InName, PerTime, per_time, unit_in};
 use super::vocabulary::{
@@ -35,6 +35,11 @@ const NAMES_A_UNIT: u8 = 1;
 
 /// A position may be that of the cart under the pendulum, and a date stands beside the time.
 const NAMES_IT_PERHAPS: u8 = 0;
+
+/// Is it a temperature, a magnetic field and the like?
+pub(crate) fn is_other_quantity(name: &str) -> bool {
+    Name::of(name).has(OTHER_QUANTITIES)
+}
 
 const ALPHA: &[&str] = &["alpha", "α"];
 
@@ -186,7 +191,7 @@ impl<'a> Name<'a> {
     }
 
     fn coordinate(&self) -> Option<Meaning> {
-        one_of(self.has(X), self.has(Y)).filter(|_| !self.is_angle())
+        one_of(self.has(X), self.has(Y)).filter(|_| !self.is_angle() && !is_acceleration(self.name))
     }
 
     fn other_unit(&self) -> Option<Meaning> {
@@ -353,6 +358,8 @@ mod tests {
             ("ω [rad s^{-1}]", rate(AngleUnit::Radians)),
             ("wz_deg_s", rate(AngleUnit::Degrees)),
             ("x (rad/s²)", Meaning::Other),
+            ("x-axis (g)", Meaning::Other),
+            ("y (m/s²)", Meaning::Other),
             ("theta_rad_s2", Meaning::Other),
             ("omega^2", Meaning::Other),
         ];

@@ -136,6 +136,19 @@ pub(crate) fn is_quaternion(name: &str) -> bool {
     words.iter().any(is_one) || is_orientation(name) && words.iter().any(|word| word == "w")
 }
 
+/// Where w, x, y and z of one thing stand: `w (number)`, `pose.w` and their like with the other letters.
+pub(crate) fn w_x_y_z(names: &[String]) -> Option<[usize; 4]> {
+    let all: Vec<Vec<String>> = names.iter().map(|name| words(name)).collect();
+    let with = |parts: &[String], letter: &str| {
+        let wanted = || parts.iter().map(|word| if word == "w" { letter } else { word.as_str() });
+        all.iter().position(|other| wanted().eq(other.iter().map(String::as_str)))
+    };
+    all.iter()
+        .enumerate()
+        .filter(|(_, parts)| parts.iter().any(|word| word == "w"))
+        .find_map(|(w, parts)| Some([w, with(parts, "x")?, with(parts, "y")?, with(parts, "z")?]))
+}
+
 /// Does it say orientation? Of that x, y and z are angles, or with a w the parts of a quaternion.
 pub(crate) fn is_orientation(name: &str) -> bool {
     words(name).iter().any(|word| word == "orientation")
@@ -173,13 +186,14 @@ pub(super) fn is_about_axis(words: &[String]) -> bool {
 const ABOUT_AXES: &[&str] =
     &["angle", "ang", "euler", "orientation", "tilt", "inclination", "winkel", "neigung", "角度"];
 
-/// Is it an acceleration along an axis? `Linear Acceleration x (m/s^2)`, `ax_g`, `Beschleunigung y`.
+/// Is it an acceleration along an axis? `Linear Acceleration x (m/s^2)`, `ax_g`, `x-axis (g)`, `Beschleunigung y`.
 pub(crate) fn is_acceleration(name: &str) -> bool {
     let words = words(name);
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let is_per_square = name.contains("/s²") || name.contains("/s^2") || name.contains("/s2");
     let in_metres = is_per_square && words.iter().any(|word| word == "m");
-    let in_g = words.last().is_some_and(|word| matches!(word.as_str(), "g" | "mg")) && has(&["ax", "ay", "az"]);
+    let is_along_axis = has(&["ax", "ay", "az", "x", "y", "z"]);
+    let in_g = words.last().is_some_and(|word| matches!(word.as_str(), "g" | "mg")) && is_along_axis;
     let is_angular = words.iter().any(|word| angle_unit(word).is_some() || ANGULAR.contains(&word.as_str()));
     (in_metres || in_g || words.iter().any(|word| names_acceleration(word))) && !is_angular
 }
@@ -277,6 +291,14 @@ mod tests {
     }
 
     #[test]
+    fn four_letters_of_one_thing_are_found() {
+        let found = |names: &[&str]| w_x_y_z(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
+        assert_eq!(found(&["t", "w (number)", "x (number)", "y (number)", "z (number)"]), Some([1, 2, 3, 4]));
+        assert_eq!(found(&["x", "pose.x", "pose.y", "pose.z", "pose.w"]), Some([4, 1, 2, 3]));
+        assert_eq!(found(&["t", "w (rad/s)", "x", "y", "z"]), None);
+    }
+
+    #[test]
     fn volts_and_counts_are_told_from_speeds() {
         for name in ["CH1(V)", "Channel A (mV)", "encoder", "raw_angle", "pot (V)", "Channel 0", "1 Volt", "counts"] {
             assert!(is_raw(name), "{name}");
@@ -301,6 +323,8 @@ mod tests {
             "Beschl. x",
             "Aceleração z",
             "加速度 x",
+            "x-axis (g)",
+            "Z [mg]",
         ] {
             assert!(is_acceleration(name), "{name}");
         }
