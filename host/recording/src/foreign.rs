@@ -33,7 +33,7 @@ impl Kind {
         let text = match self {
             Self::Zip => return zipped::table(bytes, notes).map(|(text, name)| (text, Some(name))),
             Self::Numpy => numpy::table(bytes),
-            Self::Matlab => matlab::table(bytes),
+            Self::Matlab => matlab::table(bytes, notes),
             Self::Hdf5 => Err(refused(
                 "HDF5 file",
                 "in MATLAB save it in an older form: save('swing.mat', 't', 'theta', '-v7'); in Python with \

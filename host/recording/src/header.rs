@@ -238,10 +238,10 @@ pub(super) fn says_rate(line: &str) -> bool {
     split_line(line).is_some_and(|(key, value)| said_rate_hz(&key, value).is_some())
 }
 
-/// Samples a second as a key and its value say them, or the time between two.
-fn said_rate_hz(key: &str, value: &str) -> Option<f64> {
+/// Samples a second as a key and its value say them, or the time between two; MATLAB's data acquisition says `ActualRate`.
+pub(super) fn said_rate_hz(key: &str, value: &str) -> Option<f64> {
     match key {
-        "fs" | "f_s" => number_of_hertz(value),
+        "fs" | "f_s" | "actualrate" => number_of_hertz(value),
         key if says_sampling_rate(key) => number_of_hertz(value),
         key if says_sampling_interval(key) => seconds_of_interval(value).map(f64::recip),
         _ => None,

@@ -9,13 +9,14 @@ use super::as_text::{refused, text_of};
 use super::mat5::{Problem, Variable};
 use super::{mat4, mat5, matlab_runs};
 use crate::error::Fault;
-use crate::limits::MIN_SAMPLES;
+use crate::header::said_rate_hz;
+use crate::limits::{LONGEST_STEP_S, MIN_SAMPLES};
 use crate::words::{Meaning, meaning};
 
 /// A matrix with more columns, and more rows, is a picture, not a table.
 const MOST_COLUMNS: usize = 64;
 
-pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
+pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Fault> {
     let what = "MATLAB file";
     let variables = if mat4::begins(bytes) { mat4::variables(bytes) } else { mat5::variables(bytes) };
     let variables = variables.map_err(|problem| match problem {
@@ -40,18 +41,47 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     if let Some(runs) = matlab_runs::table(&variables, columns.numbers.len()) {
         return Ok(runs);
     }
-    let Some((first, matrix)) = columns.lone_matrix() else { return Ok(text_of(&columns.names, &columns.numbers)) };
+    let Some((first, matrix)) = columns.lone_matrix() else {
+        columns.name_times();
+        let rate = rate_beside(&variables, &columns, notes);
+        return Ok([rate.into_bytes(), text_of(&columns.names, &columns.numbers)].concat());
+    };
     let named = names_of(&variables, matrix.len());
     let by_variable = time_and(&columns.names[first], matrix);
     let names = if named.is_empty() { by_variable.as_slice() } else { named };
     Ok(text_of(names, matrix))
 }
 
+/// A line above the table, of a scalar that says how many samples a second there are; none where something may be the time, or
+/// two say otherwise.
+fn rate_beside(variables: &[(String, Variable)], columns: &Columns, notes: &mut Vec<String>) -> String {
+    let is_time = |name: &String| matches!(meaning(name), Meaning::Time { .. });
+    if columns.names.iter().any(is_time) || columns.numbers.iter().any(|column| rises(column)) {
+        return String::new();
+    }
+    let said = |(name, variable): &(String, Variable)| match variable {
+        Variable::Numbers { values, .. } if values.len() == 1 => {
+            let rate_hz = said_rate_hz(&name.to_lowercase(), &values[0].to_string())?;
+            (rate_hz * LONGEST_STEP_S > 1.0).then(|| (format!("{name} = {}", values[0]), rate_hz))
+        }
+        _ => None,
+    };
+    let all: Vec<(String, f64)> = variables.iter().filter_map(said).collect();
+    let Some((scalar, rate_hz)) = all.first().filter(|(_, rate_hz)| all.iter().all(|other| other.1 == *rate_hz)) else {
+        return String::new();
+    };
+    notes.push(format!("{scalar} beside the data is read like a line above the table, Sampling rate: {rate_hz} Hz"));
+    format!("# Sampling rate: {rate_hz} Hz\n")
+}
+
+fn rises(column: &[f64]) -> bool {
+    column.windows(2).all(|pair| pair[1] > pair[0])
+}
+
 /// The names of a time and an angle or a rate, where the variable is called after one and only the first column rises
 /// throughout; none otherwise.
 fn time_and(first: &str, matrix: &[Vec<f64>]) -> Vec<String> {
     let variable = first.strip_suffix(" 1").unwrap_or(first);
-    let rises = |column: &[f64]| column.windows(2).all(|pair| pair[1] > pair[0]);
     let is_known = matches!(meaning(variable), Meaning::Angle { .. } | Meaning::Rate { .. });
     match matrix {
         [time, other] if is_known && rises(time) && !rises(other) => vec!["time".to_owned(), variable.to_owned()],
@@ -156,6 +186,25 @@ impl Columns {
         self.widths.push(n_quantities);
     }
 
+    /// Matrices of different lengths have no rows in common: the first column of each is its own time, where it alone rises, as
+    /// Simulink writes them To File.
+    fn name_times(&mut self) {
+        let lengths = || self.numbers.iter().map(Vec::len).filter(|length| *length >= MIN_SAMPLES);
+        if lengths().min() == lengths().max() {
+            return;
+        }
+        let mut first = 0;
+        for width in &self.widths {
+            let (idx, matrix) = (first, &self.numbers[first..first + width]);
+            first += width;
+            let is_recording = *width > 1 && matrix[0].len() >= MIN_SAMPLES;
+            if is_recording && rises(&matrix[0]) && !matrix[1..].iter().any(|column| rises(column)) {
+                let variable = self.names[idx].trim_end_matches(" 1").to_owned();
+                self.names[idx] = format!("{variable} time");
+            }
+        }
+    }
+
     /// The columns of a matrix beside which nothing is long enough to be a recording, and which column is its first.
     fn lone_matrix(&self) -> Option<(usize, &[Vec<f64>])> {
         let mut first = 0;
@@ -220,6 +269,44 @@ mod tests {
             assert!(time_and(variable, matrix).is_empty(), "{variable} {matrix:?}");
         }
         assert!(time_and("theta 1", &[time, swung.clone(), swung]).is_empty());
+    }
+
+    #[test]
+    fn matrices_of_different_lengths_have_times_of_their_own() {
+        let logged = |n_columns: i32| {
+            let row = |idx: i32| [f64::from(idx), f64::from(idx % 3)];
+            let values = (0..n_columns).flat_map(row).collect();
+            Variable::Numbers { n_rows: 2, n_columns: n_columns as usize, values }
+        };
+        let names = |lengths: [i32; 2]| {
+            let mut columns = Columns::default();
+            columns.add("swing", &logged(lengths[0]));
+            columns.add("angle", &logged(lengths[1]));
+            columns.name_times();
+            columns.names
+        };
+        assert_eq!(names([60, 40]), ["swing time", "swing 2", "angle time", "angle 2"]);
+        assert_eq!(names([60, 60]), ["swing 1", "swing 2", "angle 1", "angle 2"]);
+    }
+
+    #[test]
+    fn a_scalar_tells_the_rate_of_data_without_a_time() {
+        let scalar = |name: &str, value: f64| (name.to_owned(), numbers(&[value]));
+        let line = |scalars: &[(String, Variable)], column: &[f64]| {
+            let mut columns = Columns::default();
+            columns.add("data", &numbers(column));
+            rate_beside(scalars, &columns, &mut Vec::new())
+        };
+        let swung = [0.3, -0.1, 0.2];
+        for it in
+            [scalar("ActualRate", 1000.0), scalar("Fs", 1000.0), scalar("Ts", 0.001), scalar("SampleRate", 1000.0)]
+        {
+            assert_eq!(line(std::slice::from_ref(&it), &swung), "# Sampling rate: 1000 Hz\n", "{it:?}");
+            assert_eq!(line(&[it], &[0.0, 0.1, 0.2]), "");
+        }
+        // Friction, too, is called so.
+        assert_eq!(line(&[scalar("fs", 0.02), scalar("duration", 30.0)], &swung), "");
+        assert_eq!(line(&[scalar("fs", 1000.0), scalar("dt", 0.01)], &swung), "");
     }
 
     #[test]
