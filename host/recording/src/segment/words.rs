@@ -118,6 +118,12 @@ fn end(cut: &Cut, options: &SegmentOptions, free: &Range<usize>, rest: Option<&R
 fn other_swing(cut: &Cut, free: &Range<usize>) -> Option<String> {
     let other = cut.longest_of(cut.other_swings(free))?;
     let (from_s, to_s) = (cut.times_s()[other.start], cut.times_s()[other.end - 1]);
+    if !cut.fades(&other) {
+        return Some(format!(
+            "swings from {from_s:.2} to {to_s:.2} s are left out: they don't become smaller, as those that a motor or a hand drives, \
+             and one that does is taken; --from {from_s:.2} --to {to_s:.2} takes them"
+        ));
+    }
     let why = match cut.duration_s(&other) > cut.duration_s(free) {
         true => "the one that swings more often is taken, though it is shorter",
         false => "the longest one is taken",

@@ -118,3 +118,13 @@ fn a_tiny_tail_behind_some_swings_is_doubted_that_take_no_longer() {
     let doubt = segments.notes.iter().find(|note| note.contains("is that the free swing?"));
     assert!(doubt.is_some_and(|doubt| !doubt.contains("takes longer")), "{:?}", segments.notes);
 }
+
+/// In step with its own swings, and as large throughout.
+#[test]
+fn swings_that_a_motor_holds_are_not_called_free_where_they_are_left_out() {
+    let driven = (0..3000).map(|idx| 0.3 * (8.3 * STEP_S * f64::from(idx)).sin());
+    let segments = find(&[swing(0.9, 12.0), vec![0.0; 200], driven.collect()].concat());
+    let told = |words: &str| segments.notes.iter().any(|note| note.contains(words));
+    assert!(segments.free.end < 2500 && told("are left out: they don't become smaller"), "{segments:?}");
+    assert!(!told("a free swing from"), "{segments:?}");
+}
