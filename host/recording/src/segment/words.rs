@@ -22,6 +22,11 @@ const TINY_TAIL: f64 = 0.2;
 /// Times are shown to so much, s.
 const SHOWN_S: f64 = 0.01;
 
+/// From turn to turn in samples, which are whole ones where they are few: white noise turns every 1.5 (Bienaymé's test of turning
+/// points), by 1 and 2, and swings of six samples a period, which are read, every 3. This lies between 2 and 3; with half of it
+/// only what turns at each sample would be doubted, with twice of it swings of ten samples a period would be.
+const TURNS_OF_NOISE: f64 = 2.5;
+
 /// What may have moved it before its free swing, and what to do if nothing did.
 const NOT_FREE: &str = " (a hand, a motor, a stop, or a tracker that lost it); --from begins earlier";
 
@@ -42,6 +47,7 @@ pub(super) fn notes(
     notes.extend(whole.states.is_empty().then(|| {
         "too few samples a swing to see a hand in it: --from and --to tell where it swings freely".to_owned()
     }));
+    notes.extend(as_quick_as_noise(cut));
     notes.extend(whole.driven_in_words(&swing));
     notes.extend(no_fading(whole, &swing));
     notes.extend(interruptions(recording, interrupted));
@@ -131,6 +137,18 @@ fn other_swing(cut: &Cut, free: &Range<usize>) -> Option<String> {
     Some(format!(
         "a free swing from {from_s:.2} to {to_s:.2} s is left out, {why}; --from {from_s:.2} --to {to_s:.2} takes that one"
     ))
+}
+
+/// That it turns as often as noise does, in which neither a hand nor a growth is seen.
+fn as_quick_as_noise(cut: &Cut) -> Option<String> {
+    let n_samples = cut.half_swing_s / cut.recording.step_s();
+    (n_samples < TURNS_OF_NOISE).then(|| {
+        format!(
+            "doubtful: from turn to turn it takes {} samples, and noise alone takes 1.5: nothing tells whether it swings freely, or \
+             swings at all; record at least six samples a swing there and back",
+            significant(n_samples, 2)
+        )
+    })
 }
 
 /// That its swings do not become smaller, as without a motor they must.

@@ -84,3 +84,15 @@ fn a_rest_of_a_second_tells_noise_whose_neighbours_are_alike() {
         assert!((level_of(0.0, seed).level_rad() / 1e-3 - 1.0).abs() < 0.1, "{seed}");
     }
 }
+
+/// A period takes 0.75 s: three or four samples, or six.
+#[test]
+fn what_turns_as_often_as_noise_is_doubted() {
+    for (every, is_doubted) in [(52, true), (37, true), (25, false)] {
+        let angles_rad: Vec<f64> = noisy(&swing(0.5, 40.0)).angles_rad().iter().step_by(every).copied().collect();
+        let recording = Recording::uniform(1.0 / (STEP_S * every as f64), angles_rad).unwrap();
+        let segments = segment(&recording, &SegmentOptions::default()).unwrap();
+        let told = segments.notes.iter().any(|note| note.starts_with("doubtful: from turn to turn it takes "));
+        assert_eq!(told, is_doubted, "{every}: {segments:?}");
+    }
+}
