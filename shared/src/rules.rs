@@ -24,6 +24,8 @@ pub struct Rules {
     pub is_calibrated: bool,
     /// Which of its parameters, at which value, makes it the effect that it generalises: an exponent.
     pub special_case_at: Option<(u8, f64)>,
+    /// Which of its parameters is a share of which other one: its torque is linear in their product, not in the share.
+    pub share_of: Option<(u8, u8)>,
     /// It is tried only in place of the effect that it generalises, from the numbers of that one; its first parameters
     /// are the same. Nothing suggests it alone, so that no first look has to know it.
     pub follows_special_case: bool,
@@ -60,6 +62,7 @@ impl Rules {
         resembles_offset: false,
         is_calibrated: false,
         special_case_at: None,
+        share_of: None,
         follows_special_case: false,
         is_of_pictures: false,
         is_left_to_diagnosis: false,

@@ -42,6 +42,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         rules: Rules {
             relaxes_at: Some(1),
             special_case_at: Some((2, 0.0)),
+            share_of: Some((2, 0)),
             follows_special_case: true,
             ..Rules::NONE
         },

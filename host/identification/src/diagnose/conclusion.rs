@@ -19,7 +19,7 @@ use crate::fit::problem::Problem;
 use crate::fit::refine::{levels as levels_of, on_all};
 use crate::fit::short_memory::{ShortMemory, swings_in_what_is_left};
 use crate::fit::tally::Tally;
-use crate::swing::Swing;
+use crate::swing::{Swing, Window};
 use crate::verdict::Left;
 use shared::effect::Effect;
 
@@ -55,6 +55,13 @@ pub(super) fn not_claimed(unproven: Vec<Holding>, claimed: &Fitted) -> Vec<Holdi
     stay.map(|holding| holding.beside_claimed(claimed)).collect()
 }
 
+/// Did what remains of a claim explain the swings together with a law that is too slight to be claimed? Then what it leaves is
+/// that law's, and speaks for no other one in its place.
+fn is_rest_of_explained(problem: &Problem, dropped: &Holding) -> bool {
+    let cost = dropped.rmse.powi(2) * problem.n_samples(Window::Whole) as f64;
+    dropped.standing == Standing::Slight && problem.chi_square(cost).left() == Left::Noise
+}
+
 impl<'a, 'b> Bench<'a, 'b> {
     /// Who decides from what a search found.
     pub(super) fn judge<'c>(&'c self, found: &'c Found) -> Judge<'a, 'c>
@@ -87,7 +94,8 @@ impl<'a, 'b> Bench<'a, 'b> {
         let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, resembling) } else { model };
         let before = claimed.names();
         let (mut claimed, mut unproven, mut holds_on) = judge.holding(judge.beyond_their_errors(claimed));
-        if problem.chi_square(claimed.cost).left() != Left::Noise {
+        let is_rest = unproven.iter().any(|holding| is_rest_of_explained(problem, holding));
+        if problem.chi_square(claimed.cost).left() != Left::Noise && !is_rest {
             (claimed, holds_on) = judge.simpler(&claimed, &others).unwrap_or((claimed, holds_on));
         }
         if claimed.names() != before {
@@ -220,5 +228,32 @@ mod tests {
         let alone = bench.concluded(&base);
         let levelled = bench.with_levels(&base, &alone).expect("levels that differ").claimed;
         assert!(is_explained(&problem, &levelled) && !is_explained(&problem, &alone.claimed));
+    }
+
+    #[test]
+    fn what_remains_beside_a_slight_law_is_the_rest_only_where_both_explain_the_swings() {
+        let swings = [simulated("one", &rig(), 8.0, 1)];
+        let count = Tally::default();
+        let problem = problem_of(&swings, &rig(), &count);
+        let is_rest = |standing: Standing, noises: f64| {
+            let rmse = noises * problem.noise_rad();
+            let (p, p_without_two, value, std) = (None, None, None, None);
+            let (beside, parts) = (Vec::new(), Vec::new());
+            let dropped = Holding {
+                effect: "stribeck",
+                standing,
+                windows: 20,
+                rmse,
+                beside,
+                p,
+                p_without_two,
+                value,
+                std,
+                parts,
+            };
+            is_rest_of_explained(&problem, &dropped)
+        };
+        assert!(is_rest(Standing::Slight, 1.0));
+        assert!(!is_rest(Standing::Slight, 3.0) && !is_rest(Standing::Partly, 1.0));
     }
 }

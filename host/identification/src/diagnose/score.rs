@@ -73,7 +73,7 @@ fn prediction(
     let equations = equations_with_added(&problem, &point, Window::Whole, known);
     let step = bounded_step(&problem, &point, &equations, ANSWER_DAMPING);
     let cost = equations.cost - equations.gain(&step);
-    let stepped = Fitted::at(&problem, &stepped(&point, &step, problem.unknowns.len()));
+    let stepped = Fitted::at(&problem, &stepped(&problem, &point, &step));
     let model = Fitted { effects: larger.effects.clone(), ..stepped };
     let at_start = Fitted { cost: equations.cost, ..larger };
     cost.is_finite().then_some(Prediction { effect, start: *start, reduction: before - cost, at_start, model })

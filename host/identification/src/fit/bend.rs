@@ -19,7 +19,7 @@ const PROBE: f64 = 0.1;
 /// Steps from where a problem was linearised, each bent as the predictions are along it.
 pub(super) fn bent(problem: &Problem, point: &Point, linear: &Linear, steps: &[Step]) -> Vec<DVector<f64>> {
     let n_unknowns = problem.unknowns.len();
-    let after = |share: f64| move |step: &Step| stepped(point, &(&step.change * share), n_unknowns);
+    let after = |share: f64| move |step: &Step| stepped(problem, point, &(&step.change * share));
     let probes: Vec<Point> = steps.iter().map(after(PROBE)).chain(steps.iter().map(after(2.0 * PROBE))).collect();
     let pulls = linear.each(|swing_idx, swing| pulls(problem, swing_idx, swing, &probes, point));
     let bent = |(k, step): (usize, &Step)| {

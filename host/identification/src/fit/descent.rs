@@ -162,8 +162,8 @@ impl Here<'_, '_> {
     fn best_trial(&self, linear: &Linear, damping: f64, wanted: Option<f64>) -> Option<(Point, f64, f64)> {
         let steps =
             DAMPING_FACTORS.map(|factor| Step::bounded(self.problem, self.point, &linear.equations, damping * factor));
-        let n_unknowns = self.problem.unknowns.len();
-        let straight = self.best(steps.iter().map(|step| stepped(self.point, &step.change, n_unknowns)).collect());
+        let after = |step: &Step| stepped(self.problem, self.point, &step.change);
+        let straight = self.best(steps.iter().map(after).collect());
         let gain = straight.as_ref().map_or(0.0, |(_, cost, _)| self.cost - cost);
         if wanted.is_none_or(|wanted| gain >= wanted) {
             return straight;
@@ -175,7 +175,7 @@ impl Here<'_, '_> {
 
     /// The guess after a change that knows no bounds.
     fn bounded(&self, change: &DVector<f64>) -> Point {
-        let mut point = stepped(self.point, change, self.problem.unknowns.len());
+        let mut point = stepped(self.problem, self.point, change);
         let all = point.values.iter_mut().zip(&self.problem.unknowns);
         all.for_each(|(value, unknown)| *value = value.clamp(unknown.low, unknown.high));
         for (swing_idx, start) in point.starts.iter_mut().enumerate() {

@@ -1,9 +1,13 @@
 //! A damped step of least squares within the bounds of its unknowns, and the guess that it leads to.
+//!
+//! A number that is a share of another one is carried along by its product with that: the torque is linear in the product, so
+//! that a valley that is curved in the share is straight there, and a step may go all the way.
 
 use super::arrow::ArrowFactor;
 use super::linear::Equations;
-use super::problem::{PER_SWING, Point, Problem};
+use super::problem::{PER_SWING, Point, Problem, Quantity};
 use nalgebra::DVector;
+use shared::effect::Effect;
 
 /// A damped step within the bounds.
 pub(super) struct Step {
@@ -31,9 +35,10 @@ impl Step {
                     true => (point.values[j], problem.unknowns[j].low, problem.unknowns[j].high),
                     false => bounded_zero(problem, point, (j - n_unknowns) / PER_SWING),
                 };
-                let target = here + step[j];
+                let kept = kept_share(problem, point, &step, j);
+                let target = here + kept * step[j];
                 let bounded = target.clamp(low, high);
-                (bounded != target).then_some((j, bounded - here))
+                (bounded != target).then_some((j, (bounded - here) / kept))
             };
             let is_bounded = |j: &usize| *j < n_unknowns || is_offset(*j);
             let leaving = (0..free.len()).filter(|j| free[*j] && is_bounded(j)).find_map(bounded);
@@ -67,9 +72,17 @@ pub fn bounded_step(problem: &Problem, point: &Point, linear: &Equations, dampin
 }
 
 /// The guess after a step.
-pub fn stepped(point: &Point, step: &DVector<f64>, n_unknowns: usize) -> Point {
+pub fn stepped(problem: &Problem, point: &Point, step: &DVector<f64>) -> Point {
+    let n_unknowns = problem.unknowns.len();
     let mut next = point.clone();
-    next.values.iter_mut().zip(step.iter()).for_each(|(value, change)| *value += change);
+    for (j, value) in next.values.iter_mut().enumerate() {
+        let Some(of) = whole_of(problem, j) else {
+            *value += step[j];
+            continue;
+        };
+        let unknown = &problem.unknowns[j];
+        *value = (*value + share_kept(point.values[of], step[of]) * step[j]).clamp(unknown.low, unknown.high);
+    }
     for (swing_idx, start) in next.starts.iter_mut().enumerate() {
         let first = n_unknowns + PER_SWING * swing_idx;
         start.angle_rad += step[first];
@@ -79,13 +92,35 @@ pub fn stepped(point: &Point, step: &DVector<f64>, n_unknowns: usize) -> Point {
     next
 }
 
+/// The unknown that another one is a share of.
+fn whole_of(problem: &Problem, share: usize) -> Option<usize> {
+    let Quantity::Effect { id, index } = problem.unknowns.get(share)?.quantity else { return None };
+    let (_, of) = Effect::<f64>::by_id(id)?.rules.share_of.filter(|(share, _)| usize::from(*share) == index)?;
+    let whole = Quantity::Effect { id, index: usize::from(of) };
+    problem.unknowns.iter().position(|unknown| unknown.quantity == whole)
+}
+
+/// How much of its change in a step a number keeps: all, but for a share of another one.
+fn kept_share(problem: &Problem, point: &Point, step: &DVector<f64>, j: usize) -> f64 {
+    whole_of(problem, j).map_or(1.0, |of| share_kept(point.values[of], step[of]))
+}
+
+/// With whole w and share s, Δ(w·s) = s·Δw + w·Δs leads to (w·s + Δ(w·s)) / (w + Δw) = s + Δs·w / (w + Δw). Of nothing there
+/// is no share, and it changes as any number does.
+fn share_kept(whole: f64, change: f64) -> f64 {
+    let kept = whole / (whole + change);
+    if kept.is_finite() && kept != 0.0 { kept } else { 1.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::diagnose::tests::{rig, simulated};
+    use crate::fit::descent::{Tolerance, descend};
     use crate::fit::identify::problem_of;
     use crate::fit::linear::{Steps, equations};
     use crate::fit::problem::Start;
+    use crate::fit::start::starts;
     use crate::fit::tally::Tally;
     use crate::swing::Window;
 
@@ -106,5 +141,37 @@ mod tests {
         assert!((after(0.0) - high).abs() < 1e-9, "{}", after(0.0));
         // One that is beyond it does not go on.
         assert!(after(low - 1.0) >= low - 1.0 - 1e-9);
+    }
+
+    /// Beside a pendulum whose moment of inertia is a twentieth too small: what the spring has then follows from the motion.
+    #[test]
+    fn a_step_goes_along_the_straight_valley_of_a_product() {
+        let (count, smaller) = (Tally::default(), 0.95);
+        let spring = Effect::<f64>::by_name("general-spring").unwrap();
+        let mut truth = rig();
+        let [stiffness, share] = [0.1 * truth.pendulum.gravity_torque_nm(), 0.3];
+        truth.set(spring.id, &[stiffness, 0.0, share]).unwrap();
+        let swings = [simulated("hard", &truth, 10.0, 1)];
+        let mut other = truth.clone();
+        let gravity_nm = truth.pendulum.gravity_torque_nm();
+        other.pendulum.inertia_kg_m2 -= (1.0 - smaller) * truth.pendulum.pivot_inertia_kg_m2();
+        let softer = smaller * (gravity_nm + stiffness) - gravity_nm;
+        let cubic = smaller * (stiffness * share - gravity_nm / 6.0) + gravity_nm / 6.0;
+        other.set(spring.id, &[softer, 0.0, cubic / softer]).unwrap();
+        let problem = problem_of(&swings, &other, &count);
+        let from = Point { values: problem.template_values(), starts: starts(&swings) };
+        let found = descend(&problem, &from, Window::Whole, Tolerance::SCREEN, Steps::new(&problem));
+        let left = found.cost / problem.noise_cost();
+        assert!(left < 1.1, "{left} {:?}", found.point.values);
+    }
+
+    #[test]
+    fn a_share_follows_from_the_product_and_the_whole() {
+        let (whole, share) = (0.003, 2.8);
+        let (more, less) = (0.017, -16.7);
+        let product: f64 = whole * share + share * more + whole * less;
+        assert!((share + share_kept(whole, more) * less - product / (whole + more)).abs() < 1e-12);
+        // Of nothing, and where nothing is left.
+        assert_eq!([share_kept(0.0, 0.1), share_kept(0.1, -0.1)], [1.0, 1.0]);
     }
 }
