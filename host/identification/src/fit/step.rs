@@ -116,11 +116,9 @@ fn share_kept(whole: f64, change: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::diagnose::tests::{rig, simulated};
-    use crate::fit::descent::{Tolerance, descend};
     use crate::fit::identify::problem_of;
     use crate::fit::linear::{Steps, equations};
     use crate::fit::problem::Start;
-    use crate::fit::start::starts;
     use crate::fit::tally::Tally;
     use crate::swing::Window;
 
@@ -141,28 +139,6 @@ mod tests {
         assert!((after(0.0) - high).abs() < 1e-9, "{}", after(0.0));
         // One that is beyond it does not go on.
         assert!(after(low - 1.0) >= low - 1.0 - 1e-9);
-    }
-
-    /// Beside a pendulum whose moment of inertia is a twentieth too small: what the spring has then follows from the motion.
-    #[test]
-    fn a_step_goes_along_the_straight_valley_of_a_product() {
-        let (count, smaller) = (Tally::default(), 0.95);
-        let spring = Effect::<f64>::by_name("general-spring").unwrap();
-        let mut truth = rig();
-        let [stiffness, share] = [0.1 * truth.pendulum.gravity_torque_nm(), 0.3];
-        truth.set(spring.id, &[stiffness, 0.0, share]).unwrap();
-        let swings = [simulated("hard", &truth, 10.0, 1)];
-        let mut other = truth.clone();
-        let gravity_nm = truth.pendulum.gravity_torque_nm();
-        other.pendulum.inertia_kg_m2 -= (1.0 - smaller) * truth.pendulum.pivot_inertia_kg_m2();
-        let softer = smaller * (gravity_nm + stiffness) - gravity_nm;
-        let cubic = smaller * (stiffness * share - gravity_nm / 6.0) + gravity_nm / 6.0;
-        other.set(spring.id, &[softer, 0.0, cubic / softer]).unwrap();
-        let problem = problem_of(&swings, &other, &count);
-        let from = Point { values: problem.template_values(), starts: starts(&swings) };
-        let found = descend(&problem, &from, Window::Whole, Tolerance::SCREEN, Steps::new(&problem));
-        let left = found.cost / problem.noise_cost();
-        assert!(left < 1.1, "{left} {:?}", found.point.values);
     }
 
     #[test]
