@@ -101,7 +101,7 @@ fn a_clock_that_loses_time_is_no_law_of_the_motion() {
     let diagnosis = diagnose(&rig.swings(), &[], &rig.known());
     assert!(diagnosis.unexplained, "{:?}", diagnosis.verdict);
     let split = diagnosis.of_state.expect("more than the noise is left");
-    assert!(split.kind == Kind::Elsewhere && split.words.contains("more likely clock"), "{split:?}");
+    assert!(split.kind == Kind::Elsewhere && split.words.contains("There remain clock"), "{split:?}");
 }
 
 /// Whoever has no camera is told of no shutter; whoever has one is told of a law or a scale, and which it would be.

@@ -69,7 +69,7 @@ use conclusion::{Bench, Conclusion};
 use shared::effect::{CUSTOM_FORMULA_ID, Effect};
 use shared::parameters::base;
 use std::time::Instant;
-use summary::Summary;
+use summary::{Summary, is_suspect_enough};
 
 /// Finds what is missing from the base model of a rig.
 pub fn diagnose<'r>(swings: &[Swing], held_out: &[Swing], rig: impl Into<KnownRig<'r>>) -> Diagnosis {
@@ -133,11 +133,13 @@ pub fn diagnose_counted<'r>(
             return Diagnosis { seconds: began.elapsed().as_secs_f64(), short_memory: Some(told), ..found };
         }
     }
-    let (concluded, curve) = bench.with_curve(bench.with_levels(&base, &alone).unwrap_or(alone));
+    let (concluded, curve) = bench.with_curve(bench.with_levels_that_carry(&base, alone));
     let Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others } =
         concluded;
     let judge = bench.judge(&found);
-    let of_state = judge.of_state(&claimed, curve.as_ref());
+    // Who says that a law is likely and reaches the noise does not ask whether one is missing.
+    let is_suspect_enough = is_suspect_enough(&problem, &claimed, &unproven);
+    let of_state = if is_suspect_enough { None } else { judge.of_state(&claimed, curve.as_ref()) };
     let carries = judge.carries(&claimed, held_out, count);
     let parts = Summary {
         judge,

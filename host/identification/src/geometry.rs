@@ -144,8 +144,8 @@ pub fn too_long(parameters: &Parameters<f64>, swings: &[Swing]) -> Option<(usize
     let (idx, period_s, most_m) = swings.iter().enumerate().find_map(contradicts)?;
     let words = format!(
         "with the period of {period_s:.3} s the centre of mass is at most {most_m:.3} m from the pivot where gravity alone swings \
-         it, and the model has length = {length_m} m: measure that again before you believe that a spring or anything else is \
-         missing"
+         it, and the model has length = {} m: measure that again before you believe that a spring or anything else is missing",
+        significant(length_m, 4)
     );
     Some((idx, words))
 }
@@ -359,6 +359,8 @@ mod tests {
         assert_eq!(of(1.005 * most_m), None);
         let (idx, words) = of(1.02 * most_m).unwrap();
         assert!(idx == 0 && words.contains(&format!("at most {most_m:.3} m")), "{words}");
+        let (_, words) = of(0.40800000000000003).unwrap();
+        assert!(words.contains("length = 0.4080 m:"), "{words}");
         let mut sprung = paper_but(|pendulum| pendulum.length_m = 1.02 * most_m);
         sprung.set(Effect::<f64>::by_name("torsional-spring").unwrap().id, &[0.0]).unwrap();
         assert_eq!(too_long(&sprung, &swings(0.1, period_s)), None);

@@ -52,7 +52,8 @@ pub const LOOK_FIRST: &str = "see that the column is the angle of one pendulum, 
 const BELOW_NOISE: f64 = 0.7;
 
 /// What to look at where an error is far below the noise.
-const NOISE_TOO_LARGE: &str = "which was therefore estimated too large: look for jumps, gaps or wraps of the angle";
+const NOISE_TOO_LARGE: &str = "which was therefore estimated too large: look for jumps, gaps or wraps of the angle, or for hum near \
+                               half the sampling rate, with which neighbouring readings alternate";
 
 /// Why nothing is wrong with such an error where the readings have no noise of their own.
 const NO_NOISE: &str = "which is what a model is simulated to: the readings have no noise of their own";

@@ -96,8 +96,8 @@ fn doubts(diagnosis: &Diagnosis) -> Vec<String> {
 fn held_out(diagnosis: &Diagnosis) -> Vec<String> {
     let vetoed = diagnosis.vetoed.iter().map(|name| {
         format!(
-            "Not claimed: {name}. It explains the fitted swings, but the error on the held-out ones rises with it by more \
-             than twice its own uncertainty."
+            "Not claimed: {name}. The error on the fitted swings falls, but on the held-out ones it rises by more than twice \
+             its own uncertainty."
         )
     });
     let said = diagnosis.carries.map(|carries| match carries {
@@ -107,7 +107,21 @@ fn held_out(diagnosis: &Diagnosis) -> Vec<String> {
             "The held-out swings can't tell: their error stays as it is, within its own uncertainty."
         }
     });
-    vetoed.chain(said.map(str::to_owned)).map(|words| wrapped(&words, 0)).collect()
+    let said = said.map(str::to_owned).into_iter().chain(without_level(diagnosis));
+    vetoed.chain(said).map(|words| wrapped(&words, 0)).collect()
+}
+
+/// A release that took no part has a level that nobody knows, so that its error may rise with levels that are right.
+fn without_level(diagnosis: &Diagnosis) -> Option<String> {
+    let (before, after) = diagnosis.held_out_before.zip(diagnosis.held_out_after)?;
+    let unit = diagnosis.measured.milli_unit();
+    let words = format!(
+        "With the levels the error on the held-out swings rises from {:.2} to {:.2} {unit}: their own level is not the mean one, \
+         or the levels imitate another law. Fit them as well to see.",
+        1e3 * before,
+        1e3 * after
+    );
+    (diagnosis.levels.is_some() && diagnosis.verdict.is_empty() && after > before).then_some(words)
 }
 
 /// That stages were left out, and what to do about it.
@@ -147,20 +161,30 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         ([], false) => format!("Nothing is missing at this noise level: the base model leaves {after}."),
         (offset, true) if diagnosis.has_no_law() => {
             let zero = match offset {
+                [] if diagnosis.levels.is_some() => {
+                    format!(" With a friction level for each release it leaves {after}.")
+                }
                 [] if diagnosis.zero_is_doubtful => {
                     format!(
                         " With the sensor's zero fitted, which these swings don't prove to be off, it leaves {after}."
                     )
                 }
                 [] => String::new(),
-                names => format!(" With the sensor's zero put right ({}) it leaves {after}.", names.join(" and ")),
+                names => {
+                    let level = if diagnosis.levels.is_some() { " and a friction level for each release" } else { "" };
+                    format!(" With the sensor's zero put right ({}){level} it leaves {after}.", names.join(" and "))
+                }
             };
             wrapped(&format!("The base model leaves {before}.{zero} More than noise is left{}", unnamed(diagnosis)), 0)
         }
         (names, is_unexplained) => {
             let it = if names.len() == 1 { "it" } else { "them" };
+            let level = if diagnosis.levels.is_some() { " and a friction level for each release" } else { "" };
             let rest = if is_unexplained { " What remains is not explained by any candidate." } else { "" };
-            format!("Missing: {}. With {it} the error falls from {before},\nto {after}.{rest}", names.join(" and "))
+            format!(
+                "Missing: {}. With {it}{level} the error falls from {before},\nto {after}.{rest}",
+                names.join(" and ")
+            )
         }
     }
 }
@@ -170,8 +194,12 @@ fn unnamed(diagnosis: &Diagnosis) -> String {
     if diagnosis.suspect.is_some() {
         return ".".to_owned();
     }
-    let is_told_by_parts = diagnosis.unproven.iter().any(|claim| claim.standing != Standing::OutOfRange);
-    let why = if is_told_by_parts { "holds on every part of the swings" } else { "brings it down to the noise" };
+    let is_told = |standing: &[Standing]| diagnosis.unproven.iter().any(|claim| !standing.contains(&claim.standing));
+    let why = match () {
+        () if is_told(&[Standing::OutOfRange, Standing::Vague]) => "holds on every part of the swings",
+        () if is_told(&[Standing::OutOfRange]) => "is sure enough to be claimed",
+        () => "brings it down to the noise",
+    };
     format!(", but no effect of the list {why}: none of these. Look where it fails with `host compare`.")
 }
 
@@ -305,6 +333,7 @@ const SHOWN: usize = 8;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::Levels;
     use crate::examples::{claim, diagnosis};
     use crate::fit::uncertainty::Status;
 
@@ -387,6 +416,37 @@ mod tests {
         assert!(partly.contains("no effect of the list holds on every part of the swings: none of these."), "{partly}");
         let nothing = told(diagnosis());
         assert!(nothing.contains("no effect of the list brings it down to the noise: none of these."), "{nothing}");
+        let vague = told(Diagnosis { unproven: vec![claim(Standing::Vague, None)], ..diagnosis() });
+        assert!(vague.contains("no effect of the list is sure enough to be claimed: none of these."), "{vague}");
+    }
+
+    fn with_levels(unexplained: bool) -> Diagnosis {
+        let levels =
+            Levels { words: "The level changed".to_owned(), windows: 9, p: None, p_without_two: None, parts: vec![] };
+        let step = |added| Step { added, rmse: 5e-3, held_out: None };
+        let staircase = vec![step("base"), step("friction levels")];
+        told(Diagnosis { levels: Some(levels), unexplained, staircase, ..diagnosis() })
+    }
+
+    #[test]
+    fn levels_that_leave_more_than_noise_are_no_missing_effect_without_a_name() {
+        let words = verdict(&with_levels(true)).replace('\n', " ");
+        assert!(words.contains("With a friction level for each release it leaves 1.50 mrad, 1.50 times"), "{words}");
+        assert!(words.contains("More than noise is left") && !words.contains("Missing: "), "{words}");
+        let staircase = [with_drag().staircase, with_levels(true).staircase].concat();
+        let law = Diagnosis { verdict: vec!["quadratic-drag"], staircase, ..with_levels(true) };
+        assert!(verdict(&law).contains("With it and a friction level for each release the error"), "{}", verdict(&law));
+    }
+
+    #[test]
+    fn an_error_on_held_out_swings_that_rises_with_levels_is_told() {
+        let told = |after: f64| {
+            let held_out =
+                Diagnosis { held_out_before: Some(9.47e-3), held_out_after: Some(after), ..with_levels(false) };
+            super::held_out(&held_out).join(" ").replace('\n', " ")
+        };
+        assert!(told(27.19e-3).contains("held-out swings rises from 9.47 to 27.19 mrad"), "{}", told(27.19e-3));
+        assert!(told(5e-3).is_empty(), "{}", told(5e-3));
     }
 
     fn suggestion(rmse: f64) -> Suggestion {

@@ -44,6 +44,9 @@ fn in_words(diagnosis: &Diagnosis) -> String {
     if verdict.is_empty() {
         return match left {
             _ if !diagnosis.follows => "the model does not follow the swings at all".to_owned(),
+            Left::Noise if diagnosis.levels.is_some() => {
+                "no effect is missing, but the friction level differs between releases".to_owned()
+            }
             Left::Noise => "nothing is missing from the model".to_owned(),
             _ => format!(
                 "the model leaves {} {unit} where the noise is {}, and no effect of the list can be named",

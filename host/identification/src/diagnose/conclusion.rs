@@ -15,6 +15,7 @@ use super::verdict::{INDISTINGUISHABLE, Judge};
 use super::zero::{self, Zero};
 use crate::cores::on_all_cores;
 use crate::fit::fitted::Fitted;
+use crate::fit::identify::{Carries, HeldOut};
 use crate::fit::problem::Problem;
 use crate::fit::refine::{levels as levels_of, on_all};
 use crate::fit::short_memory::{ShortMemory, swings_in_what_is_left};
@@ -93,8 +94,11 @@ impl<'a, 'b> Bench<'a, 'b> {
         let resembling = zero::resembling().map(|rival| rival.name);
         let claimed = if model.effects.len() > n_claimed { judge.pruned_but(model, resembling) } else { model };
         let before = claimed.names();
-        let (mut claimed, mut unproven, mut holds_on) = judge.holding(judge.beyond_their_errors(claimed));
+        let sure = judge.beyond_their_errors(claimed.clone());
+        let vague = judge.vague_claims(&claimed, &sure);
+        let (mut claimed, mut unproven, mut holds_on) = judge.holding(sure);
         let is_rest = unproven.iter().any(|holding| is_rest_of_explained(problem, holding));
+        unproven.extend(vague);
         if problem.chi_square(claimed.cost).left() != Left::Noise && !is_rest {
             (claimed, holds_on) = judge.simpler(&claimed, &others).unwrap_or((claimed, holds_on));
         }
@@ -132,6 +136,30 @@ impl<'a, 'b> Bench<'a, 'b> {
         let unproven = not_claimed(unproven, &claimed);
         let holds_on = holds_on.into_iter().map(|holding| holding.beside_claimed(&claimed)).collect();
         Conclusion { found, claimed, undecided, vetoed, unproven, holds_on, special_cases, offset_is_missing, others }
+    }
+
+    /// The same with friction levels that differ, where they are worth it and the held-out swings allow it.
+    pub(super) fn with_levels_that_carry(&self, base: &Fitted, alone: Conclusion) -> Conclusion {
+        let levelled = self.with_levels(base, &alone);
+        self.unless_refuted(base, alone, levelled)
+    }
+
+    /// A held-out release has a level of its own that nobody knows, so that its error may rise with levels that are right. Where
+    /// more than noise is left even with levels, and the model that the releases share predicts it worse, they imitate what is
+    /// missing.
+    fn unless_refuted(&self, base: &Fitted, alone: Conclusion, levelled: Option<Conclusion>) -> Conclusion {
+        let Some(levelled) = levelled else { return alone };
+        let error = |model: &Fitted| HeldOut::of(self.held_out, &model.parameters, self.count);
+        let rises = || match (error(&levelled.claimed), error(base)) {
+            (Some(after), Some(before)) => after.after(&before) == Carries::Contradicted,
+            _ => false,
+        };
+        let is_missing = self.problem.chi_square(levelled.claimed.cost).left() == Left::Missing;
+        if is_missing && rises() {
+            let vetoed = [alone.vetoed, vec![levels::STEP]].concat();
+            return Conclusion { vetoed, ..alone };
+        }
+        levelled
     }
 
     /// The swings in the noise that the best model leaves, where that is one whose neighbours are alike: then what was concluded
@@ -255,5 +283,31 @@ mod tests {
         };
         assert!(is_rest(Standing::Slight, 1.0));
         assert!(!is_rest(Standing::Slight, 3.0) && !is_rest(Standing::Partly, 1.0));
+    }
+
+    /// As levels that imitate another law: the model that the releases share is far from that of any of them.
+    #[test]
+    fn levels_that_leave_more_than_noise_are_not_told_where_held_out_swings_contradict_them() {
+        let (swings, held_out) = ([simulated("one", &rig(), 14.0, 1)], [simulated("other", &rig(), 8.0, 2)]);
+        let count = Tally::default();
+        let problem = problem_of(&swings, &rig(), &count);
+        let (decimated, budget) = (problem.decimated(), Budget::new(&count));
+        let rough = problem.on(&decimated);
+        let (problem, rough, budget, candidates) = (&problem, &rough, &budget, &[]);
+        let base = fitted_as_it_is(problem);
+        let mut far = base.parameters.clone();
+        far.set(COULOMB, &[3.0 * rig().values(COULOMB).unwrap()[0]]).unwrap();
+        let told = |n_held_out: usize, cost: f64| {
+            let held_out = &held_out[..n_held_out];
+            let bench = Bench { problem, rough, candidates, budget, held_out, count: &count };
+            let claimed = Fitted { parameters: far.clone(), cost, ..base.clone() };
+            let levelled = Conclusion { claimed, ..bench.concluded(&base) };
+            let told = bench.unless_refuted(&base, bench.concluded(&base), Some(levelled));
+            (told.claimed.parameters.values(COULOMB) == far.values(COULOMB), told.vetoed)
+        };
+        assert_eq!(told(1, 4.0 * base.cost), (false, vec![levels::STEP]));
+        // Levels that reach the noise need no held-out release, whose own level may be far from the mean.
+        assert_eq!(told(1, base.cost), (true, Vec::new()));
+        assert_eq!(told(0, 4.0 * base.cost), (true, Vec::new()));
     }
 }

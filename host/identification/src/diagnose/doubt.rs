@@ -1,6 +1,7 @@
 //! What speaks against an effect that explains the fitted swings: numbers within their own errors, held-out swings that
 //! contradict it, and an exponent that says it is another one.
 
+use super::holds::{Holding, Standing};
 use super::strength::strengths;
 use super::summary::SpecialCase;
 use super::value::values;
@@ -9,7 +10,7 @@ use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, HeldOut};
 use crate::fit::tally::Tally;
 use crate::swing::Swing;
-use crate::verdict::CHANCE_STDS;
+use crate::verdict::{CHANCE_STDS, Left};
 use shared::effect::Effect;
 
 /// An exponent is known well enough to say which law it is, up to this standard deviation.
@@ -33,6 +34,16 @@ impl Judge<'_, '_> {
         let surer =
             self.special_case_of(&claimed, effect).or_else(|| self.surer(&claimed)).or_else(|| self.surest(&claimed));
         self.beyond_their_errors(surer.unwrap_or_else(|| self.without_doubtful(&claimed, effect.name)))
+    }
+
+    /// What was dropped on the way from a model to one of fewer effects, as no number of it is known, where more than noise is left
+    /// without it: that is told with its reason.
+    pub(super) fn vague_claims(&self, model: &Fitted, sure: &Fitted) -> Vec<Holding> {
+        let is_told =
+            sure.effects.len() < model.effects.len() && self.problem.chi_square(sure.cost).left() == Left::Missing;
+        let all = if is_told { self.holdings(model) } else { Vec::new() };
+        let dropped = all.into_iter().filter(|holding| !sure.has(holding.effect));
+        dropped.map(|holding| Holding { standing: Standing::Vague, ..holding }).collect()
     }
 
     /// The first effect that can't be told from none. A strength and an exponent make up for each other, so that either is enough

@@ -57,6 +57,9 @@ pub struct Levels {
     pub parts: Vec<PartLevels>,
 }
 
+/// What a step of a diagnosis is called that gives each release its friction level.
+pub(super) const STEP: &str = "friction levels";
+
 /// May the levels of these swings be asked for?
 pub(super) fn may_differ(problem: &Problem) -> bool {
     (2..RELEASES).contains(&problem.swings.len())

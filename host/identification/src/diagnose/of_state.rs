@@ -1,5 +1,5 @@
-//! Does what nothing explains follow angle and speed? Then a law of the motion is missing; else it is more likely the
-//! clock, the camera, the sensor, play, or something else that moves.
+//! Does what nothing explains follow angle and speed? Then a law of the motion is missing; else it is the clock, the camera, the
+//! sensor, play, something else that moves or changes in time, or a law that is too narrow for the grid.
 //!
 //! [`crate::fit::free_torque`] says how much a free torque of angle and speed would remove on parts of the swings that
 //! it was not fitted to, and how much the same as an error of the readings. Within one release, and within releases of
@@ -48,7 +48,7 @@ pub enum Kind {
     Law,
     /// Angle and speed, as a torque or as an uneven scale of the sensor or the camera.
     LawOrScale,
-    /// Neither angle nor speed.
+    /// Neither angle nor speed, as far as a law of them is wide enough for the grid.
     Elsewhere,
     /// Can't be told.
     Undecided,
@@ -75,6 +75,9 @@ pub struct OfState {
     pub torque_removes: f64,
     /// The same of a free error of the readings.
     pub reading_removes: f64,
+    /// How far apart the knots of the free torque are: along the angle, rad, and along the speed, rad/s.
+    #[serde(skip)]
+    pub(super) widths: [f64; 2],
     /// How many blocks there were, every third of which was left out at a time.
     pub blocks: usize,
     /// How many releases there were.
@@ -109,6 +112,7 @@ impl OfState {
             words: String::new(),
             torque_removes: found.as_torque,
             reading_removes: found.as_reading,
+            widths: found.widths,
             blocks: found.n_blocks,
             releases: swings.len(),
             time_differs: sizes_differ(swings),
@@ -164,7 +168,7 @@ mod tests {
         let times_s: Vec<f64> = (0..2000).map(|i| 0.02 * f64::from(i)).collect();
         let angles: Vec<f64> =
             times_s.iter().map(|time_s| (1.0 - time_s / 20.0).max(0.0) * (6.0 * time_s).cos()).collect();
-        let found = FreeTorque { as_torque: -0.1, as_reading: -0.2, n_blocks: 20 };
+        let found = FreeTorque { as_torque: -0.1, as_reading: -0.2, n_blocks: 20, widths: [0.3, 2.0] };
         let split = OfState::new(&found, &[Swing::new("", &times_s, &angles, 1e-3)], false);
         assert!(split.rest_is_seen && !split.words.contains("neighbouring"), "{}", split.words);
     }
@@ -176,7 +180,7 @@ mod tests {
             Swing::new("", &times_s, &angles, 1e-3)
         };
         let swings: Vec<Swing> = releases_rad.iter().map(swing).collect();
-        OfState::new(&FreeTorque { as_torque, as_reading, n_blocks: 20 }, &swings, false)
+        OfState::new(&FreeTorque { as_torque, as_reading, n_blocks: 20, widths: [0.3, 2.0] }, &swings, false)
     }
 
     #[test]
@@ -205,11 +209,10 @@ mod tests {
         let play = said(0.3, 0.65, &[1.2]);
         assert!(play.kind == Kind::Elsewhere && play.words.contains("would remove 65 %"), "{}", play.words);
         let clock = said(-0.1, -0.2, &[1.2]);
-        assert!(
-            clock.words.contains("would remove 0 %") && clock.words.contains("more likely clock"),
-            "{}",
-            clock.words
-        );
+        assert!(clock.words.contains("removes 0 %") && clock.words.contains("clock, camera"), "{}", clock.words);
+        // A law that the grid is too coarse for leaves as much.
+        assert!(clock.words.contains("narrower than 0.30 rad or 2.00 rad/s") && clock.words.contains("20 blocks"));
+        assert!(!clock.words.contains("No law"), "{}", clock.words);
         assert!(clock.words.contains("neighbouring readings share") && !scale.words.contains("neighbouring"));
         assert_eq!(said(0.6, 0.6, &[1.2]).kind, Kind::Undecided);
     }

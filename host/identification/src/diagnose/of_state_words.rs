@@ -30,15 +30,22 @@ impl OfState {
                  place an error of the readings would remove {reading}. Either does it alone, and these swings can't \
                  tell which."
             ),
-            Kind::Elsewhere => format!("No law of the motion would explain the rest: {removes}. {}", self.elsewhere()),
+            Kind::Elsewhere => self.elsewhere(left),
             Kind::Undecided => format!("Whether a law of the motion is missing can't be told: {removes}."),
         };
         said + self.doubt_of_time()
     }
 
-    fn elsewhere(&self) -> String {
-        let between = if self.releases > 1 { ", or what changes from release to release" } else { "" };
-        let mut words = format!("It is more likely clock, camera, sensor, play, a support that moves{between}.");
+    /// What was found and what remains: of a law that a coarse grid can't show nothing is said.
+    fn elsewhere(&self, left: &str) -> String {
+        let between = if self.releases > 1 { " or from release to release" } else { "" };
+        let ([angle_rad, speed_rad_s], blocks) = (self.widths, self.blocks);
+        let torque = in_percent(self.torque_removes);
+        let mut words = format!(
+            "A torque that is smooth in angle and speed removes {torque} of {left}, where of {blocks} blocks of the swings every \
+             third was left out in turn. There remain clock, camera, sensor, play, a support that moves, what changes in \
+             time{between}, and a law that is narrower than {angle_rad:.2} rad or {speed_rad_s:.2} rad/s."
+        );
         if self.reading_removes >= IS_NONE {
             words += &format!(
                 " An error of the readings that depends on angle and direction would remove {}: look at the sensor and \

@@ -5,7 +5,7 @@ use super::curve::FrictionCurve;
 use super::evidence::{Evidence, evidence};
 use super::formulas::{Found as FoundFormula, OFFERED, formulas};
 use super::holds::{Holding, Standing};
-use super::levels::{Levels, levels};
+use super::levels::{Levels, STEP, levels};
 use super::models::excess;
 use super::of_state::OfState;
 use super::ties::{FamilyClaim, family};
@@ -16,6 +16,7 @@ use crate::cores::on_all_cores;
 use crate::fit::apart::apart_rmse;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, held_out_rmse};
+use crate::fit::problem::Problem;
 use crate::fit::short_memory::ShortMemory;
 use crate::fit::tally::Tally;
 use crate::fit::touch::Touch;
@@ -108,7 +109,7 @@ pub struct Diagnosis {
     pub family: Option<FamilyClaim>,
     /// Effects that were not tried, and why.
     pub not_tried: Vec<NotTried>,
-    /// Effects that explained the fitted swings, but with which the error on held-out ones rises.
+    /// Effects that explained the fitted swings, but with which the error on held-out ones rises; and so `friction levels`.
     pub vetoed: Vec<&'static str>,
     /// Effects that would lower the error, but are not claimed: single parts of the swings carry them, or there are too few
     /// parts to say.
@@ -184,9 +185,9 @@ const SUSPECTED_SHARE: f64 = 0.8;
 const VISIBLE_ZERO: f64 = 0.9;
 
 impl Diagnosis {
-    /// Is no law named, only the sensor's zero at most?
+    /// Is no law named, only the sensor's zero or the levels of the releases at most?
     pub fn has_no_law(&self) -> bool {
-        self.staircase.len() == 1
+        self.staircase.iter().skip(1).all(|step| step.added == STEP)
     }
 
     /// How far the sensor's zero is off, in words, where that is claimed.
@@ -203,11 +204,15 @@ impl Diagnosis {
         self.candidates.iter().filter(move |candidate| candidate.rmse <= base)
     }
 
-    /// Does a first look say otherwise than what was found thoroughly?
+    /// Does a first look say otherwise than what was found thoroughly? What is likely, or not claimed only because no number of it
+    /// is known, is told with its reason.
     pub fn contradicts_its_first_look(&self) -> bool {
         let Some(look) = &self.first_look else { return false };
         let is_missing = self.unexplained || !self.verdict.is_empty();
-        let is_found = |name: &&'static str| self.verdict.contains(name) || self.undecided.contains(name);
+        let is_told = |claim: &Holding| Some(claim.effect) == self.suspect || claim.standing == Standing::Vague;
+        let is_likely = |name: &&str| self.unproven.iter().any(|claim| claim.effect == *name && is_told(claim));
+        let is_found =
+            |name: &&'static str| self.verdict.contains(name) || self.undecided.contains(name) || is_likely(name);
         match look.named.is_empty() {
             true => is_missing && look.reason == Some(of_reason(Reason::NothingMissing)),
             false => !look
@@ -223,6 +228,14 @@ impl Diagnosis {
     }
 }
 
+/// Does the suspect leave no more than nearly the noise?
+pub(super) fn is_suspect_enough(problem: &Problem, claimed: &Fitted, unproven: &[Holding]) -> bool {
+    let suspect = suspect(unproven, problem.rmse_rad(claimed.cost), problem.noise_rad());
+    let claim = unproven.iter().find(|claim| Some(claim.effect) == suspect);
+    let cost = |claim: &Holding| claim.rmse.powi(2) * problem.n_samples(Window::Whole) as f64;
+    claim.is_some_and(|claim| problem.chi_square(cost(claim)).left() != Left::Missing)
+}
+
 /// The unproven claim that would remove nearly all that is left beyond the noise, unless it would have to be stronger than it
 /// can be, or nobody knows how strong it is.
 fn suspect(unproven: &[Holding], rmse_after: f64, noise: f64) -> Option<&'static str> {
@@ -232,9 +245,6 @@ fn suspect(unproven: &[Holding], rmse_after: f64, noise: f64) -> Option<&'static
     let may_be = !matches!(lowest.standing, Standing::OutOfRange | Standing::Vague);
     (is_most && may_be).then_some(lowest.effect)
 }
-
-/// What the step of a staircase is called that gives each release its friction level.
-const LEVELS: &str = "friction levels";
 
 /// One step of the staircase of errors.
 #[derive(Clone, Debug, Serialize)]
@@ -422,7 +432,7 @@ impl Summary<'_, '_, '_> {
         steps.extend(zero.map(|zero| Step { added: zero.name, rmse: with_zero, held_out: of_held_out }));
         if found.base.problem(self.judge.problem).has_levels() {
             let rmse = (found.base.cost / n_samples).sqrt();
-            steps.push(Step { added: LEVELS, rmse, held_out: held_out(&found.base.parameters) });
+            steps.push(Step { added: STEP, rmse, held_out: held_out(&found.base.parameters) });
         }
         for n_added in 1..=self.claimed.effects.len() {
             let part = &self.claimed.effects[..n_added];
@@ -451,6 +461,9 @@ const MAX_LISTED: usize = 12;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::tests::{rig, simulated};
+    use crate::fit::by_least_squares::fitted_as_it_is;
+    use crate::fit::identify::problem_of;
 
     #[test]
     fn what_explains_four_fifths_of_the_rest_is_suspected_unless_it_is_as_strong_as_it_can_be() {
@@ -471,5 +484,13 @@ mod tests {
         assert_eq!([3.4e-3, 3.6e-3].map(|rmse| told(Standing::Partly, rmse)), [Some("quadratic-drag"), None]);
         assert_eq!([Standing::OutOfRange, Standing::Vague].map(|standing| told(standing, 3.4e-3)), [None, None]);
         assert_eq!(suspect(&[], 5e-3, 3e-3), None);
+        let (swings, count) = ([simulated("one", &rig(), 8.0, 1)], Tally::default());
+        let problem = problem_of(&swings, &rig(), &count);
+        let model = fitted_as_it_is(&problem);
+        let claimed = Fitted { cost: 100.0 * model.cost, ..model };
+        let is_enough = |noises: f64| {
+            is_suspect_enough(&problem, &claimed, &[claim(Standing::TooShort, noises * problem.noise_rad())])
+        };
+        assert!(is_enough(1.0) && !is_enough(2.0));
     }
 }

@@ -652,7 +652,15 @@ fn an_effect_is_vague_whose_strengths_are_whatever_else_is_known_of_it() {
         let with_detent = fitted(on, &rig_with("detent", &[1e-5, 0.0, 7.0, 0.0]));
         (with_excess(on, &rig(), 400.0), vec![vec![with_detent]])
     };
-    let named = judged(&swings, levels, |judge| judge.beyond_their_errors(judge.found.levels[0][0].clone()).name());
+    let named = judged(&swings, levels, |judge| {
+        let vague = &judge.found.levels[0][0];
+        let sure = judge.beyond_their_errors(vague.clone());
+        // It is not dropped without a word, unless nothing is missing without it.
+        let told = |without: &Fitted| judge.vague_claims(vague, without);
+        assert!(matches!(&told(&sure)[..], [claim] if claim.effect == "detent" && claim.standing == Standing::Vague));
+        assert!(told(&with_excess(judge.problem, &rig(), 1.0)).is_empty() && told(vague).is_empty());
+        sure.name()
+    });
     assert_eq!(named, "none");
 }
 

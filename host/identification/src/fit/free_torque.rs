@@ -38,6 +38,8 @@ pub struct FreeTorque {
     pub as_reading: f64,
     /// How many blocks there were.
     pub n_blocks: usize,
+    /// From knot to knot: along the angle, rad, and along the speed, rad/s.
+    pub widths: [f64; 2],
 }
 
 /// Splits what a model leaves of the swings, or of a few of many; `None` where they are too short, or nothing is left
@@ -65,7 +67,7 @@ fn of_all(on: &Problem, model: &Fitted) -> Option<FreeTorque> {
     let as_torque = on_all_cores(&paths, |path| path.answers(N_KNOTS, |at| grid.weights(at)));
     let as_reading = on_all_cores(&paths, |path| grid.readings(path));
     let (as_torque, as_reading) = rayon::join(|| removes(as_torque), || removes(as_reading));
-    Some(FreeTorque { as_torque: as_torque?, as_reading: as_reading?, n_blocks })
+    Some(FreeTorque { as_torque: as_torque?, as_reading: as_reading?, n_blocks, widths: grid.widths() })
 }
 
 /// The blocks of each swing.

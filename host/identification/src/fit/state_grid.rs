@@ -32,6 +32,11 @@ impl Grid {
         moves.then_some(Self { angle_rad, speed_rad_s })
     }
 
+    /// From knot to knot along the angle (rad) and along the speed (rad/s).
+    pub fn widths(&self) -> [f64; 2] {
+        [2.0 * self.angle_rad / (ANGLE_KNOTS - 1) as f64, self.speed_rad_s / (SPEED_KNOTS - 1) as f64]
+    }
+
     /// The knots around a motion and how much of each counts; none at rest.
     pub fn weights(&self, [angle, velocity]: [f64; 2]) -> Vec<(usize, f64)> {
         if velocity == 0.0 {
@@ -93,5 +98,6 @@ mod tests {
             assert!((found - law(angle, velocity)).abs() < 1e-9, "{angle} {velocity}: {found}");
         }
         assert!(grid.weights([0.3, 0.0]).is_empty(), "at rest nothing acts");
+        assert_eq!(grid.widths(), [0.35, 2.25]);
     }
 }

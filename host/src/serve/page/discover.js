@@ -65,8 +65,9 @@ function showWords() {
   const tie = found.family ? ` It is ${found.family.words}; its shape is undecided between ${found.family.members.join(' and ')}.` : found.undecided.length ? ` These swings cannot tell it from ${found.undecided.join(', ')}.` : '';
   const putRight = found.verdict.length ? `put right (${names})`
     : found.zero_is_doubtful ? "fitted, which these swings don't prove to be off," : null;
+  const levelled = found.levels ? ` With a friction level for each release it leaves ${mrad(found.rmse_after)}.` : '';
   const zero = putRight ? ` With the sensor's zero ${putRight} it leaves ${mrad(found.rmse_after)}.${state.zero_words ? ` ${state.zero_words}` : ''}` : '';
-  const hasNoLaw = found.staircase.length === 1;
+  const hasNoLaw = found.staircase.slice(1).every((step) => step.added === 'friction levels');
   const held = state.seen_words.map((words) => ` ${words}.`).join('');
   const touched = found.touches.map((touch) => `Something touched the pendulum at ${touch.time_s.toFixed(2)} s of ${touch.recording}, or its time jumped there: only the longer part of that swing is looked at here. `).join('');
   const driven = found.driven.length ? `The swings of ${found.driven.join(', ')} don't become smaller: a motor or a hand drives them, and what follows says nothing of this pendulum. ` : '';
@@ -77,7 +78,7 @@ function showWords() {
   const levels = found.levels ? `${found.levels.words}. ` : '';
   const isSilent = lost && !found.unexplained && found.verdict.length === 0;
   words.textContent = touched + driven + lost + hardly + apart + levels + (isSilent ? '' : hasNoLaw && found.unexplained
-    ? `The base model leaves ${mrad(found.rmse_before)}.${zero} More than noise is left${found.suspect ? '' : ', but no effect of the list brings it down to the noise'}.${dropped}${split}`
+    ? `The base model leaves ${mrad(found.rmse_before)}.${zero || levelled} More than noise is left${found.suspect ? '' : ', but no effect of the list brings it down to the noise'}.${dropped}${split}`
     : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `${isMissing ? 'Missing' : 'Already in the model'}: ${names}.${state.zero_words ? ` ${state.zero_words}` : ''} With ${verdict.length > 1 ? 'them' : 'it'} the ${isMissing ? '' : 'base model\'s '}error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
 }
 
