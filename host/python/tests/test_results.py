@@ -1,6 +1,7 @@
 """What results give: typed values, matrices, tables, pictures."""
 
 import builtins
+import json
 
 import numpy
 import pytest
@@ -108,3 +109,16 @@ def test_without_matplotlib_an_error_says_what_to_install(fitted, monkeypatch):
 
 def test_what_was_noticed_is_noted(rig, fitted):
     assert any("held still before the release" in note for note in fitted.notes)
+
+
+def test_a_diagnosis_without_a_name_says_whether_anything_is_missing():
+    def said(**fields):
+        common = {"undecided": [], "suspect": None, "verdict": [], "rmse_before": 5e-3, "rmse_after": 2e-3}
+        text = json.dumps({**common, "noise": 1e-3, "values": [], **fields})
+        return repr(pr.Diagnosis(text))
+
+    assert "nothing is missing; error 5.000" in said(unexplained=False)
+    assert "more than noise is left" in said(unexplained=True)
+    assert "likely missing, but not proven, is detent;" in said(unexplained=True, suspect="detent")
+    tied = said(unexplained=False, verdict=["detent", "backlash"], undecided=["presliding"])
+    assert "missing is detent + backlash, which can't be told from presliding" in tied

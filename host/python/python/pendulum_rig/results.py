@@ -266,11 +266,19 @@ class Diagnosis(Result):
         return self._fields["values"]
 
     def _sentence(self) -> str:
-        found = " + ".join(self.missing) if self.missing else "nothing"
-        tied = f", which can't be told from {', '.join(self.undecided)}" if self.undecided else ""
+        tied = f", which can't be told from {', '.join(self.undecided)}" if self.missing and self.undecided else ""
         unit = f"m{self._unit}"
         errors = f"{1e3 * self.rmse_before:.3f} → {1e3 * self.rmse_after:.3f} {unit} rms"
-        return f"missing is {found}{tied}; error {errors}, noise {1e3 * self.noise:.3f} {unit}"
+        return f"{self._finding()}{tied}; error {errors}, noise {1e3 * self.noise:.3f} {unit}"
+
+    def _finding(self) -> str:
+        if self.missing:
+            return f"missing is {' + '.join(self.missing)}"
+        if self._fields["suspect"]:
+            return f"likely missing, but not proven, is {self._fields['suspect']}"
+        if self._fields["unexplained"]:
+            return "more than noise is left, and no effect can be named"
+        return "nothing is missing"
 
     def plot(self, axes: Any = None) -> Any:
         """Draws the error before and after beside the noise, by matplotlib; gives the axes."""
