@@ -45,6 +45,8 @@ effects! {
     stiction,
     quadratic_drag,
     power_law_drag,
+    shear_thinning,
+    general_thinning,
     stribeck,
     general_stribeck,
     load_dependent_coulomb,

@@ -156,6 +156,7 @@ impl Hidden {
         let own = match name {
             "quadratic-drag" => (6e-5, [0.0; 2], 1e-3),
             "power-law-drag" => (3e-5, [random.pick(&[1.6, 2.5, 3.0]), 0.0], 1e-3),
+            "shear-thinning" => (6e-4, [random.log_between(0.3, 3.0), 0.0], 5e-3),
             "stribeck" => (4e-4, [random.log_between(0.15, 1.0), 0.0], 5e-3),
             "load-dependent-coulomb" => (8e-4, [0.0; 2], 3e-3),
             "gear-load" => (0.01, [0.0; 2], 0.3),

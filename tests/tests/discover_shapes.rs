@@ -125,10 +125,8 @@ fn slower(rig: Rig) -> Rig {
 
 #[test]
 fn a_law_of_another_shape_is_named_in_its_wider_form_and_nothing_beside_it() {
-    let wider = |nearest: &[&str]| {
-        nearest.iter().any(|name| Effect::<f64>::by_name(name).is_some_and(|effect| effect.rules.follows_special_case))
-    };
-    let places: Vec<usize> = (0..SHAPES.len()).filter(|place| wider(SHAPES[*place].1)).collect();
+    let shape_of = |wide: &Effect<f64>| SHAPES.iter().position(|(_, nearest)| nearest.contains(&wide.name));
+    let places: Vec<usize> = Effect::with(|rules| rules.follows_special_case).filter_map(shape_of).collect();
     assert_eq!(places.len(), Effect::<f64>::with(|rules| rules.follows_special_case).count());
     for place in places {
         let outcome = hiding(1, place);

@@ -86,6 +86,7 @@ impl Support {
 struct Laws {
     quadratic: f64,
     power: [f64; 2],
+    thinning: [f64; 2],
     stribeck: [f64; 2],
     load: f64,
     gears: f64,
@@ -108,6 +109,7 @@ impl Laws {
         Self {
             quadratic: one("quadratic-drag"),
             power: two("power-law-drag"),
+            thinning: two("shear-thinning"),
             stribeck: two("stribeck"),
             load: one("load-dependent-coulomb"),
             gears: one("gear-load"),
@@ -297,6 +299,9 @@ impl<'a> Plant<'a> {
         smooth += law.quadratic * velocity * velocity.abs();
         if law.power[0] != 0.0 {
             smooth += law.power[0] * velocity.abs().powf(law.power[1]) * velocity.signum();
+        }
+        if law.thinning[0] != 0.0 {
+            smooth += law.thinning[0] * velocity / velocity.hypot(law.thinning[1]);
         }
         if law.brake[0] != 0.0 {
             smooth += law.brake[0] * velocity * (-((angle - law.brake[1]) / law.brake[2]).powi(2)).exp();

@@ -4,7 +4,7 @@
 use super::{Random, Rig};
 
 /// Their names, each with the effects of the list that come nearest.
-pub const SHAPES: [(&str, &[&str]); 8] = [
+pub const SHAPES: [(&str, &[&str]); 10] = [
     ("slow-stribeck", &["stribeck", "general-stribeck"]),
     ("ageing-friction", &["drifting-friction", "general-drift"]),
     ("wide-brake", &["eddy-brake", "general-brake"]),
@@ -13,6 +13,8 @@ pub const SHAPES: [(&str, &[&str]); 8] = [
     ("hard-spring", &["torsional-spring", "general-spring"]),
     ("loaded-track", &["sensor-nonlinearity", "sensor-gain"]),
     ("rough-drag", &["quadratic-drag", "power-law-drag"]),
+    ("soft-wiper", &["shear-thinning", "general-thinning"]),
+    ("disc-brake", &["shear-thinning", "general-thinning"]),
 ];
 
 /// Drag grows with the square of the speed below this one, in proportion to it above, rad/s.
@@ -40,6 +42,8 @@ pub(super) fn form(name: &str, random: &mut Random) -> Option<(f64, [f64; 2], f6
         "hard-spring" => (2e-3, [0.0; 2], 0.05),
         "loaded-track" => (0.05, [random.between(-0.2, 0.2), 0.0], 1.0),
         "rough-drag" => (6e-5, [0.0; 2], 1e-3),
+        "soft-wiper" => (6e-4, [random.log_between(0.3, 3.0), 0.0], 5e-3),
+        "disc-brake" => (6e-4, [random.log_between(0.5, 3.0), 0.0], 5e-3),
         _ => return None,
     })
 }
@@ -59,6 +63,8 @@ pub(super) struct Shapes {
     spring: f64,
     loaded: [f64; 2],
     drag: f64,
+    wiper: [f64; 2],
+    disc: [f64; 2],
 }
 
 impl Shapes {
@@ -78,6 +84,8 @@ impl Shapes {
             spring: two("hard-spring")[0],
             loaded: two("loaded-track"),
             drag: two("rough-drag")[0],
+            wiper: two("soft-wiper"),
+            disc: two("disc-brake"),
         }
     }
 
@@ -110,7 +118,17 @@ impl Shapes {
         let [strength, place, width] = self.brake;
         let brake = if strength == 0.0 { 0.0 } else { strength / (1.0 + ((angle - place) / width).powi(2)) };
         let drag = self.drag * velocity.powi(2) / (1.0 + velocity.abs() / DRAG_TURNS_RAD_S);
-        (brake + self.viscous * self.aged(time_s)) * velocity + drag * velocity.signum()
+        (brake + self.viscous * self.aged(time_s)) * velocity + drag * velocity.signum() + self.saturating_nm(velocity)
+    }
+
+    /// A hyperbolic tangent, as simulations often have dry friction; a conducting disc, whose torque is largest at its
+    /// critical speed (W. R. Smythe, Trans. AIEE 61 (1942) 681).
+    fn saturating_nm(&self, velocity: f64) -> f64 {
+        let [wiper_nm, soft_rad_s] = self.wiper;
+        let [disc_nm, critical_rad_s] = self.disc;
+        let wiper = if wiper_nm == 0.0 { 0.0 } else { wiper_nm * (velocity / soft_rad_s).tanh() };
+        let slip = if disc_nm == 0.0 { 0.0 } else { velocity / critical_rad_s };
+        wiper + disc_nm * 2.0 * slip / (1.0 + slip * slip)
     }
 
     /// (1 + κ·t/τ)₊^(−1/κ): κ = −1 is a straight line that ends, κ = 1 a hyperbola; an exponential lies between.

@@ -318,7 +318,8 @@ fn looked_at_again(problem: &Problem, mut level: Vec<Fitted>) -> Vec<Fitted> {
     let looked_at = |model: &mut Fitted| {
         *model = model.refined(problem, Band::Held, Tolerance::ROUGH);
         let is_usual = model.effects.iter().all(|effect| effect.generalises.is_none());
-        if model.termination == Some(Termination::LostPatience) && is_usual && !swings(model) {
+        let is_on_its_way = matches!(model.termination, Some(Termination::LostPatience | Termination::LeftValley));
+        if is_on_its_way && is_usual && !swings(model) {
             *model = model.refined(problem, Band::Held, Tolerance::LAST);
         }
     };
@@ -370,6 +371,25 @@ mod tests {
         };
         assert!(found(&[stribeck], &[wide]) && found(&[wide], &[wide]) && found(&[spring, stribeck], &[wide, spring]));
         assert!(!found(&[wide], &[stribeck]) && !found(&[spring], &[wide]) && !found(&[stribeck], &[wide, spring]));
+    }
+
+    /// Torque and speed of grease that thins depend on each other, and on the friction beside it.
+    #[test]
+    fn a_fit_that_left_its_curved_valley_is_led_to_its_end() {
+        let (mut truth, law, count) = (rig(), effect("shear-thinning"), Tally::default());
+        truth.set_friction(7e-4, 2.5e-4, 0.0, 0.0);
+        truth.set(law.id, &[4e-4, 0.7]).unwrap();
+        let swings = [simulated("long", &truth, 30.0, 1), simulated("short", &truth, 20.0, 2)];
+        let problem = problem_of(&swings, &rig(), &count);
+        let begun = fitted(&problem, &rig()).with(law, &[4e-4, 3.0, 0.0, 0.0]).unwrap();
+        let mut model = begun.refined(&problem, Band::Held, Tolerance::ROUGH);
+        while model.termination == Some(Termination::LostPatience) {
+            model = model.refined(&problem, Band::Held, Tolerance::ROUGH);
+        }
+        assert_eq!(model.termination, Some(Termination::LeftValley));
+        let speed = |model: &Fitted| model.parameters.values(law.id).unwrap()[1];
+        let led = looked_at_again(&problem, vec![model.clone()]).swap_remove(0);
+        assert!((speed(&led) - 0.7).abs() < 0.05, "{} {}", speed(&led), speed(&model));
     }
 
     /// A swing down to where a velocity band would hold it.

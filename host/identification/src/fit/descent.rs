@@ -58,6 +58,8 @@ pub enum Termination {
     AsPredicted,
     /// No step lowers the cost, however short.
     NoStepHelps,
+    /// The last step gained less than the tolerance, and far less than the linear model predicted: it left a curved valley.
+    LeftValley,
     /// The iterations were used up first.
     LostPatience,
 }
@@ -133,6 +135,8 @@ pub fn descend(problem: &Problem, from: &Point, window: Window, tolerance: Toler
         let surprise = (predicted - gain).abs();
         let ended = if gain <= 0.0 {
             Some(Termination::NoStepHelps)
+        } else if gain < least.min(KEPT_SHARE * predicted) && predicted > least {
+            Some(Termination::LeftValley)
         } else if gain < least {
             Some(Termination::LittleGain)
         } else if surprise < least.min(SMALL_SURPRISE * predicted) {
