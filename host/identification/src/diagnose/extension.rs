@@ -76,15 +76,19 @@ pub(super) fn extensions(
     level.extend(on_all_cores(&others, |prediction| prediction.fitted(problem)));
     sort(&mut level);
     if model.effects.is_empty() && !is_explained(&level) && budget.allows_more() {
-        // Over the whole swings another resonance lies at every few oscillations of a support, and a fit ends in one beside the
-        // true one: so it is begun with the first swings, from each of its starts, whatever that promised.
-        let is_tried = |promise: &&Prediction| first.iter().any(|tried| tried.effect.id == promise.effect.id);
-        let tried: Vec<&Prediction> = supports.iter().filter(is_tried).collect();
-        level.extend(on_all_cores(tried, |promise| promise.grown(problem)));
+        level.extend(supports_from_first_swings(problem, &first, &supports));
         sort(&mut level);
     }
     drop_doubles(&mut level);
     level
+}
+
+/// What swings by itself, if it was fitted at all, begun with the first swings from each of its starts, whatever that promised:
+/// over the whole swings another resonance lies at every few oscillations of a support, and a fit ends in one beside the true one.
+fn supports_from_first_swings(problem: &Problem, first: &[Prediction], supports: &[Prediction]) -> Vec<Fitted> {
+    let is_tried = |promise: &&Prediction| first.iter().any(|tried| tried.effect.id == promise.effect.id);
+    let tried: Vec<&Prediction> = supports.iter().filter(is_tried).collect();
+    on_all_cores(tried, |promise| promise.grown(problem))
 }
 
 /// The best start of each effect that predicts enough; and the others, with the generalisations that predict hardly
