@@ -4,6 +4,8 @@
 //! is a bob that is off by some of its speed, which no model explains. Spreadsheets keep a number of digits instead,
 //! `9.97E+00` and `1.00E+01`, so that later times are coarser.
 
+mod stretches;
+
 use super::median_step_s;
 
 /// More digits are none that matter.
@@ -43,42 +45,32 @@ pub(super) fn make_even(times_s: &mut [f64], notes: &mut Vec<String>) {
     let step_s = median_step_s(times_s);
     let of_places = || {
         let digit_s = last_digit(times_s).filter(|digit_s| *digit_s <= 1.01 * step_s)?;
-        Some((even(times_s, step_s, digit_s)?, digit_s, format!("{digit_s} s")))
+        Some((even(times_s, step_s, digit_s)?, digit_s, format!("{digit_s} s"), 0))
     };
     let of_digits = || {
         let (even, n_digits) = of_few_digits(times_s)?;
-        Some((even, step_s, format!("{n_digits} digits")))
+        Some((even, step_s, format!("{n_digits} digits"), 0))
     };
-    let Some((even, digit_s, to)) = of_places().or_else(of_digits) else { return };
+    let past_losses = || {
+        let (even, n_digits, n_places) = of_few_digits_past_losses(times_s)?;
+        Some((even, step_s, format!("{n_digits} digits"), n_places))
+    };
+    let Some((even, digit_s, to, n_places)) = of_places().or_else(of_digits).or_else(past_losses) else { return };
     let moved_s = times_s.iter().zip(&even).map(|(time, even)| (time - even).abs()).fold(0.0, f64::max);
     if moved_s < 10.0 * READ_SHARE * digit_s || moved_s < READ_SHARE * step_s {
         return;
     }
     // Of the grid: where rows are missing there are fewer.
     let rate_hz = median_step_s(&even).recip();
-    notes.push(format!("the times are rounded to {to} and fit even ones, {rate_hz:.4} a second: these are taken"));
+    let but = but_at(n_places);
+    notes.push(format!("the times are rounded to {to} and fit even ones{but}, {rate_hz:.4} a second: these are taken"));
     times_s.copy_from_slice(&even);
 }
 
 /// The even times of rows whose times have so few digits that the later ones are coarser, and how many digits they have.
 pub(super) fn of_few_digits(times: &[f64]) -> Option<(Vec<f64>, i32)> {
     let n = times.len() as f64;
-    let step = (times.last()? - times.first()?) / (n - 1.0);
-    let coarse = |time: f64, n_digits: i32| {
-        // What a logarithm lacks to a whole number must not take a digit away.
-        let tens = (time.abs() * (1.0 + 1e-9)).log10().floor().max(-9.0) as i32;
-        10_f64.powi(tens + 1 - n_digits)
-    };
-    let has = |n_digits: &i32| {
-        let off = |time: &f64| (time / coarse(*time, *n_digits) - (time / coarse(*time, *n_digits)).round()).abs();
-        times.iter().all(|time| off(time) < READ_SHARE)
-    };
-    let n_digits = (1..=FEW_DIGITS).find(has).filter(|_| times.len() >= FEWEST && step > 0.0)?;
-    let digits: Vec<f64> = times.iter().map(|time| coarse(*time, n_digits).max(UNEVEN_SHARE * step)).collect();
-    // Where all are as coarse as the last one, they are rounded to a place.
-    if digits.iter().all(|digit| *digit == digits[digits.len() - 1]) {
-        return None;
-    }
+    let (digits, n_digits) = few_digits(times)?;
     // A row that is a digit off must not move the line of the others.
     let near = weighted_line(times, &digits, |_| true);
     let even = weighted_line(times, &digits, |row| (times[row] - near[row]).abs() < digits[row]);
@@ -95,6 +87,47 @@ pub(super) fn of_few_digits(times: &[f64]) -> Option<(Vec<f64>, i32)> {
     };
     let time = |row: usize| if is_rounded(&row) || !is_in_order(row) { even[row] } else { times[row] };
     (n_odd as f64 <= LATE_SHARE * n).then(|| ((0..times.len()).map(time).collect(), n_digits))
+}
+
+/// The same where frames are missing or late at a few places, and at how many.
+pub(super) fn of_few_digits_past_losses(times: &[f64]) -> Option<(Vec<f64>, i32, usize)> {
+    let (digits, n_digits) = few_digits(times)?;
+    let (even, n_places) = stretches::of_stretches(times, &digits)?;
+    Some((even, n_digits, n_places))
+}
+
+/// What was done with times of few digits.
+pub(super) fn in_words(n_digits: i32, n_places: usize) -> String {
+    let but = but_at(n_places);
+    format!("the times are rounded to {n_digits} digits and fit even ones{but}: these are taken")
+}
+
+fn but_at(n_places: usize) -> String {
+    match n_places {
+        0 => String::new(),
+        1 => " but at one place, where frames are missing or late".to_owned(),
+        n => format!(" but at {n} places, where frames are missing or late"),
+    }
+}
+
+/// What the last digit of each time is worth, where they are so few that those of later times are worth more, and how many they
+/// are.
+fn few_digits(times: &[f64]) -> Option<(Vec<f64>, i32)> {
+    let step = (times.last()? - times.first()?) / (times.len() as f64 - 1.0);
+    let coarse = |time: f64, n_digits: i32| {
+        // What a logarithm lacks to a whole number must not take a digit away.
+        let tens = (time.abs() * (1.0 + 1e-9)).log10().floor().max(-9.0) as i32;
+        10_f64.powi(tens + 1 - n_digits)
+    };
+    let has = |n_digits: &i32| {
+        let off = |time: &f64| (time / coarse(*time, *n_digits) - (time / coarse(*time, *n_digits)).round()).abs();
+        times.iter().all(|time| off(time) < READ_SHARE)
+    };
+    let n_digits = (1..=FEW_DIGITS).find(has).filter(|_| times.len() >= FEWEST && step > 0.0)?;
+    let digits: Vec<f64> = times.iter().map(|time| coarse(*time, n_digits).max(UNEVEN_SHARE * step)).collect();
+    // Where all are as coarse as the last one, they are rounded to a place.
+    let is_coarser = digits.iter().any(|digit| *digit != digits[digits.len() - 1]);
+    is_coarser.then_some((digits, n_digits))
 }
 
 /// A line through times that are as sure as their last digits are fine, as far as they count; its times at all rows.

@@ -67,9 +67,10 @@ impl Samples {
             self.times = times;
             return Ok(true);
         }
-        let even = grid::of_few_digits(&times);
-        let n_digits = even.as_ref().map(|(_, n_digits)| *n_digits);
-        let even = even.map(|(even, _)| even).or_else(|| grid::of_slow_clock(&times));
+        let of_digits = || grid::of_few_digits(&times).map(|(even, n_digits)| (even, n_digits, 0));
+        let even = of_digits().or_else(|| grid::of_few_digits_past_losses(&times));
+        let rounded = even.as_ref().map(|(_, n_digits, n_places)| (*n_digits, *n_places));
+        let even = even.map(|(even, ..)| even).or_else(|| grid::of_slow_clock(&times));
         let spread = even.or_else(|| ticks::spread(&times));
         let is_coarse = spread.is_some();
         let times = spread.unwrap_or(times);
@@ -84,9 +85,9 @@ impl Samples {
             notes.push(format!("the times are counts of {bits} bits that begin anew {n} times: they go on there"));
         }
         if is_coarse {
-            notes.push(n_digits.map_or(
+            notes.push(rounded.map_or(
                 "the clock is coarser than the samples: rows with the same time are spread evenly over it".to_owned(),
-                |n| format!("the times are rounded to {n} digits and fit even ones: these are taken"),
+                |(n_digits, n_places)| grid::in_words(n_digits, n_places),
             ));
         }
         self.times = times;
