@@ -27,7 +27,7 @@ use super::words::{Meaning, is_target, meaning};
 use angle::{angle_unit_of, as_angle, mute_column};
 use beside::beside;
 use boxes::Boxes;
-use names::{all_best, example, find, is_of_periods, no_angle, note_rivals, note_unnamed};
+use names::{all_best, example, find, is_of_periods, named_times, no_angle, note_rivals, note_unnamed};
 use parted::{beside_clock, parted};
 use reading::choose_reading;
 use time::{as_time, choose_time, plotted_axes};
@@ -71,7 +71,8 @@ impl Sources {
         let is_told = asked.angle.is_some() || asked.x.is_some();
         let others = beside(table, &reading, is_told).into_iter().filter(is_free).take(MOST_COLUMNS).collect();
         let set_point = set_point(table, &reading).filter(|_| !is_told);
-        Ok(Self { time, reading, parted, code, run, others, set_point, otherwise })
+        let passed_time = passed_time(table, &asked, &time, &reading);
+        Ok(Self { time, reading, passed_time, parted, code, run, others, set_point, otherwise })
     }
 
     /// The same, where another run of the file shows that its angles are degrees and nothing else says so.
@@ -79,6 +80,14 @@ impl Sources {
         let ReadingSource::Angle { idx, unit: None } = self.reading else { return None };
         Some(Self { reading: ReadingSource::Angle { idx, unit: Some(AngleUnit::Degrees) }, ..self.clone() })
     }
+}
+
+/// The times that stand before the readings, where the user told others: of recordings side by side each has its own.
+fn passed_time(table: &Table, asked: &Columns, time: &TimeSource, reading: &ReadingSource) -> Option<usize> {
+    let told = time.column().filter(|_| asked.time.is_some())?;
+    let times = named_times(table);
+    let own = times.iter().copied().rfind(|own| reading.first_idx().is_some_and(|idx| *own < idx))?;
+    (own != told && times.contains(&told)).then_some(own)
 }
 
 /// What a controller is told throughout the first rows, in the unit of the angle.
@@ -124,7 +133,13 @@ fn time_and_reading(
         return Err(fault);
     }
     let reading_idx = reading.as_ref().ok().and_then(ReadingSource::first_idx);
-    let time = choose_time(table, header, options, asked, reading_idx, notes)?;
+    let time = choose_time(table, header, options, asked, reading_idx, notes);
+    // Of recordings side by side each angle has a time of its own, which its advice says.
+    let reading = match (&time, reading) {
+        (Err(Fault::AmbiguousColumn { .. }), Err(fault @ Fault::AmbiguousColumn { .. })) => return Err(fault),
+        (_, reading) => reading,
+    };
+    let time = time?;
     if asked.time.is_none() && time.column().is_some_and(|idx| is_of_periods(table, idx)) {
         return Err(NoAngle::OnlyDurations { available: table.available() }.into());
     }
@@ -194,5 +209,61 @@ fn choose_code(table: &Table, header: &Header, asked: &Columns) -> Result<Option
         Some(column) => find(table, column).map(Some),
         None if !are_calibrated => Ok(None),
         None => Ok(table.names.iter().flatten().position(|name| meaning(name) == Meaning::Code)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{ReadOptions, read_bytes};
+
+    /// Two runs side by side, as PASCO's and Tracker's users export them, of which the second one lasts longer.
+    fn side_by_side(n_first: usize, n_second: usize) -> String {
+        let row = |idx: usize| {
+            let time_s = 0.05 * idx as f64;
+            let of = |n: usize, angle: f64| match idx < n {
+                true => format!("{time_s:.2},{:.4}", angle * (5.0 * time_s).cos() * (-0.02 * time_s).exp()),
+                false => ",".to_owned(),
+            };
+            format!("{},{}\n", of(n_first, 0.8), of(n_second, 0.5))
+        };
+        let names = "Time (s) Run #1,Angle (rad) Run #1,Time (s) Run #2,Angle (rad) Run #2\n";
+        names.to_owned() + &(0..n_first.max(n_second)).map(row).collect::<String>()
+    }
+
+    fn read(text: &str, columns: Option<&str>) -> Result<usize, String> {
+        let columns = columns.map(|columns| columns.parse().unwrap());
+        let angle_unit = Some(crate::AngleUnit::Radians);
+        let options = ReadOptions { columns, angle_unit, ..ReadOptions::default() };
+        read_bytes("runs", text.as_bytes(), &options)
+            .map(|recording| recording.len())
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_advice_for_runs_side_by_side_gives_each_angle_its_own_time() {
+        let refused = read(&side_by_side(200, 300), None).unwrap_err();
+        assert!(refused.contains("t=0,theta=1 or t=2,theta=3"), "{refused}");
+        assert!(!refused.contains("t=2,theta=1"), "{refused}");
+    }
+
+    #[test]
+    fn the_time_of_another_run_is_refused_where_that_is_longer_or_shorter() {
+        for (n_first, n_second) in [(200, 300), (300, 200)] {
+            let text = side_by_side(n_first, n_second);
+            for (told, cure) in [("t=2,theta=1", "--columns t=0,theta=1"), ("t=0,theta=3", "--columns t=2,theta=3")] {
+                let refused = read(&text, Some(told)).unwrap_err();
+                assert!(refused.contains(cure), "{refused}");
+            }
+            assert_eq!(read(&text, Some("t=0,theta=1")), Ok(n_first));
+            assert_eq!(read(&text, Some("t=2,theta=3")), Ok(n_second));
+        }
+    }
+
+    /// Where rows are alike, who tells another time has a reason.
+    #[test]
+    fn another_time_of_the_same_rows_is_taken_as_told() {
+        let text = side_by_side(200, 200);
+        assert_eq!(read(&text, Some("t=0,theta=3")), Ok(200));
+        assert_eq!(read(&text, Some("t=2,theta=1")), Ok(200));
     }
 }

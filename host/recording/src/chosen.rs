@@ -13,6 +13,8 @@ use shared::measured::Measured;
 pub(super) struct Sources {
     pub(super) time: TimeSource,
     pub(super) reading: ReadingSource,
+    /// The column of times before the readings, where another one was told.
+    pub(super) passed_time: Option<usize>,
     /// What the time stands in, where that are two columns: its own has the whole seconds.
     pub(super) parted: Option<Parted>,
     pub(super) code: Option<usize>,

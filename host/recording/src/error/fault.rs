@@ -105,6 +105,21 @@ pub enum Fault {
         /// What could be told of this file.
         example: String,
     },
+    /// Time and readings are of two recordings that stand side by side.
+    #[error(
+        "{time} and {reading} are of recordings side by side, of which one is longer: in {n_rows} rows only one of them goes on; \
+         the times that stand before {reading} go as far as that: choose --columns {cure}"
+    )]
+    SideBySide {
+        /// The column of times that was told.
+        time: String,
+        /// The column of readings.
+        reading: String,
+        /// What to tell of this file.
+        cure: String,
+        /// Rows that have one of them.
+        n_rows: usize,
+    },
     /// The column is there, and always the same.
     #[error(
         "column {column} does not move: {value} throughout; choose another one with --columns, e.g. {example}, or x and y \

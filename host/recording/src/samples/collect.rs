@@ -2,12 +2,15 @@
 
 use super::row::{Row, Skipped, as_code};
 use super::{MOST_COLUMNS, Samples};
-use crate::cell::{Cell, Numerals};
+use crate::cell::{Cell, Numerals, is_missing};
 use crate::chosen::{Sources, TimeSource};
 use crate::error::Fault;
 use crate::limits::MOST_SAMPLES;
 use crate::table::Table;
-use crate::{clock, words};
+use crate::{Measured, clock, words};
+
+/// Recordings of one length may end a row apart.
+const FEWEST_APART: usize = 2;
 
 /// A summary below a table has no more lines.
 const MOST_BELOW: usize = 20;
@@ -24,6 +27,7 @@ impl Samples {
         while table.advance()? {
             rows.take(table, notes)?;
         }
+        rows.check_side_by_side(table)?;
         Ok(rows.finish(notes))
     }
 
@@ -80,6 +84,8 @@ struct Rows<'a> {
     wordy: Missing,
     /// Rows with words in place of a time: a summary where no sample comes behind them.
     below: Vec<Fault>,
+    /// Rows in which readings and the time before them go on or end together, and the time that was told does not.
+    n_apart: usize,
 }
 
 impl<'a> Rows<'a> {
@@ -103,11 +109,34 @@ impl<'a> Rows<'a> {
             missing: Missing::default(),
             wordy: Missing::default(),
             below: Vec::new(),
+            n_apart: 0,
         }
+    }
+
+    /// Does the time that was told stand there where the readings don't, as the time before them, or the other way round?
+    fn is_apart(&self, table: &Table) -> bool {
+        let (Some(own), Some(told)) = (self.sources.passed_time, self.sources.time.column()) else { return false };
+        let fields = table.fields();
+        let is_there = |idx: usize| fields.get(idx).is_some_and(|cell| !is_missing(cell));
+        let reading = self.columns.first().is_some_and(|idx| is_there(*idx));
+        is_there(own) == reading && is_there(told) != reading
+    }
+
+    fn check_side_by_side(&self, table: &Table) -> Result<(), Fault> {
+        let (Some(own), Some(told)) = (self.sources.passed_time, self.sources.time.column()) else { return Ok(()) };
+        let Some(reading) = self.columns.first().filter(|_| self.n_apart >= FEWEST_APART) else { return Ok(()) };
+        let role = if self.sources.measured() == Measured::Rate { "rate" } else { "theta" };
+        Err(Fault::SideBySide {
+            time: table.column_name(told),
+            reading: table.column_name(*reading),
+            cure: format!("t={own},{role}={reading}"),
+            n_rows: self.n_apart,
+        })
     }
 
     fn take(&mut self, table: &Table, notes: &mut Vec<String>) -> Result<(), Fault> {
         let (sources, is_ours) = (self.sources, self.is_ours);
+        self.n_apart += usize::from(self.is_apart(table));
         // Our own writer ends every line: in a row without an end, even what looks like a number may be the
         // beginning of one. The writers of others often leave out the last end.
         let may_be_whole = table.is_complete() || !is_ours;
