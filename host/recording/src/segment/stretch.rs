@@ -20,7 +20,7 @@ impl Cut<'_> {
     /// What is swung freely: of what was left alone long enough to tell, what becomes smaller and has the most swings.
     pub(super) fn undisturbed(&self) -> Result<Range<usize>, SegmentError> {
         let worth = |part: &Range<usize>| {
-            (self.count_turns(part) >= MIN_TURNING_POINTS, self.fades(part), self.count_swings(part))
+            (self.count_turns(part) >= MIN_TURNING_POINTS, self.may_fade(part), self.count_swings(part))
         };
         let best = |stretches: Vec<Range<usize>>| self.parts_of(stretches).max_by_key(worth).unwrap_or(0..0);
         let mut part = best(self.undriven_stretches());
