@@ -4,16 +4,20 @@ use super::Fault;
 use crate::limits::FASTEST_MARGIN;
 use crate::told::Told;
 
-/// What the period should do and does; beyond half a turn no pendulum swings to and fro.
+/// What the period should do and does, to two digits of what it should; beyond half a turn no pendulum swings to and fro.
 pub(super) fn growth_in_words(predicted_percent: f64, found_percent: f64) -> String {
-    if predicted_percent.is_finite() {
-        format!(
-            "the period should be {predicted_percent:.1} % longer in the largest swings than in the smallest, but is \
-             {found_percent:.1} %"
-        )
-    } else {
-        "no pendulum swings to and fro over more than half a turn to either side".to_owned()
+    if !predicted_percent.is_finite() {
+        return "no pendulum swings to and fro over more than half a turn to either side".to_owned();
     }
+    let exponent = predicted_percent.abs().max(1e-6).log10().floor() as i32;
+    let decimals = (1 - exponent).clamp(1, 6) as usize;
+    // -0.0 is no less than 0.
+    let half_digit = 0.5 * 10_f64.powi(-(decimals as i32));
+    let found_percent = if found_percent.abs() < half_digit { 0.0 } else { found_percent };
+    format!(
+        "the period should be {predicted_percent:.decimals$} % longer in the largest swings than in the smallest, but is \
+         {found_percent:.decimals$} %"
+    )
 }
 
 impl Fault {
@@ -51,5 +55,23 @@ impl Fault {
             )
         };
         Self::NotRadiansPerSecond { largest, against: growth_in_words(predicted, found), instead }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::growth_in_words;
+
+    #[test]
+    fn a_small_growth_has_as_many_digits_as_tell_it_from_none() {
+        for (predicted, found, expected) in [
+            (60.62, 0.7, "60.6 % longer in the largest swings than in the smallest, but is 0.7 %"),
+            (0.0026, 0.0, "0.0026 % longer in the largest swings than in the smallest, but is 0.0000 %"),
+            (1.8, -0.01, "1.8 % longer in the largest swings than in the smallest, but is 0.0 %"),
+            (0.47, -0.2, "0.47 % longer in the largest swings than in the smallest, but is -0.20 %"),
+        ] {
+            let words = growth_in_words(predicted, found);
+            assert!(words.ends_with(expected), "{words}");
+        }
     }
 }
