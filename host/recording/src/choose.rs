@@ -259,6 +259,23 @@ mod tests {
         }
     }
 
+    /// As PlotJuggler writes two topics, each with rows of its own.
+    #[test]
+    fn what_a_motor_is_told_in_rows_of_its_own_holds_until_the_next_one() {
+        let message = |idx: usize| {
+            let time_s = 0.004 * idx as f64;
+            let told = if idx < 500 { (3.0 * time_s).sin() } else { 0.0 };
+            let angle = 0.4 * (5.0 * time_s).cos() * (-0.02 * time_s).exp();
+            format!("{:.4},{told:.4},\n{time_s:.4},,{angle:.4}\n", time_s - 0.001)
+        };
+        let names = "__time,/effort_control/data.0,/joint_states/joint0/position\n";
+        let text = names.to_owned() + &(1..2000).map(message).collect::<String>();
+        let options = ReadOptions { angle_unit: Some(crate::AngleUnit::Radians), ..ReadOptions::default() };
+        let recording = read_bytes("topics", text.as_bytes(), &options).unwrap();
+        let [drive] = &recording.drives[..] else { panic!("{:?}", recording.drives) };
+        assert!(drive.within(&(0..490)).is_some() && drive.within(&(510..1900)).is_none(), "{drive:?}");
+    }
+
     /// Where rows are alike, who tells another time has a reason.
     #[test]
     fn another_time_of_the_same_rows_is_taken_as_told() {

@@ -86,12 +86,17 @@ struct Rows<'a> {
     below: Vec<Fault>,
     /// Rows in which readings and the time before them go on or end together, and the time that was told does not.
     n_apart: usize,
+    /// What each column beside the readings held last, and at each sample.
+    latest: Vec<f64>,
+    held: Vec<Vec<f64>>,
 }
 
 impl<'a> Rows<'a> {
     fn new(table: &Table, sources: &'a Sources, is_ours: bool) -> Self {
         let columns = sources.reading.columns();
         let lists = |n: usize| vec![Vec::new(); n];
+        // Messages have names.
+        let n_beside = if table.names.is_some() { sources.others.len() } else { 0 };
         let samples = Samples {
             readings: lists(columns.len()),
             others: lists(sources.others.len()),
@@ -110,6 +115,30 @@ impl<'a> Rows<'a> {
             wordy: Missing::default(),
             below: Vec::new(),
             n_apart: 0,
+            latest: vec![f64::NAN; n_beside],
+            held: lists(n_beside),
+        }
+    }
+
+    /// Of messages with a row each, that of a motor stands in rows without readings, and holds until the next one.
+    fn look_beside(&mut self, table: &Table) {
+        if self.latest.is_empty() {
+            return;
+        }
+        let row = Row { table, fields: table.fields() };
+        for (latest, column) in self.latest.iter_mut().zip(&self.sources.others) {
+            if let Ok(Some(number)) = row.number(*column, &mut self.numerals) {
+                *latest = number;
+            }
+        }
+    }
+
+    /// Takes what was held of columns of which nothing ever stands beside a reading.
+    fn take_held(&mut self) {
+        for (list, held) in self.samples.others.iter_mut().zip(&mut self.held) {
+            if list.len() == held.len() && list.iter().all(|number| number.is_nan()) {
+                *list = std::mem::take(held);
+            }
         }
     }
 
@@ -137,13 +166,17 @@ impl<'a> Rows<'a> {
     fn take(&mut self, table: &Table, notes: &mut Vec<String>) -> Result<(), Fault> {
         let (sources, is_ours) = (self.sources, self.is_ours);
         self.n_apart += usize::from(self.is_apart(table));
+        self.look_beside(table);
         // Our own writer ends every line: in a row without an end, even what looks like a number may be the
         // beginning of one. The writers of others often leave out the last end.
         let may_be_whole = table.is_complete() || !is_ours;
         match may_be_whole.then(|| self.samples.take(table, sources, &self.columns, &mut self.numerals)) {
             // Words in place of a time are a summary only below the last row.
             Some(Ok(()) | Err(Skipped::Gap { .. })) if !self.below.is_empty() => return Err(self.below.swap_remove(0)),
-            Some(Ok(())) => self.count_sample(table)?,
+            Some(Ok(())) => {
+                self.held.iter_mut().zip(&self.latest).for_each(|(list, latest)| list.push(*latest));
+                self.count_sample(table)?;
+            }
             Some(Err(Skipped::Gap { column })) if table.is_complete() => self.missing.count(table, column),
             Some(Err(Skipped::Fault(_))) if !is_ours && has_no_number(table) => {
                 self.count_words(table);
@@ -190,6 +223,7 @@ impl<'a> Rows<'a> {
     }
 
     fn finish(mut self, notes: &mut Vec<String>) -> Samples {
+        self.take_held();
         if self.sources.run.is_none() {
             self.samples.end_before_empty_rows(notes);
         }
