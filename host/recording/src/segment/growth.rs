@@ -29,7 +29,7 @@ const MEDIAN_SCATTER: f64 = 1.25;
 /// Of fewer half swings it is said where they grow by more than this share, because a top between few samples is off by
 /// 4 %. With half of it chance would do so at eight samples a period; with twice of it a motor that adds 1 % each time
 /// is seen after 20 half swings and not after 10.
-const GROWN_SHARE: f64 = 0.1;
+pub(super) const GROWN_SHARE: f64 = 0.1;
 
 impl Cut<'_> {
     /// What lies between the growths, in order: a free swing never grows, so that somebody pushed there.

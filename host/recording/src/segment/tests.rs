@@ -214,6 +214,47 @@ fn large_swings_that_rub_are_not_cut_off_before_a_long_tail_that_does_not() {
     assert_eq!(segments.free.start, 0, "{:?}", segments.notes);
 }
 
+/// Seen of an encoder that tells one side of the swing much larger than the other.
+#[test]
+fn regular_swings_that_are_cut_are_doubted() {
+    let doubts = |angles_rad: &[f64]| {
+        let segments = find(angles_rad);
+        let doubted = segments.notes.iter().find(|note| note.contains("die away one after the other")).cloned();
+        (segments.free.start, doubted)
+    };
+    for uneven in [0.3, 0.4, 0.5] {
+        let read = |angle: &f64| angle + uneven * angle * angle;
+        let (cut, doubted) = doubts(&moved_swing(0.9, 40.0, |_| 0.0).iter().map(read).collect::<Vec<f64>>());
+        assert!(cut > 500 && doubted.is_some_and(|note| note.contains("--from 0.39 takes them")), "{uneven} {cut}");
+    }
+    // A motor holds a swing, or lets it grow.
+    for grows in [0.0, 0.02] {
+        let held = |idx: u32| {
+            let time_s = f64::from(idx) * STEP_S;
+            0.5 * (grows * time_s).exp() * (69_f64.sqrt() * time_s).cos()
+        };
+        let driven: Vec<f64> = (0..3030).map(held).collect();
+        let largest = 0.5 * (grows * 15.0).exp();
+        let (cut, doubted) = doubts(&[driven, moved_swing(largest, 25.0, |_| 0.0)].concat());
+        assert!(cut > 2000 && doubted.is_none(), "{grows} {cut} {doubted:?}");
+    }
+}
+
+/// Seen of the exciter of a torsion pendulum, whose counter jumped: a beginning of few half swings can't tell that nothing is lost.
+#[test]
+fn a_beginning_that_a_motor_holds_is_not_said_to_die_away() {
+    for jump_s in [5.0, 6.0, 7.0, 8.0] {
+        let angle = |idx: u32| {
+            let time_s = f64::from(idx) * STEP_S;
+            let jumped = 0.3 * (time_s - jump_s).clamp(0.0, 0.04) / 0.04;
+            0.5 * (36_f64.sqrt() * time_s).cos() + jumped
+        };
+        let notes = find(&(0..7000).map(angle).collect::<Vec<f64>>()).notes;
+        assert!(notes.iter().any(|note| note.contains("don't become smaller")), "{jump_s} {notes:?}");
+        assert!(!notes.iter().any(|note| note.contains("die away one after")), "{jump_s} {notes:?}");
+    }
+}
+
 /// Seen of a wheel that a motor keeps going, of which a sensor of 0.01 rad is read ten times a second.
 #[test]
 fn a_motor_that_keeps_a_swing_going_is_doubted_whatever_a_coarse_sensor_makes_of_it() {

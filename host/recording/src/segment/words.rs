@@ -1,6 +1,9 @@
 //! What was cut, what was left out and what is doubtful, in words.
 
+use super::growth::GROWN_SHARE;
+use super::half_swing::{HalfSwing, size_rad};
 use super::start::Start;
+use super::stretch::WORTH_A_LOOK;
 use super::{Bounds, Cut, MIN_TURNING_POINTS, SegmentOptions};
 use crate::Recording;
 use crate::noise::Noise;
@@ -18,6 +21,12 @@ const SMALL_TAIL: f64 = 0.3;
 /// And where it does not take longer, if it swings over less than this share of that: two wanders behind a propeller's push go a sixth
 /// and an eleventh as far. With half of it the first would pass; twice of it was not tried.
 const TINY_TAIL: f64 = 0.2;
+
+/// Regular swings take as long as the one before to this share. Half and twice were not tried.
+const REGULAR_TIME: f64 = 0.3;
+
+/// And keep at least this share of it. Half and twice were not tried.
+const LEAST_LEFT: f64 = 0.7;
 
 /// Times are shown to so much, s.
 const SHOWN_S: f64 = 0.01;
@@ -71,7 +80,9 @@ fn beginning([whole, cut]: [&Cut; 2], options: &SegmentOptions, start: &Start, f
     } else {
         notes.extend(cut_before([whole, cut], start));
         if !start.was_held {
-            notes.extend(doubt_of_tail(whole, &(whole.asked.start..start.free_idx), free));
+            let before = whole.asked.start..start.free_idx;
+            let doubt = doubt_of_tail(whole, &before, free);
+            notes.extend(doubt.or_else(|| doubt_of_regular_swings(whole, &before, free)));
         }
     }
     if free.start > start.free_idx {
@@ -182,6 +193,35 @@ fn doubt_of_tail(cut: &Cut, before: &Range<usize>, free: &Range<usize>) -> Optio
     (is_tiny || is_longer && taken_rad < SMALL_TAIL * largest_rad).then(|| {
         let (times, longer) = (largest_rad / taken_rad, if is_longer { "takes longer and " } else { "" });
         format!("doubtful: what is cut before {longer}swings {times:.0} times as far; is that the free swing?")
+    })
+}
+
+/// That what is cut right before it may swing as freely: a hand does not turn again and again when a pendulum would, each time by a
+/// little less.
+fn doubt_of_regular_swings(cut: &Cut, before: &Range<usize>, free: &Range<usize>) -> Option<String> {
+    let half_swings = cut.half_swings_in(before);
+    let duration_s = |[from, to]: &HalfSwing| to.time_s - from.time_s;
+    let is_regular = |pair: &&[HalfSwing]| {
+        let loses = size_rad(&pair[1]) / size_rad(&pair[0]);
+        let is_in_time = (duration_s(&pair[1]) / duration_s(&pair[0]) - 1.0).abs() < REGULAR_TIME;
+        is_in_time && loses > LEAST_LEFT && cut.growth(&pair[0], &pair[1]).is_none()
+    };
+    let n_regular = half_swings.windows(2).rev().take_while(is_regular).count() + 1;
+    let first = half_swings.get(half_swings.len().checked_sub(n_regular)?)?;
+    let regular = cut.recording.index_at(first[0].time_s)..before.end;
+    let dies_away = size_rad(first) > (1.0 + GROWN_SHARE) * size_rad(half_swings.last()?);
+    let is_doubted = n_regular >= WORTH_A_LOOK
+        && dies_away
+        && cut.fades(&regular)
+        && cut.driven_in_words(&regular).is_empty()
+        && cut.other_swings(free).is_empty();
+    is_doubted.then(|| {
+        let (from_s, to_s) = (first[0].time_s, cut.times_s()[before.end]);
+        format!(
+            "doubtful: {n_regular} half swings before {to_s:.2} s die away one after the other, as free ones do, and are cut all the \
+             same: a scale of the sensor that is uneven, or something that swings along, makes large swings look like a hand's; \
+             --from {from_s:.2} takes them"
+        )
     })
 }
 
