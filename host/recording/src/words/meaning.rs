@@ -310,6 +310,8 @@ mod tests {
             ("pendulum", Meaning::Angle { unit: None, strength: NAMES_IT_PERHAPS }),
             ("pendulum length", Meaning::Other),
             ("bob x (m)", Meaning::X),
+            ("KE_Y", Meaning::Other),
+            ("x kinetic energy (J)", Meaning::Other),
             ("Datum", Meaning::Time { unit: None, strength: NAMES_IT_PERHAPS }),
             ("Tijd (s)", time(Some(TimeUnit::Seconds))),
             ("Vinkel [grader]", angle(Some(AngleUnit::Degrees))),

@@ -235,6 +235,19 @@ pub(super) const OTHER_QUANTITIES: &[&str] = &[
     "°c",
     "pressure",
     "hpa",
+    "energy",
+    "energie",
+    "énergie",
+    "energía",
+    "energia",
+    "energi",
+    "энергия",
+    "能量",
+    "kinetic",
+    "ke",
+    "pe",
+    "ekin",
+    "epot",
 ];
 
 /// Words of where something is on earth and where it goes.
