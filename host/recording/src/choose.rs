@@ -259,6 +259,18 @@ mod tests {
         }
     }
 
+    /// A second clock that lost some rows may be told all the same.
+    #[test]
+    fn another_time_that_lacks_some_rows_is_taken_as_told() {
+        let row = |idx: usize| {
+            let time_s = 0.05 * idx as f64;
+            let second = if idx % 40 == 7 { String::new() } else { format!("{:.3}", 100.0 + time_s) };
+            format!("{time_s:.2},{:.4},{second}\n", 0.8 * (5.0 * time_s).cos() * (-0.02 * time_s).exp())
+        };
+        let text = "time,angle (rad),time_mcu (s)\n".to_owned() + &(0..400).map(row).collect::<String>();
+        assert_eq!(read(&text, Some("t=2,theta=1")), Ok(390));
+    }
+
     /// As PlotJuggler writes two topics, each with rows of its own.
     #[test]
     fn what_a_motor_is_told_in_rows_of_its_own_holds_until_the_next_one() {

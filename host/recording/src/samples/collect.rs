@@ -84,7 +84,7 @@ struct Rows<'a> {
     wordy: Missing,
     /// Rows with words in place of a time: a summary where no sample comes behind them.
     below: Vec<Fault>,
-    /// Rows in which readings and the time before them go on or end together, and the time that was told does not.
+    /// The last rows in which readings and the time before them go on or end together, and the time that was told does not.
     n_apart: usize,
     /// What each column beside the readings held last, and at each sample.
     latest: Vec<f64>,
@@ -142,13 +142,18 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Does the time that was told stand there where the readings don't, as the time before them, or the other way round?
-    fn is_apart(&self, table: &Table) -> bool {
-        let (Some(own), Some(told)) = (self.sources.passed_time, self.sources.time.column()) else { return false };
+    /// Counts the last rows in which the time that was told stands where the readings don't, as the time before them, or the other
+    /// way round: one that is missing now and then may be told.
+    fn look_side_by_side(&mut self, table: &Table) {
+        let (Some(own), Some(told)) = (self.sources.passed_time, self.sources.time.column()) else { return };
         let fields = table.fields();
         let is_there = |idx: usize| fields.get(idx).is_some_and(|cell| !is_missing(cell));
         let reading = self.columns.first().is_some_and(|idx| is_there(*idx));
-        is_there(own) == reading && is_there(told) != reading
+        match (is_there(told), reading) {
+            (true, true) => self.n_apart = 0,
+            (told, reading) if told != reading && is_there(own) == reading => self.n_apart += 1,
+            _ => {}
+        }
     }
 
     fn check_side_by_side(&self, table: &Table) -> Result<(), Fault> {
@@ -165,7 +170,7 @@ impl<'a> Rows<'a> {
 
     fn take(&mut self, table: &Table, notes: &mut Vec<String>) -> Result<(), Fault> {
         let (sources, is_ours) = (self.sources, self.is_ours);
-        self.n_apart += usize::from(self.is_apart(table));
+        self.look_side_by_side(table);
         self.look_beside(table);
         // Our own writer ends every line: in a row without an end, even what looks like a number may be the
         // beginning of one. The writers of others often leave out the last end.
