@@ -277,6 +277,18 @@ fn a_motor_that_keeps_a_swing_going_is_doubted_whatever_a_coarse_sensor_makes_of
     assert_eq!([count(0.002), count(0.008)], [0, 0]);
 }
 
+/// Gates on leaning hinges, whose swings lose a tenth of themselves and more and end in the noise, and a pendulum on a cart that stands,
+/// with holes in its rows.
+#[test]
+fn swings_that_lose_much_and_end_in_noise_or_have_holes_are_not_doubted() {
+    for name in ["caspar_gate_11mm", "caspar_gate_75mm", "caspar_gate_no_magnet", "pendulepi_release_a"] {
+        let file = format!("{}/../data/recordings/real/more/{name}.csv", env!("CARGO_MANIFEST_DIR"));
+        let recording = crate::read(std::path::Path::new(&file), &crate::ReadOptions::default()).unwrap();
+        let segments = segment(&recording, &SegmentOptions::default()).unwrap();
+        assert!(segments.fades, "{name} {segments:?}");
+    }
+}
+
 /// A coil adds 1.2 % to each half swing, seen at 20 Hz, twelve samples a period: no step is a growth for certain.
 #[test]
 fn a_few_swings_that_grow_are_doubted_and_a_few_free_ones_are_not() {
