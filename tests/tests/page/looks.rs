@@ -89,6 +89,26 @@ fn on_a_phone_no_label_lies_on_another_and_long_names_are_told_apart() {
     });
 }
 
+/// Is each picture below the verdict as wide as its place?
+const FILL_THEIR_PLACE: &str = "[...document.querySelectorAll('#pictures .plot')].every((plot) =>
+    plot.clientWidth > 0 && plot.querySelector('.main-svg').clientWidth === plot.clientWidth)";
+
+#[test]
+fn pictures_that_were_drawn_in_a_tab_out_of_sight_fill_their_place() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    prepare(folder.path());
+    let server = Server::start(folder.path(), "--rig rig.toml swing1.csv swing2.csv --port sim --sim-speed 0.1");
+    block_on(async {
+        let browser = Browser::open(&format!("{}#live", server.url), 1440, 900).await;
+        let drawn = "document.querySelectorAll('#pictures .plot[data-labelled]').length > 1";
+        browser.wait_for(drawn).await;
+        browser.click("#tab-model").await;
+        browser.wait_for(FILL_THEIR_PLACE).await;
+        browser.close().await;
+    });
+}
+
 /// Phone, tablet, laptop, large screen.
 const WIDTHS: [u32; 4] = [390, 768, 1440, 1920];
 

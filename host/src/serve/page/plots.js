@@ -36,7 +36,18 @@ export async function draw(element, make) {
   const { traces, layout } = make();
   await plotly.react(element, traces, themed(layout), { responsive: true, displaylogo: false, displayModeBar: false });
   await label(plotly, element);
+  await fit(element);
   element.dataset.labelled = 'true';
+  places.observe(element);
+}
+
+/** What is drawn in a tab out of sight has the library's own width, until the tab comes up. */
+const places = new ResizeObserver((seen) => seen.forEach(({ target }) => fit(target)));
+
+async function fit(element) {
+  if (!element.clientWidth || element._fullLayout.width === element.clientWidth) return;
+  await library.then((plotly) => plotly.Plots.resize(element));
+  await label(await library, element);
 }
 
 /** Fewer labels don't tell a scale from a number. */
