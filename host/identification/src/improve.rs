@@ -140,22 +140,11 @@ impl<'a> Bench<'a> {
         }
         let problem = self.problem_of(&model.parameters);
         let (words, next) = match change {
-            Change::Add(effect) => {
-                (format!("+ {}", effect.name), self.fitted_again(&problem, added(&problem, model, effect)?))
-            }
+            Change::Add(effect) => (format!("+ {}", effect.name), added(&problem, model, effect)?),
             Change::Remove(effect) => (format!("- {}", effect.name), removed(&problem, model, effect)?),
         };
         let step = self.step(words, &problem, &next, Some(model));
         Ok((next, step))
-    }
-
-    /// A model with an added effect, or what a fit makes of it where that is better: numbers that were fitted without the effect
-    /// may have let a swing stop at another turn, and from there no step leads back.
-    fn fitted_again(&self, problem: &Problem, model: Fitted) -> Fitted {
-        if problem.chi_square(model.cost).left() == Left::Noise {
-            return model;
-        }
-        fitted_as_it_is(&self.problem_of(&model.parameters)).settled(problem).better(model)
     }
 
     /// A friction curve stands in place of base effects, which come and go with it.
@@ -253,7 +242,7 @@ fn removed(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> R
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::tests::{effect, fitted as from, rig, simulated};
+    use crate::diagnose::tests::{rig, simulated};
 
     #[test]
     fn held_out_swings_confirm_an_effect_that_is_there_and_contradict_that_it_is_taken_out() {
@@ -282,22 +271,5 @@ mod tests {
             let steps = super::change(&swings, &[], &rig(), &[added]).unwrap();
             assert!(steps[1].rmse <= steps[0].rmse, "{name}: {} instead of {}", steps[1].rmse, steps[0].rmse);
         }
-    }
-
-    /// Too much dry friction stops a swing some turns early, where other numbers make up for it.
-    #[test]
-    fn a_model_that_stops_at_another_turn_is_fitted_again() {
-        let (mut truth, law, count) = (rig(), effect("shear-thinning"), Tally::default());
-        truth.set_friction(3.5e-4, 3e-4, 0.0, 0.0);
-        truth.set(law.id, &[1.1e-3, 1.4]).unwrap();
-        let swings = [simulated("one", &truth, 60.0, 1), simulated("other", &truth, 60.0, 2)];
-        let tolerances = KnownRig::from(&rig()).tolerances;
-        let bench = Bench { swings: &swings, held_out: &[], tolerances, count: &count };
-        let mut wrong = truth.clone();
-        wrong.set_friction(3.5e-4, 4.8e-4, 0.0, 0.0);
-        let problem = bench.problem_of(&wrong);
-        let model = from(&problem, &wrong).refined(&problem, Band::Held, Tolerance::FINE);
-        let again = bench.fitted_again(&problem, model.clone());
-        assert!(again.cost < 0.2 * model.cost, "{} {}", again.cost, model.cost);
     }
 }
