@@ -1,5 +1,5 @@
-//! Laws that no law of the list contains: what a rig has in reality is never quite what a list has. Each stands for one
-//! that somebody published, and a diagnosis is right if it names the one that comes nearest, or its family.
+//! Laws that no usual law of the list contains: what a rig has in reality is never quite what a list has. Each stands for
+//! one that somebody published, and a diagnosis is right if it names the one that comes nearest, or its family.
 
 use super::{Random, Rig};
 
