@@ -104,7 +104,7 @@ fn a_fit_on_a_model_that_improve_wrote_is_never_worse_than_that_model() {
     let written = improved["steps"].as_array().unwrap().last().unwrap()["rmse"].as_f64().unwrap();
     let fitted = json(folder.path(), &format!("fit {swing} --rig better.toml --method least-squares --json"));
     let after = fitted["rmse"].as_f64().unwrap();
-    // The file has four digits of a number without a standard deviation.
+    // The file has six digits.
     assert!(after < 1.01 * written, "improve left {written}, fit {after}");
 }
 

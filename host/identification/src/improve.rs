@@ -202,8 +202,7 @@ fn added(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Res
         let is_explained = || problem.chi_square(fitted.cost).left() == Left::Noise;
         let anew = || prediction.model.regrown(problem).refined(problem, Band::Held, Tolerance::SCREEN);
         // And the law may decide at which turn it stops.
-        let stopped =
-            || prediction.model.lively(problem, Tolerance::SCREEN).refined(problem, Band::Level, Tolerance::JUDGE);
+        let stopped = || prediction.model.calmed(problem).refined(problem, Band::Level, Tolerance::JUDGE);
         if is_explained() { fitted } else { anew().better(fitted).better(stopped()) }
     };
     let fits = predictions.iter().take(STARTS).map(both);

@@ -1,6 +1,6 @@
 //! A model file takes over what was found from recordings, with where it came from.
 
-use super::{Knowledge, KnownCurve, Quantity, RigFile, RigFileError, Source};
+use super::{Knowledge, KnownCurve, Quantity, RigFile, RigFileError, Source, write};
 use crate::diagnose::Value;
 use crate::fit::identify::Fit;
 use shared::effect::{CURVE_NAME, CUSTOM_FORMULA_ID};
@@ -27,7 +27,7 @@ impl RigFile {
                 let owner = if quantity == Quantity::Inertia { "inertia" } else { quantity.owner() };
                 let known = values.iter().find(|known| known.effect == owner && known.symbol == quantity.symbol());
                 let std = known.and_then(|known| known.std);
-                let value = if std.is_none() { four_digits(value) } else { value };
+                let value = if std.is_none() { write::six_digits(value) } else { value };
                 self.set(quantity, value, Knowledge { std, source: Some(source.clone()) })?;
             }
         }
@@ -58,9 +58,4 @@ impl RigFile {
         }
         Ok(())
     }
-}
-
-/// No value without a standard deviation is known to more.
-fn four_digits(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
 }

@@ -38,7 +38,7 @@ impl RigFile {
 /// Rounding says no more than the rig's numbers of 32 bits can; what came from a rig stays as it is.
 fn six_digits(torque_nm: f64) -> f64 {
     let is_of_rig = super::exactly(torque_nm as f32) == torque_nm;
-    if is_of_rig { torque_nm } else { format!("{torque_nm:.5e}").parse().unwrap_or(torque_nm) }
+    if is_of_rig { torque_nm } else { write::six_digits(torque_nm) }
 }
 
 fn table(known: &KnownCurve, source: &Source) -> Table {

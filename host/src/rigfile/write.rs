@@ -177,14 +177,22 @@ fn described(value: f64, knowledge: &Knowledge, prior: Option<Known>) -> Value {
     Value::InlineTable(table)
 }
 
-/// Digits far below the standard deviation say nothing.
+/// Digits far below the standard deviation say nothing of a number alone. But swings tell the sum of some far better than each
+/// of them, and rounded to their own ± these would not follow the swings any more: six digits stay.
 pub(super) fn rounded(value: f64, std: Option<f64>) -> f64 {
     let Some(std) = std.filter(|std| *std > 0.0) else { return value };
     let n_decimals = DIGITS_BEYOND_STD - std.log10().floor() as i32;
     if !(0..=300).contains(&n_decimals) {
         return value;
     }
-    format!("{value:.precision$}", precision = n_decimals as usize).parse().unwrap_or(value)
+    let by_std = format!("{value:.precision$}", precision = n_decimals as usize).parse().unwrap_or(value);
+    let by_digits = six_digits(value);
+    if (by_std - value).abs() < (by_digits - value).abs() { by_std } else { by_digits }
+}
+
+/// As many as the numbers of a rig, of 32 bits, have for sure.
+pub(super) fn six_digits(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 fn number(value: f64) -> Value {

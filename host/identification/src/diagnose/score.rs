@@ -45,7 +45,7 @@ impl Prediction {
 
     /// The same on decimated swings, where it stops found anew once all swings but the last are followed.
     pub fn stopped_anew(&self, decimated: &Problem) -> Fitted {
-        levels(decimated, &self.model.lively(decimated, Tolerance::SCREEN)).swap_remove(0)
+        levels(decimated, &self.model.calmed(decimated)).swap_remove(0)
     }
 }
 

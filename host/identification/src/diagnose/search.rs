@@ -210,10 +210,14 @@ fn best_on_all(
     // Each with the stop levels that may suit it.
     let mut near: Vec<Vec<Fitted>> = on_all_cores(&level, |model| levels(rough, model));
     near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
-    if !is_well_explained(problem, &near[0][0]) && budget.allows_more() {
+    let rests = rough.swings.iter().any(Swing::comes_to_rest);
+    let allows_more = budget.allows_more();
+    if !is_well_explained(problem, &near[0][0]) && allows_more {
         // Of laws that are nearly alike, one that ended on the way, at another turning point, is taken for a wrong one.
         on_all_cores(near.iter_mut().filter(|levels| !swings(&levels[0])), |model| begun_anew(rough, model));
         near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
+    }
+    if !is_well_explained(problem, &near[0][0]) && (rests || allows_more) {
         let simplest = near.iter().rposition(|levels| is_usual_form_of(&levels[0], &near[0][0])).unwrap_or(0);
         // A support imitates a law and its band better than the law without it.
         let beside = near.iter().position(|levels| !swings(&levels[0])).filter(|_| swings(&near[0][0]));
@@ -249,7 +253,8 @@ fn seen_from_other_sides(problem: &Problem, rough: &Problem, model: &mut Vec<Fit
     if swings(&model[0]) {
         begun_anew(rough, model);
     }
-    if !is_well_explained(problem, &model[0]) && band_is_promising(rough, &model[0]) {
+    let rests = rough.swings.iter().any(Swing::comes_to_rest);
+    if !is_well_explained(problem, &model[0]) && (rests || band_is_promising(rough, &model[0])) {
         let with_band = model[0].refined(rough, Band::Searched, Tolerance::JUDGE);
         if with_band.cost < model[0].cost {
             *model = vec![with_band];
@@ -260,8 +265,7 @@ fn seen_from_other_sides(problem: &Problem, rough: &Problem, model: &mut Vec<Fit
 /// Begins a model anew with the first swings, if that is better; where it stops is found anew too.
 fn begun_anew(rough: &Problem, model: &mut Vec<Fitted>) {
     let best = &model[0];
-    let begin = if best.has_band() { best.clone() } else { best.with_stiction(Stiction::NONE) };
-    let anew = levels(rough, &begin.regrown(rough));
+    let anew = levels(rough, &best.calmed(rough));
     if anew[0].cost < model[0].cost {
         *model = anew;
     }

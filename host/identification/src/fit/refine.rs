@@ -3,8 +3,9 @@
 
 use super::descended::best_on;
 use super::descent::Tolerance;
-use super::fitted::Fitted;
+use super::fitted::{Fitted, Stiction};
 use super::problem::Problem;
+use super::windows::CALMING;
 use super::{stiction, stop_level};
 use crate::swing::Window;
 
@@ -60,6 +61,16 @@ impl Fitted {
     /// Begun anew with the first swings, on decimated ones: out of the side valley where a fit got stuck.
     pub fn regrown(&self, on: &Problem) -> Self {
         self.after(super::windows::grow(&self.problem(on), &self.point()))
+    }
+
+    /// Begun anew without Ms and DV, with the first swings, then with ever more of the last ones, on decimated ones: the turn at
+    /// which dry friction stops the pendulum comes last, when all before it are followed.
+    pub fn calmed(&self, on: &Problem) -> Self {
+        let begin = self.with_stiction(Stiction::NONE).regrown(on);
+        let decimated = on.decimated();
+        let on = on.on(&decimated);
+        let calm = |model: Self, share| model.descended(&on, Window::Calming(share), Tolerance::ROUGH);
+        CALMING.into_iter().fold(begin, calm)
     }
 }
 
