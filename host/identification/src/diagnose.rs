@@ -199,4 +199,6 @@ fn base_problem<'a>(swings: &'a [Swing], rig: KnownRig, count: &'a Tally) -> Pro
 #[cfg(test)]
 mod follow_tests;
 #[cfg(test)]
+mod stop_tests;
+#[cfg(test)]
 pub(crate) mod tests;

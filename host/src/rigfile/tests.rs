@@ -252,3 +252,17 @@ fn a_bad_friction_curve_is_refused_with_its_line_and_key() {
     let error = RigFile::parse("rig.toml", &beside).unwrap_err().to_string();
     assert!(error.contains("friction-curve stands in place of"), "{error}");
 }
+
+/// Of numbers that swings know together far better than each, whose own ± are larger than they are.
+#[test]
+fn a_number_keeps_six_digits_however_little_is_known_of_it_alone() {
+    let written = |value: f64, std: f64| {
+        let mut file = paper();
+        let source = Some(Source::new("least squares", &[]));
+        file.set(VISCOUS, value, Knowledge { std: Some(std), source }).unwrap();
+        VISCOUS.get(reread(&file).parameters()).unwrap()
+    };
+    assert_eq!(written(1.843142345678e-3, 0.0143), 1.84314e-3);
+    assert_eq!(written(1.843142345678e-3, 2e-9), 1.843142346e-3);
+    assert_eq!(written(0.0, 0.1), 0.0);
+}
