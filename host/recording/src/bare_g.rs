@@ -5,6 +5,7 @@ use super::error::{Fault, NoAngle};
 use super::limits::MIN_SAMPLES;
 use super::median;
 use super::table::Table;
+use std::ops::Range;
 
 /// What one step of such a sensor is worth, in thousandths of g: up to 2 g in ten or in eight bits. A column of other whole
 /// numbers has three of four off it.
@@ -32,7 +33,19 @@ pub(super) fn fault(table: &Table) -> Option<Fault> {
             NoAngle::BareAccelerations { columns: listed(first, n_axes), step, unit }.into()
         })
     };
-    of(3).or_else(|| of(2))
+    of(3).or_else(|| of(2)).or_else(|| of_brackets(table))
+}
+
+/// That nothing says which of several sensors the axes in brackets are of.
+fn of_brackets(table: &Table) -> Option<Fault> {
+    let vectors = table.vectors();
+    // Of several the first one is an accelerometer's as a rule.
+    let rate = vectors.get(1).or(vectors.first())?.start;
+    let time = (0..table.n_columns).find(|idx| !vectors.iter().any(|vector| vector.contains(idx)));
+    let time = time.map_or("...".to_owned(), |idx| idx.to_string());
+    let place = |vector: &Range<usize>| format!("{} to {}", vector.start, vector.end - 1);
+    let columns = vectors.iter().map(place).collect::<Vec<_>>().join(", ");
+    Some(NoAngle::BareVectors { columns, example: format!("t={time},rate={rate}:deg/s") }.into())
 }
 
 /// The unit of axes, and their step in it.

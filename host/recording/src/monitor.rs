@@ -1,16 +1,20 @@
 //! Lines of serial monitors and plotters: clock times before an arrow, labels before the numbers, brackets around a row.
 //!
 //! `12:34:05.120 -> 120,57.3`, `[12:34:05.120] 57.3`, `[1055ms] angle=57.3`, `I (1055) main: angle=57.3`,
-//! `2026-03-01 12:34:05,120 - rig - INFO - 57.3`, `t:120 angle:57.3`, `Time: 120 ms, Angle: 57.3 deg`, `(0.12, 57.3)`.
+//! `2026-03-01 12:34:05,120 - rig - INFO - 57.3`, `t:120 angle:57.3`, `Time: 120 ms, Angle: 57.3 deg`, `(0.12, 57.3)`, `log=[0.12, 57.3]`.
 //! Tables of Markdown, `| 0.12 | 57.3 |`, are parted by bars.
 //! Each line becomes the row that somebody could have printed without them; the labels become the names of the columns.
 
 use super::cell::{Cell, Numerals, number_and_unit};
 use super::clock;
-use super::pairs::Pairs;
+use super::groups::Groups;
 use super::row::{Separator, find_separator, split};
 use super::units::time_unit;
 use super::words::{Meaning, is_unit, meaning};
+use std::ops::Range;
+
+/// A label before a number is shorter.
+const MOST_LETTERS: usize = 40;
 
 /// What the rows of a file are dressed in.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -23,8 +27,10 @@ pub(super) struct Dress {
     word: Option<String>,
     /// Names that stand before the numbers, with a unit behind the number if there is one.
     pub(super) labels: Option<Vec<String>>,
-    /// Some cells hold two numbers.
-    pairs: Option<Pairs>,
+    /// Some cells hold several numbers.
+    groups: Option<Groups>,
+    /// What stands before the brackets around each row: `log=` of `log=[0.12, 57.3]`.
+    before_brackets: Option<String>,
     /// Bars part the cells.
     has_bars: bool,
 }
@@ -61,13 +67,14 @@ impl Dress {
             };
             if has_time { Arrow::Drop } else { Arrow::Keep }
         });
-        let pairs = Pairs::of(lines).filter(|_| !has_arrow);
+        let before_brackets = common_before_brackets(lines).filter(|_| !has_arrow && labels.is_none());
+        let groups = Groups::of(lines).filter(|_| !has_arrow && before_brackets.is_none());
         let n_bars = lines.iter().filter(|line| between_bars(line).is_some()).count();
         let has_bars = !has_arrow && labels.is_none() && 2 * n_bars > lines.len();
         let is_kept = arrow == Some(Arrow::Keep) && labels.is_none();
         let behind = is_kept.then(|| several(&behind)).flatten();
         let word = word.filter(|_| is_kept);
-        Self { arrow, behind, word, labels, pairs, has_bars }
+        Self { arrow, behind, word, labels, groups, before_brackets, has_bars }
     }
 
     /// The row in plain text; lines in another dress stay as they are.
@@ -75,8 +82,11 @@ impl Dress {
         if self.has_bars {
             return between_bars(line);
         }
-        if let Some(pairs) = &self.pairs {
-            return Some(pairs.apart(line));
+        if let Some(groups) = &self.groups {
+            return Some(groups.apart(line));
+        }
+        if let Some(before) = &self.before_brackets {
+            return between_brackets(line.trim_start().strip_prefix(before)?).map(str::to_owned);
         }
         let (time, rest) = match self.arrow {
             Some(_) => behind_arrow(line).map_or((None, line), |(time, rest)| (Some(time), rest)),
@@ -100,6 +110,11 @@ impl Dress {
 
     fn in_cells(&self, row: &str) -> String {
         self.behind.map_or_else(|| row.to_owned(), |separator| split(row, separator).join("\t"))
+    }
+
+    /// The columns that held three numbers and more in brackets.
+    pub(super) fn vectors(&self) -> Vec<Range<usize>> {
+        self.groups.as_ref().map_or(Vec::new(), Groups::vectors)
     }
 
     /// The names of the columns, where they stand before the numbers.
@@ -214,6 +229,24 @@ fn between_brackets(line: &str) -> Option<&str> {
     inside('(', ')').or_else(|| inside('[', ']')).filter(has_values)
 }
 
+/// What stands before the brackets in more than half of the lines, if these hold several numbers.
+fn common_before_brackets(lines: &[&str]) -> Option<String> {
+    let before = |line: &&'_ str| {
+        let line = line.trim();
+        let (before, _) = line.split_at_checked(line.find(['(', '['])?)?;
+        let is_label =
+            before.starts_with(char::is_alphabetic) && before.len() < MOST_LETTERS && !before.contains([',', ';']);
+        let row = between_brackets(&line[before.len()..]).filter(|_| is_label)?;
+        let cells: Vec<&str> = row.split([',', ';', ' ', '\t']).filter(|cell| !cell.is_empty()).collect();
+        let are_numbers = cells.len() > 1 && cells.iter().all(|cell| cell.parse::<f64>().is_ok());
+        are_numbers.then(|| before.to_owned())
+    };
+    let mut all: Vec<String> = lines.iter().filter_map(before).collect();
+    all.sort_unstable();
+    let most = all.chunk_by(|a, b| a == b).max_by_key(|run| run.len())?;
+    (2 * most.len() > lines.len()).then(|| most[0].clone())
+}
+
 /// A label, its number, and the unit behind it.
 struct Pair<'a> {
     label: &'a str,
@@ -244,8 +277,9 @@ fn pairs(line: &str) -> Option<Vec<Pair<'_>>> {
     while !rest.is_empty() {
         let (label, behind) = rest.split_once([':', '='])?;
         let label = label.trim();
-        let is_name =
-            label.starts_with(char::is_alphabetic) && label.len() < 40 && !label.contains([',', ';', '"', '{']);
+        let is_name = label.starts_with(char::is_alphabetic)
+            && label.len() < MOST_LETTERS
+            && !label.contains([',', ';', '"', '{']);
         let behind = behind.trim_start();
         let end = behind.find(|letter: char| !matches!(letter, '0'..='9' | '+' | '-' | '.' | 'e' | 'E'));
         let (number, behind) = behind.split_at(end.unwrap_or(behind.len()));
@@ -349,5 +383,9 @@ mod tests {
     fn brackets_around_a_row_fall_off_and_plain_rows_stay() {
         check(&["(0.0, 1.5)", "[0.1, 1.4],"], None, &[Some("0.0, 1.5"), Some("0.1, 1.4")]);
         check(&["0.0,1.5", "Time (s),Angle", "12:00:01,3", "a: b"], None, &[None, None, None, None]);
+        let lines = ["# started", "log=[t,phi]", "log=[0.0,1.5]", "log=[0.1,1.4]", "log=[0.2,-1]", "log=[0.3,0.5]"];
+        check(&lines, None, &[None, Some("t,phi"), Some("0.0,1.5"), Some("0.1,1.4"), Some("0.2,-1"), Some("0.3,0.5")]);
+        check(&["Read (0.0, 1.5)", "Read (0.1, 1.4)"], None, &[Some("0.0, 1.5"), Some("0.1, 1.4")]);
+        check(&["Angle (3)", "Angle (4)"], None, &[None, None]);
     }
 }

@@ -15,6 +15,7 @@ use super::source::Lines;
 use super::words::is_gyroscope;
 use layout::Layout;
 use std::collections::VecDeque;
+use std::ops::Range;
 
 /// How many lines are looked at to find the layout.
 const N_LINES_LOOKED_AT: usize = 200;
@@ -205,6 +206,11 @@ impl<'a> Table<'a> {
         let cells = || self.first_cells(idx).skip_while(|cell| is_missing(cell));
         let n_numbers = cells().filter(|cell| matches!(numerals.read(cell), Cell::Number(_))).count();
         n_numbers > 0 && 2 * n_numbers >= cells().count()
+    }
+
+    /// The columns of axes that stood in brackets.
+    pub(super) fn vectors(&self) -> Vec<Range<usize>> {
+        self.dress.vectors()
     }
 
     /// Stands nothing in it in the first rows?

@@ -53,6 +53,24 @@ fn accelerations_without_names_are_refused_as_such() {
     assert!(!refused.contains("accelerations"), "{refused}");
 }
 
+/// As a program prints what an accelerometer, a gyroscope and a clock give.
+#[test]
+fn axes_in_brackets_without_names_are_refused_with_what_to_tell() {
+    for parted in [", ", "; ", " "] {
+        let text = table("", |(t, a, w)| {
+            let (across, along) = (w * a, 9.81 * a.cos() + w * w / 4.0);
+            format!("[{across:.4}, {along:.4}, 0.1]{parted}[0.2, {:.3}, -0.1]{parted}{t:.3}", w.to_degrees())
+        });
+        let refused = open(text.as_bytes(), &ReadOptions::default()).unwrap_err();
+        assert!(refused.contains("columns 0 to 2, 3 to 5 stand in brackets"), "{refused}");
+        assert!(refused.contains("--columns t=6,rate=3:deg/s"), "{refused}");
+        let found = open(text.as_bytes(), &told("t=6,rate=4:deg/s")).unwrap();
+        let off = table("", |(_, _, w)| w.to_string());
+        let truth = off.lines().map(|rate| rate.parse::<f64>().unwrap());
+        assert!(found.angles_rad().iter().zip(truth).all(|(rate, truth)| (rate - truth).abs() < 1e-4));
+    }
+}
+
 #[test]
 fn what_is_known_and_not_read_is_named_with_the_cure() {
     let cases: [(&[u8], &str, &str); 6] = [

@@ -21,6 +21,14 @@ fn lines_of_serial_monitors_and_plotters_are_rows() {
 }
 
 #[test]
+fn a_word_and_brackets_around_each_row_fall_off() {
+    let log = |(t, a, v): Row| format!("log=[{:.0},{a:.5},{v:.3}]", 127_134.0 + 1e3 * t);
+    check_found(&table("# log on\nlog=[t_ms,theta,omega]\n", log), 1e-5, "");
+    let read = |(t, a, _): Row| format!("Read ({t:.2}, {a:.5})");
+    check_found(&table("boot\n", read), 1e-5, "column 0 read as time");
+}
+
+#[test]
 fn the_time_in_front_of_what_a_chip_logs_is_the_time() {
     let ms = |t: f64| 1055 + (1e3 * t).round() as u64;
     let in_brackets = |(t, a, v): Row| format!("[{}ms] angle={:.2} vel={v:.2}", ms(t), a.to_degrees());

@@ -35,6 +35,18 @@ pub enum NoAngle {
         /// Of the step.
         unit: &'static str,
     },
+    /// Axes of sensors, and no names.
+    #[error(
+        "columns {columns} stand in brackets, as the axes of an accelerometer, a gyroscope or a compass do, and nothing says which of \
+         them is which: a gyroscope's are angular velocities, of which the one along the shaft can be fitted: --columns {example} (or \
+         rad/s). If another column is the angle, name it with --columns theta=..."
+    )]
+    BareVectors {
+        /// Their places.
+        columns: String,
+        /// What could be told of this file.
+        example: String,
+    },
     /// An angle that is none of the pendulum.
     #[error(
         "column {angle} is the direction of {a} and {b}, as computed from accelerations: on a pendulum that swings freely these \
