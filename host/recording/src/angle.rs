@@ -284,11 +284,12 @@ impl Angles<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shared::measured::Measured;
 
     fn found(of: impl FnOnce(Angles<'_>) -> Vec<f64>) -> (Vec<f64>, Vec<String>) {
         let times_s: Vec<f64> = (0..400).map(|idx| 0.01 * f64::from(idx)).collect();
         let (options, mut notes) = (ReadOptions::default(), Vec::new());
-        let told = Told { time: Some(0), reading: 1 };
+        let told = Told { time: Some(0), reading: 1, measured: Measured::Angle };
         let angles = of(Angles { times_s: &times_s, is_ours: false, options: &options, told, notes: &mut notes });
         (angles, notes)
     }
@@ -334,7 +335,7 @@ mod tests {
     fn said_of(readings: &[f64], unit: AngleUnit) -> Vec<String> {
         let times_s: Vec<f64> = (0..readings.len()).map(|idx| 0.025 * idx as f64).collect();
         let (options, mut notes) = (ReadOptions::default(), Vec::new());
-        let told = Told { time: Some(0), reading: 1 };
+        let told = Told { time: Some(0), reading: 1, measured: Measured::Angle };
         let angles = Angles { times_s: &times_s, is_ours: false, options: &options, told, notes: &mut notes };
         angles.of_column(None, readings, Some(unit)).unwrap();
         notes

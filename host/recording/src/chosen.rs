@@ -133,7 +133,8 @@ impl Sources {
 
     /// The columns, for messages.
     pub(super) fn told(&self) -> Told {
-        Told { time: self.time.column(), reading: self.reading.columns().first().copied().unwrap_or_default() }
+        let reading = self.reading.columns().first().copied().unwrap_or_default();
+        Told { time: self.time.column(), reading, measured: self.measured() }
     }
 }
 

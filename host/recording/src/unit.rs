@@ -55,6 +55,7 @@ impl Unit {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shared::measured::Measured;
     use std::f64::consts::TAU;
 
     /// Thirty seconds of a pendulum of 1 s that is let go at 2 rad, in a unit of so many rad.
@@ -73,7 +74,7 @@ mod tests {
 
     #[test]
     fn turns_that_are_read_as_radians_are_doubted_and_radians_are_not() {
-        let told = Told { time: Some(0), reading: 1 };
+        let told = Told { time: Some(0), reading: 1, measured: Measured::Angle };
         let doubt = |unit_rad: f64| {
             let (times_s, angles) = swing(unit_rad);
             Unit { unit: None, told }.doubt(&times_s, &angles)
@@ -85,7 +86,7 @@ mod tests {
 
     #[test]
     fn a_unit_is_named_where_it_fits_and_none_where_none_does() {
-        let told = Told { time: Some(0), reading: 1 };
+        let told = Told { time: Some(0), reading: 1, measured: Measured::Angle };
         let named = |unit, factor| Unit { unit, told }.that_fits(factor);
         assert_eq!(named(None, 6.0), Some(":turn"));
         assert_eq!(named(None, 8.3), None);

@@ -180,7 +180,7 @@ pub enum Fault {
         "nothing states the unit of the time, whose steps are the same whole number throughout, and in {unit} it would swing there \
          and back in {period_s:.1} s: it seems to count frames or samples; say how many rows a second there are, --rate 30, or \
          the unit if it has one, --columns {}",
-        told.angle(":ms", "")
+        told.with_time(":ms")
     )]
     CountsRows {
         /// The unit that fits best.
@@ -265,7 +265,7 @@ pub enum Fault {
     #[error(
         "the median time step is {step} s, expected less than {limit} s for a pendulum; if the column counts {unit}, \
          say so: --columns {}; if it is not the time, name the one that is, t=...; if it counts frames, say how many a second: --rate 30",
-        told.angle(units::finer(*step).1, ""),
+        told.with_time(units::finer(*step).1),
         unit = units::finer(*step).0,
         step = *step as f32,
         limit = LONGEST_STEP_S
