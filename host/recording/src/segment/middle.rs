@@ -2,6 +2,7 @@
 //! that looks like a hand; the middle between the turns tells it, because it stays where it moved to.
 
 use super::super::median;
+use super::super::number::significant;
 use super::Cut;
 use super::half_swing::HalfSwing;
 use std::ops::Range;
@@ -51,9 +52,9 @@ impl Cut<'_> {
     pub(super) fn moved_in_words(&self, free: &Range<usize>) -> Option<String> {
         let (time_s, moved_rad) = self.moved_middle(free)?;
         Some(format!(
-            "doubtful: the middle of the swing moves by {:.0} {} at {time_s:.1} s and stays there: the sensor's zero moved, as when \
+            "doubtful: the middle of the swing moves by {} {} at {time_s:.1} s and stays there: the sensor's zero moved, as when \
              a hub, a magnet, a camera or what is tracked slips; fasten it, or take one part, --to {time_s:.1} or --from {time_s:.1}",
-            1e3 * moved_rad,
+            significant(1e3 * moved_rad, 2),
             self.recording.measured().milli_unit()
         ))
     }
@@ -67,13 +68,21 @@ fn middle(swing: &[HalfSwing]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{STEP_S, find, moved_swing};
+    use super::super::tests::{STEP_S, moved_swing, noisy};
+    use super::super::{Recording, SegmentOptions, segment};
 
     fn told(zero_rad: impl Fn(f64) -> f64) -> Option<String> {
+        of_scale(1.0, zero_rad)
+    }
+
+    fn of_scale(scale: f64, zero_rad: impl Fn(f64) -> f64) -> Option<String> {
         let free = moved_swing(1.5, 40.0, |_| 0.0);
-        let angles_rad: Vec<f64> =
-            free.iter().enumerate().map(|(idx, angle)| angle + zero_rad(idx as f64 * STEP_S)).collect();
-        find(&angles_rad).notes.into_iter().find(|note| note.contains("the middle of the swing moves"))
+        let moved = |(idx, angle): (usize, &f64)| angle + zero_rad(idx as f64 * STEP_S);
+        let seen = noisy(&free.iter().enumerate().map(moved).collect::<Vec<f64>>());
+        let angles_rad = seen.angles_rad().iter().map(|angle| scale * angle).collect();
+        let found =
+            segment(&Recording::uniform(1.0 / STEP_S, angles_rad).unwrap(), &SegmentOptions::default()).unwrap();
+        found.notes.into_iter().find(|note| note.contains("the middle of the swing moves"))
     }
 
     #[test]
@@ -82,6 +91,9 @@ mod tests {
         let said = told(|time_s| 0.02 * ((time_s - 9.0) / 0.4).clamp(0.0, 1.0)).unwrap();
         let time_s: f64 = said.split(" at ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
         assert!((time_s - 9.1).abs() < 0.6 && said.contains("by 2"), "{said}");
+        // Where degrees were taken for radians or the other way round, they are small and no zero.
+        let small = of_scale(0.01, |time_s| 0.02 * ((time_s - 9.0) / 0.4).clamp(0.0, 1.0)).unwrap();
+        assert!(small.contains("by 0.2"), "{small}");
         assert_eq!([told(|_| 0.0), told(|time_s| 3e-3 * time_s), told(|_| 0.05)], [None, None, None]);
     }
 }
