@@ -29,6 +29,9 @@ const OUTLIER: f64 = 9.0;
 /// The median of a Gaussian sample scatters more than its mean by this factor.
 const MEDIAN_SCATTER: f64 = 1.25;
 
+/// A swing that is seen well does not grow by more than this share.
+const SEEN_SHARE: f64 = 0.02;
+
 /// Of fewer half swings it is said where they grow by more than this share, because a top between few samples is off by
 /// 4 %. With half of it chance would do so at eight samples a period; with twice of it a motor that adds 1 % each time
 /// is seen after 20 half swings and not after 10.
@@ -88,9 +91,10 @@ impl Cut<'_> {
         (after_rad > GROWTH_NOISE * self.noise_rms_rad && after_rad > limit_rad).then_some(limit_rad)
     }
 
-    /// How far a free swing goes at most where the one before went so far, rad.
+    /// How far a free swing goes at most where the one before went so far, rad; the top of either may be off where samples are few.
     fn limit_of_growth(&self, before_rad: f64, turns: [&TurningPoint; 2]) -> f64 {
-        before_rad * 1.02 + SURE * (turns[0].spread_rad.hypot(turns[1].spread_rad) + self.noise_rms_rad)
+        let share = if self.has_few_samples() { GROWN_SHARE } else { SEEN_SHARE };
+        before_rad * (1.0 + share) + SURE * (turns[0].spread_rad.hypot(turns[1].spread_rad) + self.noise_rms_rad)
     }
 
     /// Do the swings become smaller, as without a motor they must, and by more than chance? From the first and the last third of many.

@@ -211,7 +211,7 @@ impl Cut<'_> {
     }
 
     /// So few a swing that no acceleration is seen.
-    fn has_few_samples(&self) -> bool {
+    pub(super) fn has_few_samples(&self) -> bool {
         self.states.is_empty() && self.recording.measured() == Measured::Angle
     }
 

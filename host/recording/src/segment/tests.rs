@@ -60,6 +60,25 @@ fn a_held_pendulum_is_free_just_after_its_release() {
     }
 }
 
+/// Four to six samples a swing of 0.75 s, at uneven times as somebody picks frames, read to a degree: a top between them is off
+/// by more than a swing loses.
+#[test]
+fn tops_between_few_samples_are_no_growth() {
+    let all = swing(0.5, 12.0);
+    for first_seed in 1..12_u64 {
+        let (mut random, mut idx, mut rows) = (crate::random::Noise::new(first_seed), 0_usize, Vec::new());
+        while idx < all.len() {
+            rows.push((idx as f64 * STEP_S, all[idx].to_degrees().round().to_radians()));
+            idx += (29.0 + 6.0 * random.normal().clamp(-2.0, 2.0)) as usize;
+        }
+        let (times_s, angles_rad) = rows.into_iter().unzip();
+        let few = Recording::new(crate::Header::default(), times_s, angles_rad, None).unwrap();
+        let found = segment(&few, &SegmentOptions::default()).unwrap();
+        assert_eq!(found.free.start, 0, "{first_seed} {found:?}");
+        assert!(!found.notes.iter().any(|note| note.contains("other than gravity")), "{first_seed} {found:?}");
+    }
+}
+
 /// A hold of some samples, and twelve or eight of a swing of 0.75 s: too few for accelerations.
 #[test]
 fn a_hold_of_few_samples_a_swing_is_cut_and_a_swing_from_its_turn_is_not() {

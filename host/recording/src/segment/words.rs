@@ -54,7 +54,8 @@ pub(super) fn notes(
     notes.extend(end(whole, options, &swing, rest.as_ref()));
     notes.extend(other_swing(whole, &swing));
     notes.extend(whole.states.is_empty().then(|| {
-        "too few samples a swing to see a hand in it: --from and --to tell where it swings freely".to_owned()
+        "too few samples a swing to see a hand in it, except where the swing grows: --from and --to tell where it swings freely"
+            .to_owned()
     }));
     notes.extend(as_quick_as_noise(cut));
     notes.extend(whole.driven_in_words(&swing));
