@@ -14,6 +14,15 @@ use thiserror::Error;
 /// More rows of one time are no clock of few digits, which has some dozens in a tick.
 const CLOCK_STOPS: usize = 50;
 
+/// That the origin may be the pivot.
+fn origin_in_words(off_percent: Option<f64>) -> String {
+    off_percent.map_or(String::new(), |off| {
+        format!(
+            "; if it is the origin of x and y, from which all points are equally far within {off:.1} %, say --pivot 0,0"
+        )
+    })
+}
+
 fn cure_of_repeats(n_rows: usize, has_digits: bool) -> &'static str {
     match has_digits {
         _ if n_rows > CLOCK_STOPS => "its clock stopped: leave those rows out",
@@ -442,11 +451,14 @@ pub enum Fault {
     /// An arc too short to tell where the pivot is.
     #[error(
         "x and y cover too short an arc to tell where the pivot is: its distance is known to {spread_percent:.0} % only; say \
-         where it is, --pivot X,Y in the units of the file, or release from a larger angle"
+         where it is, --pivot X,Y in the units of the file, or release from a larger angle{}",
+        origin_in_words(*off_origin_percent)
     )]
     ShortArc {
         /// Standard deviation of the radius, percent.
         spread_percent: f64,
+        /// How far the points are off a circle about the origin of x and y, percent of its radius, where that may be the pivot.
+        off_origin_percent: Option<f64>,
     },
     /// Columns without names that move like x and y of a point, whose angle can't be told.
     #[error(
