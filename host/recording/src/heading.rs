@@ -19,6 +19,20 @@ pub(super) fn names(lines_above: &[&str], separator: Separator, n_columns: usize
         .or_else(|| of_known_words(&plain, separator, n_columns))
         .or_else(|| of_known_words(&comments, separator, n_columns))
         .or_else(|| before_a_remark(&comments, n_columns))
+        .map(of_oscilloscope)
+}
+
+/// Keysight's oscilloscopes call the time `x-axis` and the voltages by the numbers of their channels, with `second,Volt` in a line below
+/// that people take away.
+fn of_oscilloscope(names: Vec<String>) -> Vec<String> {
+    let are_channels = |names: &[String]| !names.is_empty() && names.iter().all(|name| name.parse::<u8>().is_ok());
+    match names.split_first() {
+        Some((time, channels)) if time == "x-axis" && are_channels(channels) => {
+            let volts = channels.iter().map(|channel| format!("{channel} (V)"));
+            std::iter::once(format!("{time} (s)")).chain(volts).collect()
+        }
+        _ => names,
+    }
 }
 
 /// Is it one of the rows of a camera that sees nothing yet, `3,0.1,,,,640,480,vfr`, or of Tracker, `,,`?

@@ -16,9 +16,13 @@ fn a_project_of_another_program_is_named_with_what_to_export() {
 #[test]
 fn volts_counts_and_quaternions_are_refused_with_what_to_tell() {
     let two = |(t, a, _): Row| format!("{t:.2},{:.4}", 1.65 + a);
-    for head in
-        ["Time(s),CH1(V)\n", "x-axis,1\nsecond,Volt\n", "Time,Channel A\n(s),(V)\n\n", "Source,CH1\nSecond,Volt\n"]
-    {
+    for head in [
+        "Time(s),CH1(V)\n",
+        "x-axis,1\nsecond,Volt\n",
+        "x-axis,1\n",
+        "Time,Channel A\n(s),(V)\n\n",
+        "Source,CH1\nSecond,Volt\n",
+    ] {
         let refused = open(table(head, two).as_bytes(), &ReadOptions::default()).unwrap_err();
         assert!(refused.contains("t=0,theta=1:54.5deg") && refused.contains("--zero"), "{refused}");
     }
