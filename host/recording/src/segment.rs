@@ -96,18 +96,35 @@ pub fn segment(recording: &Recording, options: &SegmentOptions) -> Result<Segmen
 fn free_swing(recording: &Recording, options: &SegmentOptions, asked: Range<usize>) -> Result<Segments, SegmentError> {
     let whole = Cut::new(recording, asked)?;
     let is_told = *options != SegmentOptions::default();
-    let (narrower, stretch) = whole.narrowed(is_told)?;
-    let cut = narrower.as_ref().unwrap_or(&whole);
-    let bounds = Bounds::of(cut, &stretch, &whole.asked, options);
+    let found = whole.narrowed(is_told)?;
+    parts(recording, options, &whole, &found).or_else(|fault| match fault {
+        SegmentError::TooFewSwings { .. } if !is_told => {
+            let behind = whole.behind_hold().and_then(|behind| parts(recording, options, &whole, &behind).ok());
+            behind.ok_or(fault)
+        }
+        _ => Err(fault),
+    })
+}
+
+/// The parts about a stretch that swings freely, with what tells of it if that is less than all.
+fn parts(
+    recording: &Recording,
+    options: &SegmentOptions,
+    whole: &Cut,
+    (narrower, stretch): &(Option<Cut>, Range<usize>),
+) -> Result<Segments, SegmentError> {
+    let is_told = *options != SegmentOptions::default();
+    let cut = narrower.as_ref().unwrap_or(whole);
+    let bounds = Bounds::of(cut, stretch, &whole.asked, options);
     let n_turning_points = cut.check_enough_swings(&bounds.free)?;
     let (held, hanging) = cut.held_or_hanging(&bounds.start);
-    let quiet_end = if options.to_s.is_some() { None } else { cut.quiet_end(&stretch) };
+    let quiet_end = if options.to_s.is_some() { None } else { cut.quiet_end(stretch) };
     let noise = cut.noise(&bounds.free).beside_still(recording, [hanging, quiet_end], held);
     log_noise(&noise, &bounds.free);
     let interrupted = cut.interrupted_within(&bounds.free);
     let others = if is_told { Vec::new() } else { whole.other_swings(&bounds.free) };
     Ok(Segments {
-        notes: words::notes([&whole, cut], options, &bounds, &interrupted, &noise),
+        notes: words::notes([whole, cut], options, &bounds, &interrupted, &noise),
         fades: cut.fades(&bounds.free),
         half_swing_s: cut.half_swing_s,
         lead_in: bounds.start.lead_in,

@@ -2,6 +2,7 @@
 
 use super::half_swing::sizes_rad;
 use super::law::{Law, State, states};
+use super::words::TINY_TAIL;
 use super::{LONGEST_S, MIN_TURNING_POINTS, SegmentError};
 use crate::limits::MIN_SAMPLES;
 use crate::noise::{self, Noise, smallest_step};
@@ -74,6 +75,39 @@ impl<'a> Cut<'a> {
 
     /// The stretch that swings freely, and what tells of it, if that is less than all.
     pub(super) fn narrowed(&self, is_told: bool) -> Result<(Option<Self>, Range<usize>), SegmentError> {
+        match self.narrowed_by_law(is_told) {
+            // A hand that trembles while it holds is tiny beside what follows.
+            Ok(found)
+                if is_told || !self.times_as_large_later(&found.1).is_some_and(|times| times * TINY_TAIL > 1.0) =>
+            {
+                Ok(found)
+            }
+            Err(fault) if is_told || !matches!(fault, SegmentError::TooFewSwings { .. }) => Err(fault),
+            found => self.behind_hold().map_or(found, Ok),
+        }
+    }
+
+    /// How many times as large as those of a stretch the largest swing of all is, where that is behind it.
+    pub(super) fn times_as_large_later(&self, stretch: &Range<usize>) -> Option<f64> {
+        let later = self.largest_swing(&self.asked).filter(|largest| largest.end > stretch.end)?;
+        Some(self.largest_rad(&(later.start..later.end + 1))? / self.largest_rad(stretch)?)
+    }
+
+    /// The same of what was held right before its largest swing, or of that swing where the hand trembles, and of all behind it: of few
+    /// swings a hand that lifts and holds it for longer than it swings leaves no law.
+    pub(super) fn behind_hold(&self) -> Option<(Option<Self>, Range<usize>)> {
+        let largest = self.largest_swing(&self.asked).filter(|_| self.recording.measured() == Measured::Angle)?;
+        let held = self.held_within(self.asked.start, &self.asked).filter(|held| largest.contains(&held.end));
+        let start = held.map_or(largest.start, |held| held.start);
+        let alone = (start > self.asked.start).then(|| Self::new(self.recording, start..self.asked.end).ok())??;
+        let is_it = |again: &Range<usize>| {
+            again.contains(&largest.end) && alone.may_fade(again) && alone.driven_in_words(again).is_empty()
+        };
+        let again = alone.undisturbed().ok().filter(is_it)?;
+        Some((Some(alone), again))
+    }
+
+    fn narrowed_by_law(&self, is_told: bool) -> Result<(Option<Self>, Range<usize>), SegmentError> {
         let hanging = self.of_hanging();
         let cut = hanging.as_ref().unwrap_or(self);
         let stretch = cut.undisturbed()?;

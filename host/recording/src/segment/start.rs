@@ -185,7 +185,7 @@ impl Cut<'_> {
 
     /// The last still part, from this sample on and before the largest swing, that a free pendulum would have left. A free
     /// swing is largest where it begins.
-    fn held_within(&self, from: usize, stretch: &Range<usize>) -> Option<Range<usize>> {
+    pub(super) fn held_within(&self, from: usize, stretch: &Range<usize>) -> Option<Range<usize>> {
         let end = self.largest_swing(&(from..stretch.end))?.end;
         let (mut start, mut found) = (from, None);
         while start < end {

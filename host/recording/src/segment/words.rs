@@ -20,7 +20,7 @@ const SMALL_TAIL: f64 = 0.3;
 
 /// And where it does not take longer, if it swings over less than this share of that: two wanders behind a propeller's push go a sixth
 /// and an eleventh as far. With half of it the first would pass; twice of it was not tried.
-const TINY_TAIL: f64 = 0.2;
+pub(super) const TINY_TAIL: f64 = 0.2;
 
 /// Regular swings take as long as the one before to this share. Half and twice were not tried.
 const REGULAR_TIME: f64 = 0.3;
@@ -53,6 +53,7 @@ pub(super) fn notes(
     let mut notes = beginning([whole, cut], options, start, &swing);
     notes.extend(end(whole, options, &swing, rest.as_ref()));
     notes.extend(other_swing(whole, &swing));
+    notes.extend(doubt_of_hold(whole, options, &swing));
     notes.extend(whole.states.is_empty().then(|| {
         "too few samples a swing to see a hand in it, except where the swing grows: --from and --to tell where it swings freely"
             .to_owned()
@@ -194,6 +195,14 @@ fn doubt_of_tail(cut: &Cut, before: &Range<usize>, free: &Range<usize>) -> Optio
     (is_tiny || is_longer && taken_rad < SMALL_TAIL * largest_rad).then(|| {
         let (times, longer) = (largest_rad / taken_rad, if is_longer { "takes longer and " } else { "" });
         format!("doubtful: what is cut before {longer}swings {times:.0} times as far; is that the free swing?")
+    })
+}
+
+/// The same of what is cut behind it: it may be a hand that trembles before it lets go.
+fn doubt_of_hold(cut: &Cut, options: &SegmentOptions, free: &Range<usize>) -> Option<String> {
+    let times = cut.times_as_large_later(free).filter(|_| *options == SegmentOptions::default())?;
+    (times * TINY_TAIL > 1.0).then(|| {
+        format!("doubtful: what is cut behind it swings {times:.0} times as far; is that the free swing, and this a hand that holds it?")
     })
 }
 
