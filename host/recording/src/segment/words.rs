@@ -198,10 +198,11 @@ fn doubt_of_tail(cut: &Cut, before: &Range<usize>, free: &Range<usize>) -> Optio
     })
 }
 
-/// The same of what is cut behind it: it may be a hand that trembles before it lets go.
+/// The same of what is cut behind it, where no motor swings it: it may be a hand that trembles before it lets go.
 fn doubt_of_hold(cut: &Cut, options: &SegmentOptions, free: &Range<usize>) -> Option<String> {
     let times = cut.times_as_large_later(free).filter(|_| *options == SegmentOptions::default())?;
-    (times * TINY_TAIL > 1.0).then(|| {
+    let is_driven = !cut.driven_in_words(&(free.end..cut.asked.end)).is_empty();
+    (times * TINY_TAIL > 1.0 && !is_driven).then(|| {
         format!("doubtful: what is cut behind it swings {times:.0} times as far; is that the free swing, and this a hand that holds it?")
     })
 }
