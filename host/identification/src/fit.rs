@@ -32,7 +32,7 @@ pub mod linear;
 mod memory;
 mod number;
 mod of_rig;
-mod other_turn;
+pub(crate) mod other_turn;
 mod phase;
 pub mod problem;
 mod progress;

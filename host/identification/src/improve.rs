@@ -7,6 +7,7 @@ use crate::fit::by_least_squares::fitted_as_it_is;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, HeldOut, problem_of};
+use crate::fit::other_turn::or_of_another_turn;
 use crate::fit::problem::Problem;
 use crate::fit::refine::Band;
 use crate::fit::tally::Tally;
@@ -211,7 +212,7 @@ fn added(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Res
     let finished =
         if is_near_noise(problem, &best) { best } else { best.refined(problem, Band::Level, Tolerance::JUDGE) };
     let searched = match is_near_noise(problem, &finished) {
-        true => finished.refined(problem, Band::Searched, Tolerance::JUDGE),
+        true => or_of_another_turn(problem, finished.refined(problem, Band::Searched, Tolerance::JUDGE)),
         false => finished,
     };
     let settled = searched.settled(problem);

@@ -13,7 +13,7 @@ use crate::swing::Swing;
 use crate::verdict::Left;
 
 /// The better one of a model and what it comes to where it is led to its stop turn by turn.
-pub(super) fn or_of_another_turn(on: &Problem, found: Fitted) -> Fitted {
+pub(crate) fn or_of_another_turn(on: &Problem, found: Fitted) -> Fitted {
     let rests = on.swings.iter().any(Swing::comes_to_rest);
     if !rests || on.chi_square(found.cost).left() == Left::Noise {
         return found;
