@@ -156,7 +156,7 @@ fn needless_generalisations(predictions: &[Prediction]) -> Vec<u16> {
 }
 
 /// Begun anew with the first swings, if that is better: over many periods a step that changes the period leads into a
-/// side valley, or into one so narrow that a fit ends on the way.
+/// side valley, or into one so narrow that a fit ends on the way. Swings that rest are led to their stop.
 pub(super) fn grown(on: &Problem, fitted: &Fitted) -> Fitted {
     let rests = on.swings.iter().any(Swing::comes_to_rest);
     let begun = if rests { fitted.calmed(on) } else { fitted.regrown(on) };

@@ -34,7 +34,8 @@ const MAX_LOOKED_AT: usize = 8;
 /// … if they cost less than so many times the best one.
 const WORTH_A_LOOK: f64 = 3.0;
 
-/// From another side a velocity band is sought only if first-order answers promise this share of the excess. Of 14
+/// From another side a velocity band of swings that do not rest is sought only if first-order answers promise this share of
+/// the excess; of those that rest, whose answers mislead from another turn of their stop, it is sought in any case. Of 14
 /// searches on the arm on ball bearings, the cup on a string and the example p04, 12 kept 0.003 at most; 0.012 and 0.024
 /// were kept where 0.115 and 0.027 were promised. They took up to 46 % of a diagnosis. Half: the same searches there;
 /// twice: the band that keeps 0.024 is not found.
