@@ -18,8 +18,7 @@ impl RigFile {
     /// # Errors
     /// As [`RigFile::set`].
     pub fn set_curve(&mut self, known: &KnownCurve, source: &Source) -> Result<(), RigFileError> {
-        let torques = known.curve.torques_nm().iter().zip(known.stds.iter().chain(std::iter::repeat(&None)));
-        let rounded: Vec<f64> = torques.map(|(torque, std)| six_digits(write::rounded(*torque, *std))).collect();
+        let rounded: Vec<f64> = known.curve.torques_nm().iter().copied().map(as_written).collect();
         let curve = Curve::new(known.curve.speeds_rad_s(), &rounded).unwrap_or_else(|| known.curve.clone());
         let mut parameters = self.parameters.clone();
         parameters.set_curve(&curve).map_err(RigFileError::Model)?;
@@ -36,7 +35,7 @@ impl RigFile {
 }
 
 /// Rounding says no more than the rig's numbers of 32 bits can; what came from a rig stays as it is.
-fn six_digits(torque_nm: f64) -> f64 {
+fn as_written(torque_nm: f64) -> f64 {
     let is_of_rig = super::exactly(torque_nm as f32) == torque_nm;
     if is_of_rig { torque_nm } else { write::six_digits(torque_nm) }
 }

@@ -122,7 +122,7 @@ impl RigFile {
         *place
     }
 
-    /// A value as it is written: with the digits that its ± gives a meaning.
+    /// A value as it is written: with the digits that its ± gives a meaning, and six at least.
     pub(super) fn told(&self, quantity: Quantity, value: f64, knowledge: &Knowledge) -> f64 {
         match knowledge.std {
             Some(_) if quantity.has_tolerance() && knowledge.source.is_none() => value,

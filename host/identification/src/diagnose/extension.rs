@@ -8,7 +8,6 @@ use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels};
-use crate::swing::Swing;
 use shared::effect::{Action, CUSTOM_FORMULA_ID, Effect};
 
 /// Effects whose predicted reduction is below this share of the best one are not fitted.
@@ -158,8 +157,7 @@ fn needless_generalisations(predictions: &[Prediction]) -> Vec<u16> {
 /// Begun anew with the first swings, if that is better: over many periods a step that changes the period leads into a
 /// side valley, or into one so narrow that a fit ends on the way. Swings that rest are led to their stop.
 pub(super) fn grown(on: &Problem, fitted: &Fitted) -> Fitted {
-    let rests = on.swings.iter().any(Swing::comes_to_rest);
-    let begun = if rests { fitted.calmed(on) } else { fitted.regrown(on) };
+    let begun = if on.comes_to_rest() { fitted.calmed(on) } else { fitted.regrown(on) };
     let anew = begun.refined(on, Band::Held, Tolerance::ROUGH);
     fitted.clone().better(anew)
 }

@@ -43,7 +43,7 @@ impl Prediction {
         self.model.regrown(on).refined(on, Band::Held, Tolerance::ROUGH)
     }
 
-    /// The same on decimated swings, where it stops found anew once all swings but the last are followed.
+    /// Led to its stop turn by turn, on decimated swings.
     pub fn stopped_anew(&self, decimated: &Problem) -> Fitted {
         levels(decimated, &self.model.calmed(decimated)).swap_remove(0)
     }

@@ -14,7 +14,6 @@ use crate::fit::fitted::{Fitted, Stiction};
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels, on_all};
 use crate::fit::stiction::{GAIN_WORTH_A_BAND, lowest_with_band};
-use crate::swing::Swing;
 use crate::verdict::Left;
 use shared::effect::{CUSTOM_FORMULA_NAME, Effect};
 
@@ -184,7 +183,7 @@ fn next_level(
 fn with_the_bands_they_lack(problem: &Problem, rough: &Problem, level: &mut [Fitted]) {
     let Some(n_most) = level.first().filter(|best| is_explained(problem, best)).map(Fitted::n_added) else { return };
     let least_gain = GAIN_WORTH_A_BAND * problem.noise_rad().powi(2);
-    let never_rests = !problem.swings.iter().any(Swing::comes_to_rest);
+    let never_rests = !problem.comes_to_rest();
     let may_lack = |model: &Fitted| {
         let is_near = problem.chi_square(model.cost).left() != Left::Missing;
         let promised = || model.evaluated(rough).cost - lowest_with_band(rough, model);
@@ -211,14 +210,13 @@ fn best_on_all(
     // Each with the stop levels that may suit it.
     let mut near: Vec<Vec<Fitted>> = on_all_cores(&level, |model| levels(rough, model));
     near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
-    let rests = rough.swings.iter().any(Swing::comes_to_rest);
     let allows_more = budget.allows_more();
     if !is_well_explained(problem, &near[0][0]) && allows_more {
         // Of laws that are nearly alike, one that ended on the way, at another turning point, is taken for a wrong one.
         on_all_cores(near.iter_mut().filter(|levels| !swings(&levels[0])), |model| begun_anew(rough, model));
         near.sort_by(|a, b| a[0].cost.total_cmp(&b[0].cost));
     }
-    if !is_well_explained(problem, &near[0][0]) && (rests || allows_more) {
+    if !is_well_explained(problem, &near[0][0]) && (rough.comes_to_rest() || allows_more) {
         let simplest = near.iter().rposition(|levels| is_usual_form_of(&levels[0], &near[0][0])).unwrap_or(0);
         // A support imitates a law and its band better than the law without it.
         let beside = near.iter().position(|levels| !swings(&levels[0])).filter(|_| swings(&near[0][0]));
@@ -254,8 +252,8 @@ fn seen_from_other_sides(problem: &Problem, rough: &Problem, model: &mut Vec<Fit
     if swings(&model[0]) {
         begun_anew(rough, model);
     }
-    let rests = rough.swings.iter().any(Swing::comes_to_rest);
-    if !is_well_explained(problem, &model[0]) && (rests || band_is_promising(rough, &model[0])) {
+    let is_worth_it = || rough.comes_to_rest() || band_is_promising(rough, &model[0]);
+    if !is_well_explained(problem, &model[0]) && is_worth_it() {
         let with_band = model[0].refined(rough, Band::Searched, Tolerance::JUDGE);
         if with_band.cost < model[0].cost {
             *model = vec![with_band];
@@ -340,6 +338,7 @@ mod tests {
     use crate::fit::identify::problem_of;
     use crate::fit::problem::Point;
     use crate::fit::tally::Tally;
+    use crate::swing::Swing;
     use shared::effect::Action;
 
     /// Models with these effects and costs, not fitted.

@@ -10,7 +10,7 @@ use super::refine::Band;
 use super::scouts::scouted;
 use super::start;
 use super::stiction::{FAR_FROM_NOISE, GAIN_WORTH_A_BAND, LARGEST_LEVEL};
-use crate::swing::{Swing, Window};
+use crate::swing::Window;
 use crate::verdict::Left;
 use shared::parameters::base;
 
@@ -73,7 +73,7 @@ fn without_a_band_unseen(problem: &Problem, model: Fitted, given: &Fitted) -> Fi
         model.stiction().level_nm <= LARGEST_LEVEL * coulomb_nm
     };
     let is_seen = || {
-        let rests = problem.swings.iter().any(Swing::comes_to_rest);
+        let rests = problem.comes_to_rest();
         rests || (model.cost < FAR_FROM_NOISE * problem.noise_cost() && is_likely())
     };
     if !model.has_band() || is_seen() {

@@ -119,7 +119,7 @@ fn fitted(rough: &Problem, from: &Fitted, choice: &Choice) -> Option<Fitted> {
 /// up.
 fn descended(from: &Fitted, on: &Problem) -> Fitted {
     let whole = || from.refined(on, Band::Held, PATIENT);
-    if !on.swings.iter().any(Swing::comes_to_rest) {
+    if !on.comes_to_rest() {
         return whole();
     }
     let (lively, whole) = rayon::join(|| from.lively(on, PATIENT).refined(on, Band::Held, PATIENT), whole);

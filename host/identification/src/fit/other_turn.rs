@@ -9,13 +9,11 @@ use super::descent::Tolerance;
 use super::fitted::Fitted;
 use super::problem::Problem;
 use super::refine::Band;
-use crate::swing::Swing;
 use crate::verdict::Left;
 
 /// The better one of a model and what it comes to where it is led to its stop turn by turn.
 pub(crate) fn or_of_another_turn(on: &Problem, found: Fitted) -> Fitted {
-    let rests = on.swings.iter().any(Swing::comes_to_rest);
-    if !rests || on.chi_square(found.cost).left() == Left::Noise {
+    if !on.comes_to_rest() || on.chi_square(found.cost).left() == Left::Noise {
         return found;
     }
     let calmed = found.calmed(on).refined(on, Band::Searched, Tolerance::JUDGE);
@@ -27,11 +25,11 @@ mod tests {
     use super::*;
     use crate::fit::fitted::Stiction;
     use crate::fit::identify::problem_of;
-    use crate::fit::problem::{Point, Start};
-    use crate::fit::problem::{Quantity, Unknown};
+    use crate::fit::problem::{Point, Quantity, Start, Unknown};
     use crate::fit::tally::Tally;
     use crate::fit::tests::PENDULUM;
     use crate::random::Noise;
+    use crate::swing::Swing;
     use shared::model::Model;
     use shared::motion::Pendulum;
     use shared::parameters::{Parameters, base};

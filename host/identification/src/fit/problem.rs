@@ -399,6 +399,11 @@ impl<'a> Problem<'a> {
         self.swings.iter().map(|swing| swing.samples_within(window)).sum()
     }
 
+    /// Does a swing come to rest?
+    pub fn comes_to_rest(&self) -> bool {
+        self.swings.iter().any(Swing::comes_to_rest)
+    }
+
     /// The longest swing, s.
     pub fn longest_s(&self) -> f64 {
         self.swings.iter().map(Swing::duration_s).fold(0.0, f64::max)

@@ -63,8 +63,9 @@ impl Fitted {
         self.after(super::windows::grow(&self.problem(on), &self.point()))
     }
 
-    /// Begun anew without Ms and DV, with the first swings, then with ever more of the last ones, on decimated ones: the turn at
-    /// which dry friction stops the pendulum comes last, when all before it are followed.
+    /// Begun anew without Ms and DV, with the first swings, then with ever more of the last ones, on decimated ones: the turn
+    /// at which dry friction stops the pendulum comes last, when all before it are followed. The cost is that of the last
+    /// window.
     pub fn calmed(&self, on: &Problem) -> Self {
         let begin = self.with_stiction(Stiction::NONE).regrown(on);
         let decimated = on.decimated();

@@ -64,7 +64,7 @@ pub(super) fn levels(decimated: &Problem, from: &Fitted) -> Vec<Fitted> {
     let (problem, point) = (free.problem(decimated), free.point());
     let mut steps = Steps::new(&problem);
     let linear = linearise(&problem, &point, Window::Whole, &mut steps);
-    let rest = decimated.swings.iter().any(Swing::comes_to_rest);
+    let rest = decimated.comes_to_rest();
     let own = own_level(own_nm, &ranges(&problem, &point), rest);
     let first = promising(&problem, &point, &linear)
         .first()

@@ -16,7 +16,7 @@ use super::rounding::has_open_steps;
 use super::stop_level;
 use super::tolerated::tolerated;
 use super::unseen::with_unseen_band;
-use crate::swing::{Swing, Window};
+use crate::swing::Window;
 use shared::parameters::base;
 
 /// Numbers that are correlated beyond this, and uncertain by more than half their value, are only known together.
@@ -75,7 +75,7 @@ fn of_smooth_numbers<'a>(on: &Problem<'a>, model: &Fitted) -> (Uncertainty, Smoo
 fn of_numbers<'a>(on: &Problem<'a>, model: &Fitted, is_free: impl Fn(&Unknown) -> bool) -> (Uncertainty, Smooth<'a>) {
     let mut unknowns = model.unknowns.clone();
     unknowns.extend(stiction_unknowns(&model.parameters));
-    let has_stiction = model.has_band() && on.swings.iter().any(Swing::comes_to_rest);
+    let has_stiction = model.has_band() && on.comes_to_rest();
     let value = |unknown: &Unknown| unknown.get(&model.parameters);
     let is_inside = |unknown: &Unknown| value(unknown) > unknown.low && value(unknown) < unknown.high;
     // Without a rest, Ms and DV make up for each other; DV takes part for both of them.
@@ -151,7 +151,7 @@ fn bound_stiction(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut Num
     };
     let of_bands = [model.stiction(), lightest].map(|from| bound(from, band_scale, &wider));
     band.upper = larger(of_bands, |at| at.velocity_band);
-    if on.swings.iter().any(Swing::comes_to_rest) {
+    if on.comes_to_rest() {
         // What rounding leaves open is alike in so many samples as there are.
         let (looked_at, allowed) =
             if has_open_steps(on, &smooth.linear) { (on, likely_rise(on, &smooth.linear)) } else { (&rough, allowed) };
@@ -273,6 +273,7 @@ mod tests {
     use crate::fit::problem::{Point, Start};
     use crate::fit::refine::Band;
     use crate::fit::tally::Tally;
+    use crate::swing::Swing;
     use shared::model::Model;
     use shared::parameters::Parameters;
 
