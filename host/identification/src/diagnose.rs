@@ -27,7 +27,6 @@ pub mod physical;
 pub mod replacement;
 pub mod resemblance;
 mod rests;
-pub mod score;
 pub mod search;
 mod seen;
 mod shape;

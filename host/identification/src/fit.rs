@@ -4,6 +4,7 @@
 //! by letting the time window grow, [`stiction`] and [`stop_level`] search the two parameters in which the error is not smooth, and
 //! [`covariance`] tells how well each is known.
 
+pub(crate) mod added;
 mod answered;
 pub mod apart;
 pub mod arrow;
@@ -34,6 +35,7 @@ mod number;
 mod of_rig;
 pub(crate) mod other_turn;
 mod phase;
+pub mod prediction;
 pub mod problem;
 mod progress;
 pub mod proposal;

@@ -1,19 +1,17 @@
 //! Adding and removing effects by hand, one step at a time, with the error before and after each.
 
 use crate::diagnose::curve::added_curve;
-use crate::diagnose::score::{Prediction, predictions};
 use crate::diagnose::value::{Value, values};
+use crate::fit::added;
 use crate::fit::by_least_squares::fitted_as_it_is;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::identify::{Carries, HeldOut, problem_of};
-use crate::fit::other_turn::or_of_another_turn;
 use crate::fit::problem::Problem;
 use crate::fit::refine::Band;
 use crate::fit::tally::Tally;
 use crate::fit::tolerance::{KnownRig, Tolerances};
 use crate::swing::Swing;
-use crate::verdict::Left;
 use serde::Serialize;
 use shared::effect::{CURVE_ID, CURVE_NAME, Effect};
 use shared::parameters::Parameters;
@@ -196,40 +194,11 @@ fn added(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Res
     if effect.rules.is_free_offset {
         return Err(ChangeError::Free { name });
     }
-    let predictions = predictions(problem, &model.evaluated(problem), &[effect]);
-    // The numbers of a model that lacks it may hold an effect near nothing: so it is begun with the first swings too.
-    let both = |prediction: &Prediction| {
-        let fitted = prediction.fitted(problem);
-        let is_explained = || problem.chi_square(fitted.cost).left() == Left::Noise;
-        let anew = || prediction.model.regrown(problem).refined(problem, Band::Held, Tolerance::SCREEN);
-        // And the law may decide at which turn it stops.
-        let stopped = || prediction.model.calmed(problem).refined(problem, Band::Level, Tolerance::JUDGE);
-        if is_explained() { fitted } else { anew().better(fitted).better(stopped()) }
-    };
-    let fits = predictions.iter().take(STARTS).map(both);
-    let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost)).ok_or(ChangeError::Failed { name })?;
-    // Far above the noise the last swings tell nothing of a velocity band, whose search costs the most.
-    let finished =
-        if is_near_noise(problem, &best) { best } else { best.refined(problem, Band::Level, Tolerance::JUDGE) };
-    let searched = match is_near_noise(problem, &finished) {
-        true => or_of_another_turn(problem, finished.refined(problem, Band::Searched, Tolerance::JUDGE)),
-        false => finished,
-    };
-    let settled = searched.settled(problem);
+    let settled = added::fitted(problem, model, effect).ok_or(ChangeError::Failed { name })?.settled(problem);
     // With no strength it is the model that it was added to.
     let absent = model.with(effect, &effect.starts[0]).map(|absent| absent.evaluated(problem));
     Ok(absent.into_iter().fold(settled, Fitted::better))
 }
-
-fn is_near_noise(problem: &Problem, model: &Fitted) -> bool {
-    problem.rmse_rad(model.cost) < NEAR_NOISE * problem.noise_rad()
-}
-
-/// An error of so many times the noise is near it.
-const NEAR_NOISE: f64 = 5.0;
-
-/// Starts of an effect that are fitted.
-const STARTS: usize = 3;
 
 fn removed(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Result<Fitted, ChangeError> {
     if model.parameters.values(effect.id).is_none() {

@@ -83,7 +83,9 @@ impl std::str::FromStr for Range {
         let form = "expected NAME=LOW..HIGH, such as Mw=1e-4..1e-3";
         let (name, ends) = text.split_once('=').ok_or(form)?;
         let (low, high) = ends.split_once("..").ok_or(form)?;
-        let (quantity, low, high) = (quantity(name)?, finite(low)?, finite(high)?);
+        // It stands for its symbol: of several effects with it, the one that the model has is searched.
+        let any = Quantity::all_of_name(name.trim()).first().copied();
+        let (quantity, low, high) = (any.map_or_else(|| quantity(name), Ok)?, finite(low)?, finite(high)?);
         let symbol = quantity.symbol();
         match quantity {
             Quantity::Mass | Quantity::Length | Quantity::Gravity => {
@@ -114,6 +116,7 @@ mod tests {
     fn ranges_are_read_and_reversed_ones_turned_down() {
         let range: Range = "Mw=1e-4..1e-3".parse().unwrap();
         assert_eq!((range.quantity.symbol(), range.low, range.high), ("Mw", 1e-4, 1e-3));
+        assert_eq!("tau=0..1".parse::<Range>().unwrap().quantity.symbol(), "tau");
         let complaint = |text: &str| text.parse::<Range>().unwrap_err();
         assert!(complaint("Mw=1e-3..1e-4").contains("reversed; write Mw=0.0001..0.001"));
         assert!(complaint("Mw=1..1").contains("both ends"));

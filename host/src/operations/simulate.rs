@@ -146,19 +146,33 @@ pub struct Assignment {
 }
 
 impl Assignment {
-    /// The number that is meant; those of a formula come first.
-    fn quantity(&self, custom: Option<&'static Effect<f64>>) -> Result<Quantity, String> {
-        custom.and_then(|effect| Quantity::by_formula_name(&self.name, effect)).map_or_else(|| quantity(&self.name), Ok)
+    /// The number of a model that is meant; those of a formula come first, and of several with this symbol the one whose
+    /// effect the model has.
+    fn quantity(&self, model: &Parameters<f64>) -> Result<Quantity, String> {
+        let custom = effect_of(model, CUSTOM_FORMULA_ID);
+        if let Some(typed) = custom.and_then(|effect| Quantity::by_formula_name(&self.name, effect)) {
+            return Ok(typed);
+        }
+        let present = Quantity::all_of_name(&self.name).into_iter().filter(|quantity| quantity.get(model).is_some());
+        if let [one] = present.collect::<Vec<_>>()[..] { Ok(one) } else { quantity(&self.name) }
     }
 }
 
 /// The number of this name.
 ///
 /// # Errors
-/// There is none; the known ones are told.
+/// There is none, and the known ones are told; or several effects use the symbol.
 pub fn quantity(name: &str) -> Result<Quantity, String> {
     let name = name.trim();
-    Quantity::by_name(name).ok_or_else(|| format!("there is no parameter {name}; known are {}", Quantity::symbols()))
+    match Quantity::all_of_name(name)[..] {
+        [one] => Ok(one),
+        [] => Err(format!("there is no parameter {name}; known are {}", Quantity::symbols())),
+        ref several => {
+            let [owners, names] = [|it: &Quantity| it.owner().to_owned(), |it: &Quantity| it.full_name()]
+                .map(|told| several.iter().map(told).collect::<Vec<String>>());
+            Err(format!("{name} is a number of {}; write {}", owners.join(" and of "), names.join(" or ")))
+        }
+    }
 }
 
 /// A model with a typed effect in it and some numbers set; their effects are added if need be.
@@ -176,10 +190,9 @@ pub fn with(
         let start: Vec<f64> = effect.parameters.iter().map(|parameter| parameter.start).collect();
         formula::add(&mut parameters, effect, &start).map_err(refused)?;
     }
-    let custom = effect_of(&parameters, CUSTOM_FORMULA_ID);
     for assignment in assignments {
         let quantity = assignment
-            .quantity(custom)
+            .quantity(&parameters)
             .map_err(|error| Failure::wrong_use(error).next("name one of them in --with"))?;
         quantity.add_effect(&mut parameters).map_err(refused)?;
         quantity.set(&mut parameters, assignment.value);
@@ -237,6 +250,20 @@ mod tests {
         assert!(!end.rests && end.n_samples == 151, "{end:?}");
         let end = Simulation { seconds: 60.0, ..swing }.run(|_, _, _| Ok::<(), ()>(())).unwrap();
         assert!(end.rests, "{end:?}");
+    }
+
+    #[test]
+    fn a_symbol_of_several_effects_means_the_one_that_the_model_has() {
+        let with = |assignments: &[&str]| {
+            let assignments: Vec<Assignment> = assignments.iter().map(|text| text.parse().unwrap()).collect();
+            with(&Parameters::paper(), None, &assignments)
+        };
+        let refused = with(&["dM=3e-4"]).unwrap_err();
+        let told = "dM is a number of stribeck and of asymmetric-coulomb; write stribeck.dM or asymmetric-coulomb.dM";
+        assert_eq!(refused.what(), told);
+        let id = Effect::<f64>::by_name("stribeck").unwrap().id;
+        assert_eq!(with(&["ws=0.3", "dM=3e-4"]).unwrap().values(id), Some(&[3e-4, 0.3][..]));
+        assert_eq!(with(&["stribeck.dM=3e-4"]).unwrap().values(id).map(|values| values[0]), Some(3e-4));
     }
 
     #[test]

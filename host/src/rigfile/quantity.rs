@@ -70,22 +70,31 @@ impl Quantity {
         Self::all_of_effect(effect).find(|quantity| quantity.symbol() == symbol)
     }
 
-    /// By symbol (`Mw`), key (`inertia`), or effect and symbol (`viscous.Mw`).
+    /// By symbol (`Mw`), key (`inertia`), or effect and symbol (`viscous.Mw`); `None` too if several effects use the symbol.
     pub fn by_name(name: &str) -> Option<Self> {
-        let own = PENDULUM.iter().find(|(_, symbol, key, ..)| *symbol == name || *key == name);
-        own.map(|(quantity, ..)| *quantity).or_else(|| Self::by_effect_name(name))
+        let all = Self::all_of_name(name);
+        if let [one] = all[..] { Some(one) } else { None }
     }
 
-    fn by_effect_name(name: &str) -> Option<Self> {
+    /// All that a name may mean: a symbol that several effects use stands for a number of each.
+    pub fn all_of_name(name: &str) -> Vec<Self> {
+        let own = PENDULUM.iter().find(|(_, symbol, key, ..)| *symbol == name || *key == name);
+        own.map_or_else(|| Self::all_of_effect_name(name), |(quantity, ..)| vec![*quantity])
+    }
+
+    fn all_of_effect_name(name: &str) -> Vec<Self> {
         let (effect_name, symbol) = match name.split_once('.') {
             Some((effect, symbol)) => (Some(effect), symbol),
             None => (None, name),
         };
-        let meant = |effect: &&Effect<f64>| effect_name.is_none_or(|wanted| wanted == effect.name);
-        Effect::<f64>::ALL.iter().filter(meant).find_map(|effect| {
-            let index = effect.parameters.iter().position(|parameter| parameter.symbol == symbol)?;
-            Some(Self::Effect { id: effect.id, index })
-        })
+        let meant = |effect: &&'static Effect<f64>| effect_name.is_none_or(|wanted| wanted == effect.name);
+        let numbers = Effect::<f64>::ALL.iter().filter(meant).flat_map(Self::all_of_effect);
+        numbers.filter(|quantity| quantity.symbol() == symbol).collect()
+    }
+
+    /// Its effect and symbol (`viscous.Mw`), which no other number has.
+    pub fn full_name(self) -> String {
+        format!("{}.{}", self.owner(), self.symbol())
     }
 
     /// All symbols that [`Quantity::by_name`] knows, for messages.
@@ -226,6 +235,8 @@ mod tests {
             }
         }
         assert_eq!(Quantity::by_name("Mx"), None);
+        let names: Vec<String> = Quantity::all_of_name("dM").into_iter().map(Quantity::full_name).collect();
+        assert_eq!((names.join(" "), Quantity::by_name("dM")), ("stribeck.dM asymmetric-coulomb.dM".to_owned(), None));
     }
 
     #[test]

@@ -136,7 +136,7 @@ pub(super) fn sliders_of(effect: &'static Effect<f64>) -> Vec<Slider> {
 fn slider(quantity: Quantity, value: f64, std: Option<f64>) -> Slider {
     let (low, high) = reach(quantity, value);
     let (symbol, owner) = (quantity.symbol(), quantity.owner());
-    let name = if owner == "pendulum" { symbol.to_owned() } else { format!("{owner}.{symbol}") };
+    let name = if owner == "pendulum" { symbol.to_owned() } else { quantity.full_name() };
     Slider { name, symbol, owner, unit: quantity.unit(), meaning: quantity.meaning(), value, std, low, high }
 }
 

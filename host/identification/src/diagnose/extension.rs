@@ -2,10 +2,10 @@
 
 use super::budget::Budget;
 use super::models::{drop_doubles, is_explained, near_the_best, sort};
-use super::score::{Prediction, predictions};
 use crate::cores::on_all_cores;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
+use crate::fit::prediction::{Prediction, predictions};
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels};
 use shared::effect::{Action, CUSTOM_FORMULA_ID, Effect};

@@ -8,10 +8,10 @@
 
 use super::models::excess;
 use super::physical::is_sound;
-use super::score::{Prediction, predictions};
 use crate::cores::on_all_cores;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
+use crate::fit::prediction::{Prediction, predictions};
 use crate::fit::problem::Problem;
 use crate::fit::refine::Band;
 use crate::formula::{self, read};

@@ -5,9 +5,9 @@
 
 use super::models::{sort, worth_all_samples};
 use super::physical::is_sound;
-use super::score::{Prediction, predictions};
 use crate::cores::on_all_cores;
 use crate::fit::fitted::Fitted;
+use crate::fit::prediction::{Prediction, predictions};
 use crate::fit::problem::Problem;
 use crate::fit::refine::{levels, on_all};
 use shared::effect::Effect;

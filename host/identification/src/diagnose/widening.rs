@@ -4,11 +4,11 @@
 use super::extension::grown;
 use super::models::{is_explained, near_the_best};
 use super::physical::is_sound;
-use super::score::{Prediction, predictions};
 use super::strength::is_as_strong_as_can_be;
 use crate::cores::on_all_cores;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
+use crate::fit::prediction::{Prediction, predictions};
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels};
 use shared::effect::{Effect, MAX_VALUES};

@@ -7,12 +7,12 @@
 
 use super::models::{ALIKE_NOISES, MOST_LEFT};
 use super::physical::is_sound;
-use super::score::predictions;
 use super::value::Value;
 use crate::fit::covariance::with_model_error;
 use crate::fit::descent::{Tolerance, descend};
 use crate::fit::fitted::Fitted;
 use crate::fit::linear::Steps;
+use crate::fit::prediction::predictions;
 use crate::fit::problem::{PER_SWING, Problem, Start};
 use crate::fit::refine::Band;
 use crate::fit::uncertainty::Status;

@@ -1,5 +1,6 @@
 //! Least squares: from a first guess through growing windows, or from where response surfaces ended.
 
+use super::added::or_added_anew;
 use super::descent::Tolerance;
 use super::fitted::{Fitted, Stiction};
 use super::other_turn::or_of_another_turn;
@@ -56,7 +57,7 @@ pub(super) fn not_worse_than_given(problem: &Problem, found: Fitted) -> Fitted {
 
 fn better_than_given(problem: &Problem, found: Fitted, given: &Fitted) -> Fitted {
     let found = if follows(problem, &found) { found } else { found.better(from_the_period(problem)) };
-    let found = or_of_the_other_kind(problem, found);
+    let found = or_added_anew(problem, or_of_the_other_kind(problem, found));
     let nothing_to_gain = problem.chi_square(found.cost).left() == Left::Noise && found.cost <= given.cost;
     if nothing_to_gain || given.cost > WORTH_A_TRY * found.cost {
         return found;

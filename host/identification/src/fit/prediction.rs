@@ -1,15 +1,15 @@
-//! The score test: what could an effect gain, judged from one Gauss–Newton step over all parameters?
+//! What could an effect gain, judged from one Gauss–Newton step over all parameters: the predicted reduction.
 //!
 //! Friction and inertia must be allowed to answer at once, or effects that resemble them are never found.
 
+use super::descent::Tolerance;
+use super::fitted::Fitted;
+use super::linear::{Linear, equations_with_added};
+use super::problem::Problem;
+use super::refine::{Band, levels};
+use super::solve::ANSWER_DAMPING;
+use super::step::{bounded_step, stepped};
 use crate::cores::on_all_cores;
-use crate::fit::descent::Tolerance;
-use crate::fit::fitted::Fitted;
-use crate::fit::linear::{Linear, equations_with_added};
-use crate::fit::problem::Problem;
-use crate::fit::refine::{Band, levels};
-use crate::fit::solve::ANSWER_DAMPING;
-use crate::fit::step::{bounded_step, stepped};
 use crate::pace;
 use crate::swing::Window;
 use shared::effect::{Effect, MAX_VALUES};
