@@ -64,8 +64,17 @@ impl<'a> Budget<'a> {
 
     /// May another stage of the search begin? If not, something is left out.
     pub fn allows_more(&self) -> bool {
+        self.allows_one_of(if self.keeps_for_pairs.load(Ordering::Relaxed) { SHARE_OF_SINGLE_EFFECTS } else { 1 })
+    }
+
+    /// May wider forms of laws be tried? They come before pairs, and take of what is kept for these.
+    pub fn allows_wider_forms(&self) -> bool {
+        self.allows_one_of(1)
+    }
+
+    /// Is less taken than one of so many parts of what there is?
+    fn allows_one_of(&self, share: u64) -> bool {
         let million_taken = (self.tally.steps_taken() - self.taken_before) / 1_000_000;
-        let share = if self.keeps_for_pairs.load(Ordering::Relaxed) { SHARE_OF_SINGLE_EFFECTS } else { 1 };
         self.allows(share * self.million_steps() < MOST_OF_THE_SEARCH && share * million_taken < MOST_TAKEN)
     }
 

@@ -7,7 +7,7 @@ use super::models::{
     worth_all_samples,
 };
 use super::physical::is_sound;
-use super::widening::{begun_from_special_cases, narrowed, widened};
+use super::widening::{alone_in_wider_form, begun_from_special_cases, narrowed, widened};
 use crate::cores::on_all_cores;
 use crate::fit::descent::{Termination, Tolerance};
 use crate::fit::fitted::{Fitted, Stiction};
@@ -84,7 +84,8 @@ pub fn search(
     if is_explained(problem, base) {
         return found;
     }
-    let mut beam = vec![without_band(problem, base)];
+    let bare = without_band(problem, base);
+    let mut beam = vec![bare.clone()];
     if base.cost < WORTH_KEEPING_THE_BAND * beam[0].cost {
         beam.push(base.clone());
     }
@@ -96,6 +97,12 @@ pub fn search(
         let level = next_level(problem, rough, &beam, candidates, budget);
         let before = found.best(found.levels.len());
         let Some(best) = level.first().filter(|best| best.cost < before.cost) else { break };
+        let is_pair = n_added == 1 && is_explained(problem, best);
+        let alone = || alone_in_wider_form(problem, rough, &bare, best, &found.levels[0]);
+        if let Some(alone) = is_pair.then(alone).flatten() {
+            found.add(alone);
+            break;
+        }
         let share_left = excess(problem, best) / excess(problem, before);
         // Further effects than the first shall remove what lets them be claimed.
         let is_last = is_explained(problem, best) || (n_added > 0 && share_left > MOST_LEFT_UNEXPLAINED);
@@ -152,7 +159,7 @@ fn next_level(
     found.extend(begun_from_special_cases(rough, &found));
     sort(&mut found);
     drop_doubles(&mut found);
-    if budget.allows_more() {
+    if budget.allows_wider_forms() {
         found.extend(widened(rough, &found));
         sort(&mut found);
         drop_doubles(&mut found);

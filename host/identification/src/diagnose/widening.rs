@@ -6,11 +6,13 @@ use super::models::{is_explained, near_the_best};
 use super::physical::is_sound;
 use super::strength::is_as_strong_as_can_be;
 use crate::cores::on_all_cores;
+use crate::fit::added;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::prediction::{Prediction, predictions};
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels};
+use crate::fit::stiction::FAR_FROM_NOISE;
 use shared::effect::{Effect, MAX_VALUES};
 
 /// The models of a sorted level that come near the best, each of their laws in its wider form where there is one, fitted
@@ -117,6 +119,25 @@ impl Widening<'_> {
     }
 }
 
+/// Where only two laws together explain the swings: one of them in its wider form in place of both, if that explains them too.
+/// A law whose exponent is another one leaves more than others that are not there, so that it was not widened yet.
+pub(super) fn alone_in_wider_form(
+    problem: &Problem,
+    rough: &Problem,
+    bare: &Fitted,
+    pair: &Fitted,
+    tried: &[Fitted],
+) -> Option<Fitted> {
+    let is_tried = |wide: &Effect<f64>| tried.iter().any(|model| model.has(wide.name));
+    let wide = pair.effects.iter().filter_map(|law| law.wider_form()).find(|wide| !is_tried(wide))?;
+    let begun = added::begun(rough, bare, wide)?;
+    if begun.cost > FAR_FROM_NOISE * rough.noise_cost() {
+        return None;
+    }
+    let best = begun.refined(rough, Band::Searched, Tolerance::JUDGE).refined(problem, Band::Free, Tolerance::JUDGE);
+    (is_explained(problem, &best) && is_sound(problem, &best)).then_some(best)
+}
+
 /// A model with each of its laws in its wider form, fitted on decimated swings.
 pub(super) fn in_wider_forms(rough: &Problem, model: &Fitted) -> Vec<Fitted> {
     let all: Vec<Widening> = widenings(model).collect();
@@ -141,4 +162,42 @@ pub(super) fn exchanged(
 ) -> Option<Fitted> {
     values.iter_mut().zip(model.parameters.values(own.id)?).for_each(|(value, own)| *value = *own);
     model.without(own.id).with(other, &values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::{effect, fitted, rig, simulated};
+    use crate::fit::identify::problem_of;
+    use crate::fit::tally::Tally;
+    use shared::parameters::Parameters;
+
+    /// What is told of drag and gears that explain a swing together; and with the wider gears tried before.
+    fn alone(truth: &Parameters<f64>) -> [Option<Vec<&'static str>>; 2] {
+        let (swings, count) = ([simulated("gears", truth, 20.0, 7)], Tally::default());
+        let problem = problem_of(&swings, &rig(), &count);
+        let decimated = problem.decimated();
+        let rough = problem.on(&decimated);
+        let bare = fitted(&problem, &rig());
+        let with = |name: &str| bare.with(effect(name), &effect(name).starts[0]).unwrap();
+        let pair = with("stribeck").with(effect("gear-load"), &effect("gear-load").starts[0]).unwrap();
+        let told = |tried: &[Fitted]| alone_in_wider_form(&problem, &rough, &bare, &pair, tried).map(|it| it.names());
+        let stribeck = with("general-stribeck");
+        [told(std::slice::from_ref(&stribeck)), told(&[stribeck, with("general-gear-load")])]
+    }
+
+    #[test]
+    fn gears_of_another_exponent_are_told_in_place_of_gears_and_another_law() {
+        let mut truth = rig();
+        truth.set(effect("general-gear-load").id, &[0.02, 1.6, 0.3]).unwrap();
+        assert_eq!(alone(&truth), [Some(vec!["general-gear-load"]), None]);
+    }
+
+    #[test]
+    fn two_laws_that_no_wider_form_stands_for_stay() {
+        let mut truth = rig();
+        truth.set(effect("gear-load").id, &[0.02]).unwrap();
+        truth.set(effect("torsional-spring").id, &[0.02, 0.1]).unwrap();
+        assert_eq!(alone(&truth), [None, None]);
+    }
 }

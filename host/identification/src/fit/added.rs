@@ -11,9 +11,7 @@ use shared::effect::Effect;
 
 /// A model with one more effect, fitted from the effect's most promising starts; `None` if there is no room for it.
 pub(crate) fn fitted(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Option<Fitted> {
-    let predictions = predictions(problem, &model.evaluated(problem), &[effect]);
-    let fits = predictions.iter().take(STARTS).map(|prediction| from_start(problem, prediction));
-    let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+    let best = begun(problem, model, effect)?;
     // Far above the noise the last swings tell nothing of a velocity band, whose search costs the most.
     let finished =
         if is_near_noise(problem, &best) { best } else { best.refined(problem, Band::Level, Tolerance::JUDGE) };
@@ -21,6 +19,13 @@ pub(crate) fn fitted(problem: &Problem, model: &Fitted, effect: &'static Effect<
         true => or_of_another_turn(problem, finished.refined(problem, Band::Searched, Tolerance::JUDGE)),
         false => finished,
     })
+}
+
+/// The same, Ms and DV not searched to the end.
+pub(crate) fn begun(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Option<Fitted> {
+    let predictions = predictions(problem, &model.evaluated(problem), &[effect]);
+    let fits = predictions.iter().take(STARTS).map(|prediction| from_start(problem, prediction));
+    fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
 fn from_start(problem: &Problem, prediction: &Prediction) -> Fitted {

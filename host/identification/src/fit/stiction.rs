@@ -41,7 +41,7 @@ pub const GAIN_WORTH_A_BAND: f64 = 12.0;
 /// So many times the noise variance is far enough from it to decide for or against a band on decimated swings, and for one that
 /// no rest shows to be an imitation. With the 1.21 from which on physics is missing, a lag of the sensor beside a true band was
 /// told as a nonlinearity, one of 300 rigs.
-pub(super) const FAR_FROM_NOISE: f64 = 2.0;
+pub(crate) const FAR_FROM_NOISE: f64 = 2.0;
 
 /// The search goes on from where it ended if the cost fell below this share.
 const WORTH_ANOTHER_ROUND: f64 = 0.5;
