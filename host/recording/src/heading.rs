@@ -5,10 +5,13 @@ use super::cell::is_missing;
 use super::row::{SEPARATORS, Separator, is_comment, looks_like_number, n_numbers, split};
 use super::words::{Meaning, is_unit, meaning};
 
+/// Fewer strokes are cells in which nothing was measured.
+const SHORTEST_RULE: usize = 5;
+
 /// Names from the lines above the first row: the last line with as many cells, else one whose words are known.
 pub(super) fn names(lines_above: &[&str], separator: Separator, n_columns: usize) -> Option<Vec<String>> {
     let filled = |is_wanted: bool| {
-        let is_filled = |line: &&&str| is_comment(line) == is_wanted && !bare(line).is_empty();
+        let is_filled = |line: &&&str| is_comment(line) == is_wanted && !bare(line).is_empty() && !is_rule(line);
         lines_above.iter().filter(is_filled).copied().collect::<Vec<_>>()
     };
     let (mut plain, comments) = (filled(false), filled(true));
@@ -33,6 +36,12 @@ fn of_oscilloscope(names: Vec<String>) -> Vec<String> {
         }
         _ => names,
     }
+}
+
+/// A line that is drawn below the names: `-------`, `=====,=====` or `-+-+-`.
+fn is_rule(line: &str) -> bool {
+    let n_drawn = line.chars().filter(|letter| matches!(letter, '-' | '=' | '_' | '~' | '*')).count();
+    n_drawn >= SHORTEST_RULE && !line.chars().any(char::is_alphanumeric)
 }
 
 /// Is it one of the rows of a camera that sees nothing yet, `3,0.1,,,,640,480,vfr`, or of Tracker, `,,`?
@@ -87,6 +96,21 @@ fn before_a_remark(lines: &[&str], n_columns: usize) -> Option<Vec<String>> {
     let names: Vec<String> = words.filter(|word| !word.is_empty()).take(n_columns).map(str::to_owned).collect();
     let are_known = names.len() == n_columns && names.iter().all(|name| meaning(name) != Meaning::Other);
     (n_columns > 1 && are_known).then_some(names)
+}
+
+/// The last line, if it has three names and more for half of the columns and more, but not for all: the first is a time, another one an
+/// angle or a rate.
+pub(super) fn of_fewer(lines_above: &[&str], separator: Separator, n_columns: usize) -> Option<Vec<String>> {
+    let last = lines_above.iter().rfind(|line| !bare(line).is_empty() && !is_rule(line))?;
+    let names = cells(last, separator);
+    let means = |name: &String| meaning(name);
+    let is_measured = |name: &String| matches!(means(name), Meaning::Angle { .. } | Meaning::Rate { .. });
+    let is_one = (3..n_columns).contains(&names.len())
+        && 2 * names.len() >= n_columns
+        && names.iter().all(|name| !name.is_empty() && !looks_like_number(name, separator))
+        && names.first().is_some_and(|name| matches!(means(name), Meaning::Time { .. }))
+        && names.iter().any(is_measured);
+    is_one.then_some(names)
 }
 
 /// Is this line one of names, of which some are known?
@@ -164,6 +188,12 @@ mod tests {
         check(&["run 7,a", "s,deg"], Comma, 2, &["run 7 s", "a deg"]);
         check(&["what,who", "t,theta"], Comma, 2, &["t", "theta"]);
         check(&["what,who", "s,State"], Comma, 2, &["s", "State"]);
+        // A line drawn below them is none of them.
+        let drawn = ["Timestamp, Time_Elapsed(s), Angle(deg)", "-------------------------------------"];
+        check(&drawn, Comma, 3, &["Timestamp", "Time_Elapsed(s)", "Angle(deg)"]);
+        check(&["t theta", "---- ------"], Space, 2, &["t", "theta"]);
+        check(&["# t theta", "# ======="], Space, 2, &["t", "theta"]);
+        check(&["time,angle", "s,deg", "====,====="], Comma, 2, &["time s", "angle deg"]);
         // A half is enough, a third is not.
         check(&["time,a,b,c", "s,foo,bar,deg"], Comma, 4, &["time s", "a foo", "b bar", "c deg"]);
         check(&["time,a,b", "s,foo,bar"], Comma, 3, &["s", "foo", "bar"]);

@@ -382,6 +382,29 @@ mod tests {
         assert_eq!(layout("t,theta\n0,1,5\n1,2,5\n").1, None);
     }
 
+    /// A logger that got one more value than its header, and R's `write.table`, whose rows begin with their numbers.
+    #[test]
+    fn fewer_names_than_columns_are_those_of_the_first_ones_or_behind_the_numbers_of_the_rows() {
+        let cases = [
+            ("t_ms,theta,seq\n127,1.5,3,9\n132,1.4,4,10\n137,1.2,5,10\n", ["t_ms", "theta", "seq", ""]),
+            ("# log on:\n# t,theta,omega\n0.1,1.5,3,9\n0.2,1.4,4,10\n", ["t", "theta", "omega", ""]),
+            (
+                "\"t\" \"theta\" \"omega\"\n\"1\" 0.1 1.5 3\n\"2\" 0.2 1.4 4\n\"3\" 0.3 1.2 5\n",
+                ["", "t", "theta", "omega"],
+            ),
+            ("t theta omega\n1 0.1 1.5 3\n2 0.1 1.4 4\n3 0.0 1.2 5\n", ["t", "theta", "omega", ""]),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(layout(text).1, names(&expected), "{text:?}");
+        }
+        // Two names of five columns are a caption, and so are words that name nothing.
+        for text in
+            ["t,theta\n0,1,2,3,4\n1,1,2,3,5\n", "our,old,rig\n0,1,2,3\n1,1,2,4\n", "angle,t,x\n0,1,2,3\n1,1,2,4\n"]
+        {
+            assert_eq!(layout(text).1, None, "{text:?}");
+        }
+    }
+
     #[test]
     fn utf_16_and_latin_1_are_read() {
         let utf_16: Vec<u8> = "\u{feff}t,angle (°)\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();

@@ -1,7 +1,7 @@
 //! The layout of a table: where its rows begin, what parts their cells, and what the columns are called.
 
 use super::Line;
-use crate::cell::Numerals;
+use crate::cell::{Cell, Numerals};
 use crate::error::Fault;
 use crate::monitor::Dress;
 use crate::preamble::{self, Preamble};
@@ -46,7 +46,12 @@ impl Layout {
         let names = dress
             .names()
             .or_else(|| heading::names(&above, separator, n_columns))
-            .or_else(|| ends_empty().then(|| heading::names(&above, separator, n_columns - 1)).flatten());
+            .or_else(|| ends_empty().then(|| heading::names(&above, separator, n_columns - 1)).flatten())
+            .or_else(|| {
+                let names = heading::of_fewer(&above, separator, n_columns)?;
+                let rows = texts[first_row_idx..].iter().copied().filter(|line| is_row(line));
+                Some(of_their_columns(names, rows, separator, n_columns))
+            });
         let is_glued = |idx: &usize| has_glued_row(texts[*idx], separator, n_columns);
         Ok(Self {
             separator,
@@ -75,6 +80,32 @@ fn first_row(
         Some(settings) => Ok((first_from(first.max(settings.end_idx))?, Some(settings))),
         None => Ok((first, None)),
     }
+}
+
+/// Fewer names than columns: R writes none above the numbers of the rows, others forget the last ones.
+fn of_their_columns<'a>(
+    names: Vec<String>,
+    rows: impl Iterator<Item = &'a str>,
+    separator: Separator,
+    n_columns: usize,
+) -> Vec<String> {
+    let mut numerals = Numerals::new();
+    let mut number = |row: &Vec<&str>, idx: usize| match row.get(idx).map(|cell| numerals.read(cell)) {
+        Some(Cell::Number(number)) => Some(number),
+        _ => None,
+    };
+    let first: Vec<_> = rows.map(|row| split(row, separator)).map(|row| [number(&row, 0), number(&row, 1)]).collect();
+    let steps = |idx: usize| {
+        first.windows(2).map(move |pair| pair[0][idx].zip(pair[1][idx]).map(|(before, here)| here - before))
+    };
+    let are_rows = names.len() + 1 == n_columns
+        && steps(0).all(|step| step == Some(1.0))
+        && steps(1).all(|step| step.is_some_and(|step| step > 0.0));
+    let n_before = usize::from(are_rows);
+    let mut all = vec![String::new(); n_before];
+    all.extend(names);
+    all.resize(n_columns, String::new());
+    all
 }
 
 /// A separator behind the last cell.
