@@ -229,7 +229,7 @@ impl Opened<'_> {
         let is_ours = header.version.is_some();
         samples.finish(&mut notes).map_err(|fault| sources.undecided(table).unwrap_or(fault))?;
         let sources = sources.settled(table, &mut samples, options, &mut notes)?;
-        let sources = sources.swinging(table, &mut samples, &mut notes)?;
+        let sources = sources.swinging(table, &mut samples, options, &mut notes)?;
         if !is_ours {
             sources.refuse_readings(table, &samples, options)?;
         }

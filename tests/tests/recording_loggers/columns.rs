@@ -2,7 +2,7 @@
 
 use crate::swing::{CENTIDEGREES, RATE_HZ, Row, check, check_found, open, swing, swing_from, table, told};
 use host::recording::segment::{SegmentOptions, segment};
-use host::recording::{Measured, ReadOptions, read_bytes};
+use host::recording::{AngleUnit, Measured, ReadOptions, read_bytes};
 use tests::chance::Chance;
 
 #[test]
@@ -110,6 +110,26 @@ fn without_names_what_swings_much_farther_is_a_rival_unless_it_follows_from_the_
     let noise: Vec<f64> = (0..2000).map(|_| 3.0 * chance.normal().clamp(-2.0, 2.0)).collect();
     let beside = |(t, a, _): Row| format!("{t:.2},{a:.5},{:.3},{:.3}", noise[(100.0 * t).round() as usize], 0.3 * t);
     check_found(&table("", beside), 1e-5, "column 0 read as time");
+}
+
+/// Beside one that drifts, and beside a rate that lies on a circle with it at first. Small swings tell no unit.
+#[test]
+fn degrees_that_are_told_hold_whichever_column_without_a_name_is_taken() {
+    let degrees = ReadOptions { angle_unit: Some(AngleUnit::Degrees), ..ReadOptions::default() };
+    let small = swing_from(0.05, 1000, 20);
+    let from_below = small.iter().skip_while(|(_, a, _)| *a > 0.0);
+    let circle: Vec<Row> = from_below.copied().collect();
+    let beside_drift = |(t, a, _): &Row| format!("{t:.3} {:.4} {:.6}\n", 0.1 + 0.002 * t, a.to_degrees());
+    let beside_rate =
+        |(t, a, w): &Row| format!("{t:.3} {:.6} {:.6}\n", a.to_degrees(), (w / 40f64.sqrt()).to_degrees());
+    let texts: [(String, &[Row]); 2] =
+        [(small.iter().map(beside_drift).collect(), &small), (circle.iter().map(beside_rate).collect(), &circle)];
+    for (text, truth) in texts {
+        let recording = open(text.as_bytes(), &degrees).unwrap_or_else(|error| panic!("{error}"));
+        let off_rad = |(found, (_, a, _)): (&f64, &Row)| (found - a).abs();
+        let most_off_rad = recording.angles_rad().iter().zip(truth).map(off_rad).fold(0.0, f64::max);
+        assert!(most_off_rad < 1e-6, "{most_off_rad} {:?}", recording.notes());
+    }
 }
 
 /// As the example of an MPU6050 prints yaw, pitch and roll, in a monitor and without one.

@@ -122,7 +122,8 @@ impl Sources {
             }
             Err(Fault::NoCircle { .. } | Fault::ShortArc { .. }) => {
                 self.refuse_standing(raw.table, x, xs)?;
-                raw.angles(self.told(), notes).of_column(None, xs, angle_unit_of(raw.table, x))
+                let unit = raw.options.angle_unit.or(angle_unit_of(raw.table, x));
+                raw.angles(self.told(), notes).of_column(None, xs, unit)
             }
             angles => {
                 notes.extend(of_point);

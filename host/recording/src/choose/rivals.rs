@@ -89,7 +89,13 @@ impl Sources {
 
     /// Without names the first column that may be the angle is taken; but not where another one swings that goes much farther
     /// and does not follow from it: of an arm and its pendulum, say. Where only the other one swings it is the angle.
-    pub(crate) fn swinging(self, table: &Table, samples: &mut Samples, notes: &mut Vec<String>) -> Result<Self, Fault> {
+    pub(crate) fn swinging(
+        self,
+        table: &Table,
+        samples: &mut Samples,
+        options: &ReadOptions,
+        notes: &mut Vec<String>,
+    ) -> Result<Self, Fault> {
         let (ReadingSource::Angle { idx, .. }, None) = (&self.reading, &table.names) else { return Ok(self) };
         let (idx, taken) = (*idx, samples.readings.first().map_or(&[][..], Vec::as_slice));
         let swings = Swinging::of(taken).is_some();
@@ -114,7 +120,8 @@ impl Sources {
             notes.retain(|note| Some(note) != unnamed(table, idx).as_ref());
             notes.push(format!("column {reading} read as the angle, the only one that swings"));
             samples.readings = vec![samples.others[*place].clone()];
-            let reading = ReadingSource::Angle { idx: reading, unit: angle_unit_of(table, reading) };
+            let unit = options.angle_unit.or(angle_unit_of(table, reading));
+            let reading = ReadingSource::Angle { idx: reading, unit };
             return Ok(Self { reading, ..self });
         }
         let rivals = places.iter().map(|place| self.others[*place]);
