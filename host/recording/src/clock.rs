@@ -1,9 +1,11 @@
 //! Dates and clock times as seconds: `2026-03-01T12:00:00.005Z`, `01.03.2026 12:00:00,005`, `12:00:00.005 PM`, `00:01.25`,
-//! `12:00:00:005`, `03-01-2026_12:00:00`, and how long ago something was: `0 days 00:00:01.25`.
+//! `12:00:00:005`, `03-01-2026_12:00:00`, with the month by its name as C, MATLAB and browsers write it (`Sun Mar  1 12:00:00
+//! 2026`, `01-Mar-2026 12:00:00`, `Sun Mar 01 2026 12:00:00 GMT+0100`), and how long ago something was: `0 days 00:00:01.25`.
 //!
 //! Only differences matter: zones are left out, and of a date without a clear order month and day are taken as they come.
 
 use super::cell::without_mark_of_text;
+use std::ops::RangeInclusive;
 
 /// A moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +19,11 @@ pub(super) struct Moment {
 /// Seconds of a day.
 pub(super) const DAY_S: f64 = 86_400.0;
 
+/// Day of the week, month, day, clock, noon, zone in two words, and year.
+const MOST_WORDS: usize = 8;
+
+const MONTHS: &str = "january february march april may june july august september october november december";
+
 impl Moment {
     /// Seconds since 1970, or since midnight where there is no date.
     pub(super) fn seconds(self) -> f64 {
@@ -27,6 +34,10 @@ impl Moment {
 /// Reads a clock time, with or without a date; `None` for anything else.
 pub(super) fn read(text: &str) -> Option<Moment> {
     let text = without_mark_of_text(text.trim());
+    of_numbers(text).or_else(|| with_name_of_month(text))
+}
+
+fn of_numbers(text: &str) -> Option<Moment> {
     if let Some((days, clock)) = text.split_once(" days ") {
         let (day, second) = (days.parse().ok()?, read_clock(clock.trim())?);
         return Some(Moment { day: Some(day), second });
@@ -40,6 +51,35 @@ pub(super) fn read(text: &str) -> Option<Moment> {
         None => None,
     };
     Some(Moment { day, second: read_clock(without_zone(clock))? })
+}
+
+/// A day of the week may stand before, a zone behind; more words are a sentence.
+fn with_name_of_month(text: &str) -> Option<Moment> {
+    if !text.contains(':') || !text.contains(char::is_alphabetic) {
+        return None;
+    }
+    // What a browser calls the zone stands in brackets.
+    let moment = text.split_once(" (").map_or(text, |(moment, _)| moment);
+    let words = moment.split([' ', '-', '/']).map(|word| word.trim_end_matches(','));
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    let clock = words.iter().find(|word| word.contains(':'))?;
+    let noon = words.iter().find(|word| word.eq_ignore_ascii_case("am") || word.eq_ignore_ascii_case("pm"));
+    let month = words.iter().find_map(|word| month_of(word))?;
+    let number = |n_digits: RangeInclusive<usize>| {
+        let is_number = |word: &&&str| n_digits.contains(&word.len()) && word.bytes().all(|byte| byte.is_ascii_digit());
+        words.iter().find(is_number)?.parse::<i64>().ok()
+    };
+    let (day, year) = (number(1..=2)?, number(4..=4)?);
+    let second = read_clock(&format!("{clock}{}", noon.copied().unwrap_or_default()))?;
+    let is_date = (1..=31).contains(&day) && year >= 1900 && words.len() <= MOST_WORDS;
+    is_date.then(|| Moment { day: Some(days_since_1970(year, month, day)), second })
+}
+
+/// From 1, by its first three letters or more.
+fn month_of(word: &str) -> Option<i64> {
+    let word = word.to_ascii_lowercase();
+    let place = MONTHS.split(' ').position(|month| word.len() >= 3 && month.starts_with(word.as_str()))?;
+    Some(place as i64 + 1)
 }
 
 fn without_zone(clock: &str) -> &str {
@@ -114,6 +154,12 @@ mod tests {
             ("01.03.2026 12:00:00,25", noon(0.25)),
             ("3/1/2026 12:00:00.5 PM", noon(0.5)),
             ("03-01-2026_12:00:00.5", noon(0.5)),
+            ("Sun Mar  1 12:00:00 2026", noon(0.0)),
+            ("Sun Mar  1 12:00:01 CET 2026", noon(1.0)),
+            ("Sun Mar 01 2026 12:00:02 GMT+0100 (Central European Standard Time)", noon(2.0)),
+            ("Sun, 01 Mar 2026 12:00:00 -1000", noon(0.0)),
+            ("01-Mar-2026 12:00:00.250", noon(0.25)),
+            ("1 March 2026 12:00:00,5 PM", noon(0.5)),
             ("12:00:00.005", bare(43_200.005)),
             ("11:59:59 pm", bare(86_399.0)),
             ("12:00:00 AM", bare(0.0)),
@@ -125,7 +171,19 @@ mod tests {
         for (text, expected) in cases {
             assert_eq!(read(text), expected, "{text}");
         }
-        for text in ["", "1.5", "2026-03-01", "12:61:00", "a:b", "1:2:3:04", "12:00:00.1.2", "::"] {
+        for text in [
+            "",
+            "1.5",
+            "2026-03-01",
+            "12:61:00",
+            "a:b",
+            "1:2:3:04",
+            "12:00:00.1.2",
+            "::",
+            "Mar 2026",
+            "Sun Mar 12:00:00 2026",
+            "Mar 1 12:61:00 2026",
+        ] {
             assert_eq!(read(text), None, "{text}");
         }
     }

@@ -21,6 +21,15 @@ fn the_unit_of_the_time_is_the_one_in_which_a_pendulum_swings_so() {
     check_found(&long_on, 1e-5, "microseconds");
 }
 
+/// As C's `ctime` writes it, which shows whole seconds, and MATLAB's `datestr`.
+#[test]
+fn dates_with_the_month_by_its_name_are_times() {
+    let of_c = |(t, a, _): Row| format!("{a:.5};Sun Mar  1 12:00:{:02} 2026", t as u32);
+    check_found(&table("angle;systemTime\n", of_c), 1e-5, "coarser than the samples");
+    let of_matlab = |(t, a, _): Row| format!("01-Mar-2026 12:00:{t:06.3},{a:.5}");
+    check_found(&table("Time,angle\n", of_matlab), 1e-5, "");
+}
+
 #[test]
 fn counters_that_begin_anew_go_on() {
     let wrapped = |bits: u32| {
