@@ -10,6 +10,7 @@
 
 mod angle;
 mod bare_g;
+mod bunches;
 mod carrier;
 mod cell;
 mod chance;

@@ -10,6 +10,7 @@ use std::path::Path;
 
 use super::Recording;
 use super::bare_g;
+use super::bunches;
 use super::chosen::Sources;
 use super::error::{Fault, ReadError};
 use super::grid;
@@ -237,6 +238,7 @@ impl Opened<'_> {
         if !is_ours {
             if !sources.counts() {
                 grid::make_even(&mut times_s, &mut notes);
+                bunches::make_even(&mut times_s, samples.readings.first().map_or(&[], Vec::as_slice), &mut notes);
             }
             samples.leave_out_losses(&mut times_s, &mut notes);
         }
