@@ -48,6 +48,12 @@ const LARGE: isize = 4;
 /// twice of it leaves what is lost up to a twelfth of a half swing from the turn.
 const STEADY: f64 = 0.25;
 
+/// Within a half swing a pendulum turns once, or twice where it begins at a turn; what a hand does to it trembles more often.
+const MOST_TURNS: usize = 2;
+
+/// A note lists so many numbers at most.
+const MOST_LISTED: usize = 8;
+
 /// Sets times right; readings that stand there twice are left out: which samples are kept. Rows that are counted have no
 /// clock that is off, but a video may lack a frame all the same.
 pub(super) fn set_right(
@@ -78,13 +84,31 @@ pub(super) fn set_right(
 }
 
 fn note(slips: &[Slip], first_s: f64) -> String {
-    let numbers: Vec<String> = slips.iter().map(|slip| format!("{:+}", slip.n_samples)).collect();
+    let numbers = in_words(slips.iter().map(|slip| slip.n_samples).collect());
     format!(
-        "the clock is off at {} places, at {first_s:.3} s first, by {} samples: they were lost (+) or stand there twice (-), \
-         which the motion shows; the times are set right",
+        "the clock is off at {} places, at {first_s:.3} s first, by {numbers} samples: they were lost (+) or stand there twice \
+         (-), which the motion shows; the times are set right",
         slips.len(),
-        numbers.join(", ")
     )
+}
+
+/// Each of them, or of many how often each: `+1 (56 times), +2 (twice)`.
+fn in_words(mut numbers: Vec<isize>) -> String {
+    if numbers.len() <= MOST_LISTED {
+        return numbers.iter().map(|number| format!("{number:+}")).collect::<Vec<_>>().join(", ");
+    }
+    numbers.sort_unstable();
+    let mut alike: Vec<(usize, isize)> = numbers.chunk_by(|a, b| a == b).map(|run| (run.len(), run[0])).collect();
+    alike.sort_by_key(|(n, number)| (std::cmp::Reverse(*n), *number));
+    let times = |n: usize| match n {
+        1 => "once".to_owned(),
+        2 => "twice".to_owned(),
+        _ => format!("{n} times"),
+    };
+    let n_others: usize = alike.iter().skip(MOST_LISTED).map(|(n, _)| n).sum();
+    let shown = alike.iter().take(MOST_LISTED).map(|(n, number)| format!("{number:+} ({})", times(*n)));
+    let others = (n_others > 0).then(|| format!("another ({})", times(n_others)));
+    shown.chain(others).collect::<Vec<_>>().join(", ")
 }
 
 /// Where the clock slipped, and when the zero moved.
@@ -116,8 +140,16 @@ fn slips(times_s: &[f64], readings: &[f64], step_s: f64) -> (Vec<Slip>, Vec<f64>
         false => turning::turning_points(times_s, readings, noise_rms),
     };
     let time_of = |start: &usize| times_s[start + BESIDE + SKIPPED];
-    let (jumps, lost): (Vec<usize>, Vec<usize>) =
-        sure_steps.into_iter().partition(|start| zero_step::moves_the_middle(&turns, time_of(start), steps[*start]));
+    let swings_there = |start: &usize| {
+        let about = ((half_swing_s / 2.0) / step_s) as usize;
+        let (from, to) = ((start + BESIDE + SKIPPED).saturating_sub(about), start + BESIDE + SKIPPED + about);
+        let near = from..to.min(readings.len());
+        turning::n_turns(&times_s[near.clone()], &readings[near], noise_rms, readings) <= MOST_TURNS
+    };
+    let (jumps, lost): (Vec<usize>, Vec<usize>) = sure_steps
+        .into_iter()
+        .filter(swings_there)
+        .partition(|start| zero_step::moves_the_middle(&turns, time_of(start), steps[*start]));
     let slips = lost.into_iter().filter_map(|start| {
         let slip = window.slip(readings, start, steps[start], quiet, most)?;
         let is_large = slip.n_samples.abs() >= LARGE;
@@ -310,6 +342,15 @@ mod tests {
     }
 
     #[test]
+    fn of_many_places_a_note_says_how_often_each_number() {
+        assert_eq!(in_words(vec![2, 1, 20, -1]), "+2, +1, +20, -1");
+        let many = [vec![1; 56], vec![-3], vec![2; 2]].concat();
+        assert_eq!(in_words(many), "+1 (56 times), +2 (twice), -3 (once)");
+        let all = in_words((1..=10).collect());
+        assert!(all.starts_with("+1 (once), +2 (once)") && all.ends_with("+8 (once), another (twice)"), "{all}");
+    }
+
+    #[test]
     fn a_large_hole_in_small_swings_is_counted_right() {
         for lost in [6_u32, 9, 14, 22, 35] {
             for begin in [2620_u32, 5040, 7455, 9870] {
@@ -364,6 +405,23 @@ mod tests {
             set_right(&mut times_s, &mut kept, false, &mut notes);
             assert_eq!((kept.len(), notes.len(), times_s.len()), (readings.len(), 0, readings.len()), "{notes:?}");
         }
+    }
+
+    /// A phone is carried and hung up before it swings: there its readings step, and no clock and no zero does.
+    #[test]
+    fn what_steps_in_a_hand_that_trembles_is_no_clock_and_no_zero() {
+        let trembles = |time_s: f64| 0.3 * (38.0 * time_s).sin() * (-4.0 * (time_s - 2.0).powi(2)).exp();
+        let carried = |time_s: f64| trembles(time_s) + if time_s > 2.05 { 0.05 } else { 0.0 };
+        let swings = |time_s: f64| 0.8 * (-(time_s - 4.0) / 30.0).exp() * (5.2 * (time_s - 4.0)).sin();
+        let reading = |idx: usize| match idx as f64 * STEP_S {
+            time_s if time_s < 4.0 => carried(time_s),
+            time_s => 0.05 + swings(time_s),
+        };
+        let line = std::f64::consts::TAU / LINES;
+        let mut readings: Vec<f64> = (0..20_000).map(|idx| (reading(idx) / line).round() * line).collect();
+        let (mut times_s, mut notes) = (nominal(readings.len()), Vec::new());
+        set_right(&mut times_s, &mut readings, false, &mut notes);
+        assert_eq!((times_s.len(), notes.len()), (20_000, 0), "{notes:?}");
     }
 
     /// By half of what the swing moves in a sample there, and by as much as it moves in one or two, as a clock's step would be.

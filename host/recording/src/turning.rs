@@ -109,6 +109,13 @@ pub fn half_swing_s(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64) -> 
     (!intervals.is_empty()).then(|| median(&mut intervals))
 }
 
+/// How often a stretch turns, beyond noise and a tremble beside all of it.
+pub(super) fn n_turns(times_s: &[f64], angles_rad: &[f64], noise_rms_rad: f64, all_rad: &[f64]) -> usize {
+    let (lowest, highest) = all_rad.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+    let fall_rad = (ROUGH_FALL_NOISE * noise_rms_rad).max(ROUGH_FALL_SHARE * (highest - lowest));
+    extrema(times_s, angles_rad, fall_rad).len()
+}
+
 /// Means of so many neighbours each.
 fn means(values: &[f64], n_mean: usize) -> Vec<f64> {
     values.chunks_exact(n_mean).map(|chunk| chunk.iter().sum::<f64>() / n_mean as f64).collect()
