@@ -61,6 +61,7 @@ pub(super) fn notes(
     notes.extend(as_quick_as_noise(cut));
     notes.extend(whole.driven_in_words(&swing));
     notes.extend(no_fading(whole, &swing));
+    notes.extend(disorder(cut, free));
     notes.extend(interruptions(recording, interrupted));
     notes.extend(carried(cut, bounds));
     notes.extend(wandering(recording, noise));
@@ -176,6 +177,16 @@ fn no_fading(cut: &Cut, free: &Range<usize>) -> Option<String> {
     Some(format!(
         "doubtful: its swings don't become smaller, as free ones do{}; does a motor or a hand drive it?",
         grown.unwrap_or_default()
+    ))
+}
+
+/// That it turns after times that no pendulum takes.
+fn disorder(cut: &Cut, free: &Range<usize>) -> Option<String> {
+    let (shortest_s, longest_s) = cut.disorder_s(free)?;
+    Some(format!(
+        "doubtful: from turn to turn it takes {} to {} s without order, and a pendulum nearly the same time: a hand may move it, or          several swing together; choose a stretch that swings freely with --from and --to",
+        significant(shortest_s, 2),
+        significant(longest_s, 2)
     ))
 }
 

@@ -15,6 +15,26 @@ fn a_hold_is_one_until_it_falls_however_the_hand_trembles() {
     }
 }
 
+/// Two pendulums on one string turn together after one time or another; one alone takes the same time, or less after large swings.
+#[test]
+fn turns_without_order_are_told_and_large_swings_that_become_shorter_are_not() {
+    let disorder_s = |angles: &[f64]| {
+        let recording = noisy(angles);
+        let all = 0..recording.len();
+        Cut::new(&recording, all.clone()).unwrap().disorder_s(&all)
+    };
+    let together = |idx: u32| {
+        let time_s = f64::from(idx) * STEP_S;
+        0.3 * (5.0 * time_s).sin() + 0.2 * (12.3 * time_s).sin()
+    };
+    let found = disorder_s(&(0..4000).map(together).collect::<Vec<_>>());
+    assert!(found.is_some_and(|(shortest_s, longest_s)| longest_s > 1.5 * shortest_s), "{found:?}");
+    for angle_rad in [0.1, 0.8, 2.0, 3.0] {
+        assert_eq!(disorder_s(&swing(angle_rad, 20.0)), None, "{angle_rad}");
+        assert!(!find(&swing_to_rest(angle_rad)).notes.iter().any(|note| note.contains("without order")));
+    }
+}
+
 /// From where it hangs to another angle and held there: with the least jerk, as people move.
 fn taken(from_rad: f64, to_rad: f64, duration_s: f64) -> Vec<f64> {
     let n = (duration_s / STEP_S) as usize;
