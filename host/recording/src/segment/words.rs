@@ -184,7 +184,7 @@ fn no_fading(cut: &Cut, free: &Range<usize>) -> Option<String> {
 fn disorder(cut: &Cut, free: &Range<usize>) -> Option<String> {
     let (shortest_s, longest_s) = cut.disorder_s(free)?;
     Some(format!(
-        "doubtful: from turn to turn it takes {} to {} s without order, and a pendulum nearly the same time: a hand may move it, or          several swing together; choose a stretch that swings freely with --from and --to",
+        "doubtful: from turn to turn it takes {} to {} s without order, and a pendulum nearly the same time: a hand may move it, or several swing together; choose a stretch that swings freely with --from and --to",
         significant(shortest_s, 2),
         significant(longest_s, 2)
     ))
