@@ -78,7 +78,7 @@ fn brakes_at(model: &Fitted, amplitude_rad: f64, times_s: &[f64], shares: &[f64]
             }
         }
     }
-    least > -TOLERANCE * most
+    least >= -TOLERANCE * most
 }
 
 fn friction_nm(parameters: &Parameters<f64>, motion: &Motion<f64>) -> f64 {
@@ -89,11 +89,18 @@ fn friction_nm(parameters: &Parameters<f64>, motion: &Motion<f64>) -> f64 {
         match effect_of(parameters, present.id)?.action {
             Action::Friction(torque) => Some(torque(motion, &values)),
             Action::State(memory) => Some(sliding_nm(&memory, motion, &values)),
-            Action::Formula(formula) => Some(Program::new(formula).friction_nm(motion, &values)),
+            Action::Formula(formula) => Some(typed_friction_nm(&Program::new(formula), motion, &values)),
             _ => None,
         }
     });
     added.sum::<f64>() - base_nm
+}
+
+/// What a typed torque takes on the way there and back at one place. What is the same in both directions, as the pull of what
+/// turns with the pendulum is, gives back on the one way what it takes on the other, and is no friction.
+fn typed_friction_nm(program: &Program<f64>, motion: &Motion<f64>, values: &[f64; MAX_VALUES]) -> f64 {
+    let back = Motion { velocity_rad_s: -motion.velocity_rad_s, direction: -motion.direction, ..*motion };
+    0.5 * (program.friction_nm(motion, values) - program.friction_nm(&back, values))
 }
 
 /// The friction of a contact that has slid for a turn.
@@ -111,6 +118,7 @@ mod tests {
     use crate::fit::problem::Point;
     use crate::fit::start;
     use crate::fit::tally::Tally;
+    use crate::formula;
 
     /// The frictionless rig with a drag on a swing of 1 rad.
     fn with_drag(strength: f64, ask: impl Fn(&Problem, &Fitted) -> bool) -> bool {
@@ -186,6 +194,21 @@ mod tests {
             is_sound(problem, &model)
         };
         assert!(!with_drag(2e-4, reversed));
+    }
+
+    #[test]
+    fn a_typed_torque_that_is_the_same_there_and_back_drives_nothing() {
+        let is_sound_with = |text: &str| {
+            with_drag(0.0, |problem, model| {
+                let mut model = model.clone();
+                formula::add(&mut model.parameters, formula::read(text).unwrap(), &[1e-3]).unwrap();
+                is_sound(problem, &model)
+            })
+        };
+        // A string that stretches; air; and a motor.
+        assert!(is_sound_with("torque = k*sin(theta)*(9.81*(cos(theta) - 1) + 7*omega^2); k in 0..0.1"));
+        assert!(is_sound_with("torque = -k*omega*abs(omega); k in 0..0.1"));
+        assert!(!is_sound_with("torque = k*omega; k in 0..0.1"));
     }
 
     #[test]
