@@ -95,8 +95,8 @@ pub enum GeometryError {
     /// The moment of inertia is far too large.
     #[error(
         "{name}: it swings with a period of {period_s:.3} s, but with an inertia of {inertia_kg_m2} kg·m² beside mass and \
-         length it would take {predicted_s:.3} s; give the moment of inertia about the centre of mass in kg·m²: \
-         set `inertia = {needed_kg_m2:.2e}` in rig.toml, which fits the period, or give `host init` that inertia"
+         length it would take {predicted_s:.3} s; {}",
+        cure_of_inertia(*needed_kg_m2)
     )]
     Inertia {
         /// The recording.
@@ -107,9 +107,22 @@ pub enum GeometryError {
         inertia_kg_m2: f64,
         /// What it would make, s.
         predicted_s: f64,
-        /// What the period asks for, kg·m².
+        /// What the period asks for, kg·m²; below zero where no inertia makes it as fast.
         needed_kg_m2: f64,
     },
+}
+
+/// What to do where the period asks for another inertia, kg·m².
+fn cure_of_inertia(needed_kg_m2: f64) -> String {
+    if needed_kg_m2 < 0.0 {
+        return "no moment of inertia makes it as fast: measure the length from the pivot to the centre of mass again, in metres; \
+                if it is right, look for what pulls beside gravity, such as a magnet or a spring, or leave this recording out"
+            .to_owned();
+    }
+    format!(
+        "give the moment of inertia about the centre of mass in kg·m²: set `inertia = {needed_kg_m2:.2e}` in rig.toml, which fits \
+         the period, or give `host init` that inertia"
+    )
 }
 
 /// Compares the pendulum of a model with the periods of swings; gives what is doubtful, in words.
@@ -237,7 +250,6 @@ fn judge(name: &str, period_s: f64, pendulum: &Pendulum<f64>) -> Result<(), Geom
     }
     let predicted_s = small_period_s(pendulum);
     if predicted_s > MOST_OFF.sqrt() * period_s {
-        let needed_kg_m2 = needed_kg_m2.max(0.0);
         return Err(GeometryError::Inertia { name, period_s, inertia_kg_m2, predicted_s, needed_kg_m2 });
     }
     Ok(())
@@ -337,6 +349,13 @@ mod tests {
         assert!(length.contains("`length = 0.1562177`"), "{length}");
         let inertia = refusal(|pendulum| pendulum.inertia_kg_m2 *= 1000.0);
         assert!(inertia.contains("`inertia = 2.8"), "{inertia}");
+    }
+
+    #[test]
+    fn no_inertia_is_proposed_where_none_makes_the_pendulum_as_fast() {
+        // A point at the paper's length takes 0.79 s.
+        let refused = check(&paper_but(|_| ()), &swings(0.1, 0.5)).expect_err("a refusal").to_string();
+        assert!(refused.contains("no moment of inertia") && !refused.contains("`inertia"), "{refused}");
     }
 
     #[test]
