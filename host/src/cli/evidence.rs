@@ -180,7 +180,12 @@ fn verdict(diagnosis: &Diagnosis) -> String {
         (names, is_unexplained) => {
             let it = if names.len() == 1 { "it" } else { "them" };
             let level = if diagnosis.levels.is_some() { " and a friction level for each release" } else { "" };
-            let rest = if is_unexplained { " What remains is not explained by any candidate." } else { "" };
+            let rest = match diagnosis.suspect {
+                _ if !is_unexplained => "",
+                // Who is likely is told next.
+                Some(_) => " More than noise is left.",
+                None => " What remains is not explained by any candidate.",
+            };
             format!(
                 "Missing: {}. With {it}{level} the error falls from {before},\nto {after}.{rest}",
                 names.join(" and ")
@@ -414,6 +419,9 @@ mod tests {
         assert!(suspected.ends_with("5.00 times the noise. More than noise is left."), "{suspected}");
         let partly = told(Diagnosis { unproven: unproven(), ..diagnosis() });
         assert!(partly.contains("no effect of the list holds on every part of the swings: none of these."), "{partly}");
+        let beside = |suspect| verdict(&Diagnosis { suspect, unexplained: true, ..with_drag() });
+        assert!(beside(Some("detent")).ends_with("noise. More than noise is left."), "{}", beside(Some("detent")));
+        assert!(beside(None).ends_with("not explained by any candidate."), "{}", beside(None));
         let nothing = told(diagnosis());
         assert!(nothing.contains("no effect of the list brings it down to the noise: none of these."), "{nothing}");
         let vague = told(Diagnosis { unproven: vec![claim(Standing::Vague, None)], ..diagnosis() });
