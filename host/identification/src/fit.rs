@@ -12,6 +12,7 @@ mod bend;
 pub mod blocks;
 pub mod by_least_squares;
 mod by_surfaces;
+mod clock_knots;
 pub mod clusters;
 pub mod covariance;
 pub mod curve;

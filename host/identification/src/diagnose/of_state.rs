@@ -24,7 +24,7 @@ use std::ops::RangeInclusive;
 /// were above it and 1 below [`IS_NONE`]; of 36 whose clock loses time, whose sensor has play, or whose friction differs
 /// between releases or ages over several, none was above it and 34 below. With half of it 10 of these 36 would be laws;
 /// at 0.9 there would be 10 laws fewer.
-const IS_LAW: f64 = 0.75;
+pub(super) const IS_LAW: f64 = 0.75;
 
 /// … and one that removes less than this is none. With half of it 17 of the 36 would be none; at 0.75 so would 8 laws.
 pub(super) const IS_NONE: f64 = 0.5;
@@ -75,6 +75,8 @@ pub struct OfState {
     pub torque_removes: f64,
     /// The same of a free error of the readings.
     pub reading_removes: f64,
+    /// The same of a clock that goes wrong alike in each release; `None` of one release, and of rates.
+    pub clock_removes: Option<f64>,
     /// How far apart the knots of the free torque are: along the angle, rad, and along the speed, rad/s.
     #[serde(skip)]
     pub(super) widths: [f64; 2],
@@ -95,7 +97,7 @@ pub struct OfState {
 
 impl Kind {
     fn of(FreeTorque { as_torque, as_reading, .. }: &FreeTorque) -> Self {
-        let is_scale = 1.0 - as_reading < LEAVES_TIMES * (1.0 - as_torque).max(0.0) + LEAVES_MORE;
+        let is_scale = removes_as_much(*as_reading, *as_torque);
         match *as_torque {
             share if share < IS_NONE => Self::Elsewhere,
             share if share < IS_LAW => Self::Undecided,
@@ -112,6 +114,7 @@ impl OfState {
             words: String::new(),
             torque_removes: found.as_torque,
             reading_removes: found.as_reading,
+            clock_removes: found.as_clock,
             widths: found.widths,
             blocks: found.n_blocks,
             releases: swings.len(),
@@ -152,6 +155,11 @@ impl Judge<'_, '_> {
     }
 }
 
+/// Does something else remove about as large a share as a torque does?
+pub(super) fn removes_as_much(share: f64, as_torque: f64) -> bool {
+    1.0 - share < LEAVES_TIMES * (1.0 - as_torque).max(0.0) + LEAVES_MORE
+}
+
 /// Are there two of sizes that differ enough, and not too much?
 fn sizes_differ(swings: &[Swing]) -> bool {
     let size = |swing: &Swing| swing.sizes_rad().fold(0.0_f64, |largest, size| largest.max(size.abs()));
@@ -168,7 +176,7 @@ mod tests {
         let times_s: Vec<f64> = (0..2000).map(|i| 0.02 * f64::from(i)).collect();
         let angles: Vec<f64> =
             times_s.iter().map(|time_s| (1.0 - time_s / 20.0).max(0.0) * (6.0 * time_s).cos()).collect();
-        let found = FreeTorque { as_torque: -0.1, as_reading: -0.2, n_blocks: 20, widths: [0.3, 2.0] };
+        let found = FreeTorque { as_torque: -0.1, as_reading: -0.2, as_clock: None, n_blocks: 20, widths: [0.3, 2.0] };
         let split = OfState::new(&found, &[Swing::new("", &times_s, &angles, 1e-3)], false);
         assert!(split.rest_is_seen && !split.words.contains("neighbouring"), "{}", split.words);
     }
@@ -180,7 +188,22 @@ mod tests {
             Swing::new("", &times_s, &angles, 1e-3)
         };
         let swings: Vec<Swing> = releases_rad.iter().map(swing).collect();
-        OfState::new(&FreeTorque { as_torque, as_reading, n_blocks: 20, widths: [0.3, 2.0] }, &swings, false)
+        let found = FreeTorque { as_torque, as_reading, as_clock: None, n_blocks: 20, widths: [0.3, 2.0] };
+        OfState::new(&found, &swings, false)
+    }
+
+    #[test]
+    fn a_clock_is_told_where_it_does_as_well_as_a_law_and_where_no_law_does() {
+        let words = |as_torque: f64, as_clock: f64| {
+            let law = said(as_torque, 0.3, &[1.2, 0.8]);
+            OfState { clock_removes: Some(as_clock), ..law }.in_words()
+        };
+        assert!(words(0.9, 0.95).contains("So would a clock"), "{}", words(0.9, 0.95));
+        assert!(!words(0.9, 0.3).contains("clock"), "{}", words(0.9, 0.3));
+        // A magnet near the path.
+        assert!(!words(0.79, 0.58).contains("clock"), "{}", words(0.79, 0.58));
+        assert!(words(0.2, 0.9).contains("A clock that goes wrong alike in each release would remove 90 %"));
+        assert!(!words(0.2, 0.1).contains("alike in each release"), "{}", words(0.2, 0.1));
     }
 
     #[test]

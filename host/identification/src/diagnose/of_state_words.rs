@@ -1,6 +1,6 @@
 //! What a split by angle and speed says, for a person.
 
-use super::of_state::{IS_NONE, Kind, OfPictures, OfState};
+use super::of_state::{IS_LAW, IS_NONE, Kind, OfPictures, OfState, removes_as_much};
 
 impl OfState {
     /// With what explains it if the readings come from pictures.
@@ -33,7 +33,29 @@ impl OfState {
             Kind::Elsewhere => self.elsewhere(left),
             Kind::Undecided => format!("Whether a law of the motion is missing can't be told: {removes}."),
         };
-        said + self.doubt_of_time()
+        said + &self.of_clock() + self.doubt_of_time()
+    }
+
+    /// A clock that goes wrong alike in each release, where it explains as much as a law does, or what no law explains. Of 17 pairs
+    /// of simulated releases whose clock warms up it removes 0.93 and more; of seven laws beyond the list 0.88 at most, and
+    /// less than a torque of angle and speed does.
+    fn of_clock(&self) -> String {
+        let Some(share) = self.clock_removes else { return String::new() };
+        match self.kind {
+            Kind::Elsewhere if share >= IS_NONE => {
+                format!(" A clock that goes wrong alike in each release would remove {}.", in_percent(share))
+            }
+            Kind::Law | Kind::LawOrScale | Kind::Undecided
+                if share >= IS_LAW.min(self.torque_removes) && removes_as_much(share, self.torque_removes) =>
+            {
+                format!(
+                    " So would a clock that goes wrong alike in each release, by {}: compare the logger's clock with another one \
+                 before you look for a law.",
+                    in_percent(share)
+                )
+            }
+            _ => String::new(),
+        }
     }
 
     /// What was found and what remains: of a law that a coarse grid can't show nothing is said.

@@ -5,8 +5,10 @@
 //! ([`super::blocks`]); a swing has one start, so that a block left out also shows what the torque has gathered until
 //! then. The model is linearised and its own numbers answer too, with the torque and without it. The same grid, read at
 //! once instead of acting as a torque, says what an uneven scale of the sensor would explain: such a scale and a torque
-//! can't be told apart, because a bent angle has a law of motion too.
+//! can't be told apart, because a bent angle has a law of motion too. Nor can a clock that goes wrong alike in each release
+//! where these pass few sizes at several times: so what it would explain is asked for as well ([`super::clock_knots`]).
 
+use super::clock_knots;
 use super::clusters::{Sums, upward_crossings};
 use super::fitted::Fitted;
 use super::left_out::{self, FEWEST, FOLDS, least_periods};
@@ -17,6 +19,7 @@ use super::scouts::scouts;
 use super::solve::Factor;
 use super::state_grid::{Grid, N_KNOTS};
 use crate::cores::on_all_cores;
+use crate::recording::Measured;
 use crate::swing::Swing;
 use nalgebra::{DMatrix, DVector};
 use std::array;
@@ -36,6 +39,8 @@ pub struct FreeTorque {
     pub as_torque: f64,
     /// Added to the readings.
     pub as_reading: f64,
+    /// As a clock that goes wrong alike in each of several releases; `None` of one, and of rates.
+    pub as_clock: Option<f64>,
     /// How many blocks there were.
     pub n_blocks: usize,
     /// From knot to knot: along the angle, rad, and along the speed, rad/s.
@@ -63,11 +68,23 @@ fn of_all(on: &Problem, model: &Fitted) -> Option<FreeTorque> {
     }
     let place = Place { n_unknowns: model.unknowns.len(), n_swings: swings.len() };
     let noise = on.noise_rad().powi(2);
-    let removes = |columns: Vec<Vec<Vec<f64>>>| Folds::new(&place, &swings, &columns, &ranges).removes(noise);
+    let removes = |columns: Vec<Vec<Vec<f64>>>, ridge: DMatrix<f64>| {
+        Folds::new(&place, &swings, &columns, &ranges).removes(noise, ridge)
+    };
     let as_torque = on_all_cores(&paths, |path| path.answers(N_KNOTS, |at| grid.weights(at)));
     let as_reading = on_all_cores(&paths, |path| grid.readings(path));
-    let (as_torque, as_reading) = rayon::join(|| removes(as_torque), || removes(as_reading));
-    Some(FreeTorque { as_torque: as_torque?, as_reading: as_reading?, n_blocks, widths: grid.widths() })
+    let (as_torque, as_reading) =
+        rayon::join(|| removes(as_torque, Grid::ridge()), || removes(as_reading, Grid::ridge()));
+    let as_clock = of_clock(on, &paths).and_then(|columns| removes(columns, clock_knots::ridge()));
+    Some(FreeTorque { as_torque: as_torque?, as_reading: as_reading?, as_clock, n_blocks, widths: grid.widths() })
+}
+
+/// What a clock would do that goes wrong alike in each release; within one any law of the period does the same.
+fn of_clock(on: &Problem, paths: &[Path]) -> Option<Vec<Vec<Vec<f64>>>> {
+    let is_angle = on.swings.iter().all(|swing| swing.measured == Measured::Angle);
+    let all = || paths.iter().zip(on.swings);
+    let of_swing = |(path, swing): (&Path, &Swing)| clock_knots::readings(path, &swing.times_s, on.longest_s());
+    (is_angle && paths.len() > 1).then(|| all().map(of_swing).collect())
 }
 
 /// The blocks of each swing.
@@ -163,10 +180,10 @@ impl Folds {
     }
 
     /// Share of the excess over the noise's variance that the knots remove, with the ridge that suits them best.
-    fn removes(&self, noise: f64) -> Option<f64> {
+    fn removes(&self, noise: f64, ridge: DMatrix<f64>) -> Option<f64> {
         let noise = noise * self.folds.iter().map(|fold| fold.n_samples).sum::<usize>() as f64;
         let without = self.left_out(None) - noise;
-        let ridge = self.told() * Grid::ridge();
+        let ridge = self.told() * ridge;
         let strengths: Vec<f64> = STRENGTHS.map(|power| 10f64.powi(power)).collect();
         let with = on_all_cores(strengths, |strength| self.left_out(Some(&(strength * &ridge))) - noise);
         let best = with.into_iter().min_by(f64::total_cmp)?;

@@ -316,8 +316,27 @@ fn a_free_torque_takes_the_friction_that_a_model_lacks() {
     lacking.unknowns.retain(|unknown| unknown.symbol == "I");
     let found = free_torque(&lacking, &fitted(&lacking)).unwrap();
     assert!(found.as_torque > 0.9 && found.as_torque > found.as_reading, "{found:?}");
+    assert_eq!(found.as_clock, None, "one release can't tell a clock from a law");
     // Nine periods and a half, a block each, of which the first and the last hold the rest.
     assert!((7..=10).contains(&found.n_blocks), "{found:?}");
+}
+
+#[test]
+fn a_clock_that_warms_up_in_each_release_explains_what_it_leaves() {
+    let late = |[swing]: [Swing; 1]| {
+        let longest_s = swing.times_s.last().copied().unwrap_or(1.0);
+        let read = |t: &f64| t + 5e-3 * (1.0 - (-4.0 * t / longest_s).exp());
+        let times_s: Vec<f64> = swing.times_s.iter().map(read).collect();
+        Swing::new("late", &times_s, &swing.angles_rad, swing.noise_rad)
+    };
+    let (swings, count) = ([0.0, 1e-3].map(|zero_rad| late(noisy_swing(zero_rad, 1e-5))), Tally::default());
+    let mut problem = viscous_problem(&swings, VISCOUS, &count);
+    problem.unknowns.retain(|unknown| unknown.symbol == "I");
+    let point =
+        Point { values: problem.template_values(), starts: [at_rest(RELEASE_RAD), at_rest(RELEASE_RAD)].concat() };
+    let begin = Fitted::at(&problem, &point).with_stiction(Stiction::NONE);
+    let found = free_torque(&problem, &begin.descended(&problem, Window::Whole, Tolerance::FINE)).unwrap();
+    assert!(found.as_clock.is_some_and(|share| share > 0.9), "{found:?}");
 }
 
 #[test]

@@ -12,7 +12,7 @@ const SPEED_KNOTS: usize = 5;
 pub const N_KNOTS: usize = 2 * SPEED_KNOTS * ANGLE_KNOTS;
 
 /// The torque itself costs this much of what its bends cost: it keeps knots at zero that no swing passes.
-const LEVEL: f64 = 1e-4;
+pub(super) const LEVEL: f64 = 1e-4;
 
 /// Knots over the angles and speeds of the swings, straight lines between them; either direction of motion has its own,
 /// because friction turns with it.
@@ -72,7 +72,7 @@ impl Grid {
 }
 
 /// The two knots of so many around a share of the way, and their weights.
-fn between(share: f64, n_knots: usize) -> [(usize, f64); 2] {
+pub(super) fn between(share: f64, n_knots: usize) -> [(usize, f64); 2] {
     let place = share.clamp(0.0, 1.0) * (n_knots - 1) as f64;
     let first = (place as usize).min(n_knots - 2);
     let behind = place - first as f64;
