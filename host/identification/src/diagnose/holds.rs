@@ -160,7 +160,7 @@ fn tested(on: &Problem, model: &Fitted, name: &'static str, clusters: &[Cluster]
     };
     let Some((k, whole)) = test.clearest(&sums) else { return Holding::unknown(on, model, name, n_windows) };
     let standing = match standing {
-        Standing::Holds if test.is_within_its_scatter(&sums) => Standing::Partly,
+        Standing::Holds if whole.error.is_some_and(|error| whole.value.abs() < error) => Standing::Partly,
         standing => standing,
     };
     let parts = parts(on, test, k, whole.value, clusters);
@@ -237,13 +237,6 @@ impl Test {
     fn clearest(&self, sums: &[Sums]) -> Option<(usize, Strength)> {
         let size = |found: &Strength| found.std.map_or(0.0, |std| found.value.abs() / std);
         self.found(sums)?.into_iter().enumerate().max_by(|a, b| size(&a.1).total_cmp(&size(&b.1)))
-    }
-
-    /// Is no strength larger than how it scatters over the clusters? One that a single cluster tells has no scatter: beside it
-    /// those that are nearly zero say nothing, and the score without any two clusters has to decide.
-    fn is_within_its_scatter(&self, sums: &[Sums]) -> bool {
-        let is_within = |found: &Strength| found.error.is_some_and(|error| found.value.abs() < error);
-        self.found(sums).is_some_and(|strengths| strengths.iter().all(is_within))
     }
 
     /// The strengths as some samples have them.
@@ -402,23 +395,6 @@ mod tests {
             assert!((strength.error.unwrap() / error - 1.0).abs() < 1e-9);
             assert!((strength.std.unwrap() / (2.201 / 1.96 * error) - 1.0).abs() < 1e-3);
         }
-    }
-
-    #[test]
-    fn a_strength_that_is_nearly_zero_says_nothing_beside_one_without_a_scatter() {
-        let test = Test { columns: vec![0, 1, 2], strengths: vec![0.0, 0.0] };
-        let around = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -0.9 };
-        let is_within = |weight: f64, value: f64| {
-            let mut sums: Vec<Sums> =
-                clusters_of(|k| [around(k), around(k), value], 12).iter().map(Cluster::sums).collect();
-            sums[3].matrix[(2, 2)] *= weight;
-            sums[3].gradient[2] *= weight;
-            test.is_within_its_scatter(&sums)
-        };
-        assert!(!is_within(100.0, 2.0), "one window tells nearly all of the second strength");
-        assert!(!is_within(1.0, 2.0), "all windows agree on the second strength");
-        let sums: Vec<Sums> = clusters_of(|k| [0.0, around(k), around(k + 1)], 12).iter().map(Cluster::sums).collect();
-        assert!(test.is_within_its_scatter(&sums), "neither strength is larger than its scatter");
     }
 
     #[test]
