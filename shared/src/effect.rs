@@ -62,6 +62,7 @@ effects! {
     general_spring,
     detent,
     pivot_compliance,
+    string_stretch,
     resonant_support,
     presliding,
     general_presliding,

@@ -1,13 +1,12 @@
 //! Discovery: which physical effect is missing from the model?
 //!
 //! The base model is fitted first, and the bank has a [`mod@first_look`] around it. If the model leaves more than the
-//! noise, every effect of the list is tried: a score test ([`score`]) tells in one linearised step what each could
-//! gain, the promising ones are fitted in earnest ([`crate::fit::refine`]), and [`mod@search`] goes on with pairs
-//! until nothing significant is left. `verdict` says what may be claimed, what can't be told apart ([`replacement`],
-//! `ties`), what is only a shifted zero of the sensor ([`zero`]), and what stays unexplained; nothing is claimed that
-//! does not hold on every part of the swings ([`holds`]). Where more than the noise stays, the friction [`levels`] of
-//! the releases may differ. For what is left, [`formulas`] searches small laws if
-//! somebody wishes.
+//! noise, every effect of the list is tried: a score test ([`crate::fit::prediction`]) tells in one linearised step what
+//! each could gain, the promising ones are fitted in earnest ([`crate::fit::refine`]), and [`mod@search`] goes on with
+//! pairs until nothing significant is left. `verdict` says what may be claimed, what can't be told apart
+//! ([`replacement`], `ties`), what is only a shifted zero of the sensor ([`zero`]), and what stays unexplained; nothing
+//! is claimed that does not hold on every part of the swings ([`holds`]). Where more than the noise stays, the friction
+//! [`levels`] of the releases may differ. For what is left, [`formulas`] searches small laws if somebody wishes.
 
 mod budget;
 mod conclusion;

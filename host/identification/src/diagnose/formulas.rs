@@ -1,7 +1,7 @@
 //! What no effect of the list explains: a search through small formulas for the torque that is left.
 //!
 //! A formula is a strength times a law of speed, a law of angle, or both: powers of |ω|, sgn ω, sines and cosines of
-//! nθ, powers of |θ|, bumps. Each is judged by the score test over all parameters ([`super::score`]), as the effects
+//! nθ, powers of |θ|, bumps. Each is judged by the score test over all parameters ([`crate::fit::prediction`]), as the effects
 //! of the list are: a torque map would have to be averaged over bins and would not let friction and inertia answer.
 //! First the laws of speed and of angle alone, then the best laws of speed times those of angle; the best few are fitted
 //! with their exponents, widths and places free. Every number and every factor counts against a formula.

@@ -6,7 +6,7 @@
 //! then. The model is linearised and its own numbers answer too, with the torque and without it. The same grid, read at
 //! once instead of acting as a torque, says what an uneven scale of the sensor would explain: such a scale and a torque
 //! can't be told apart, because a bent angle has a law of motion too. Nor can a clock that goes wrong alike in each release
-//! where these pass few sizes at several times: so what it would explain is asked for as well ([`super::clock_knots`]).
+//! where these pass few sizes at several times: so what it would explain is asked for as well (`clock_knots.rs`).
 
 use super::clock_knots;
 use super::clusters::{Sums, upward_crossings};
