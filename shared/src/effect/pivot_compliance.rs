@@ -51,7 +51,8 @@ fn torque<R: Real>(motion: &Motion<R>, values: &[R; MAX_VALUES]) -> R {
 
 #[cfg(test)]
 mod tests {
-    use crate::effect::tests_support::torque_at;
+    use crate::effect::tests_support::{angles_of_two_bodies, angles_with, apart, torque_at};
+    use crate::motion::Pendulum;
 
     const M: f64 = 0.15;
     const L: f64 = 0.16;
@@ -76,47 +77,17 @@ mod tests {
             [u, push, omega, turn]
         };
         let x0 = compliance * M * L * libm::cos(start) * libm::sin(start) * M * G * L / (M * L * L + I);
-        let (mut y, mut time, dt) = ([x0, 0.0, start, 0.0], 0.0, 2e-5);
-        let moved = |y: [f64; 4], k: [f64; 4], h: f64| -> [f64; 4] { core::array::from_fn(|i| y[i] + h * k[i]) };
-        let until = |target: &f64| {
-            while time < *target - 0.5 * dt {
-                let k1 = slope(y);
-                let k2 = slope(moved(y, k1, 0.5 * dt));
-                let k3 = slope(moved(y, k2, 0.5 * dt));
-                let k4 = slope(moved(y, k3, dt));
-                y = core::array::from_fn(|i| y[i] + dt / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
-                time += dt;
-            }
-            y[2]
-        };
-        times.iter().map(until).collect()
-    }
-
-    /// The rigid pendulum with the effect's torque.
-    fn with_effect(compliance: f64, start: f64, times: &[f64]) -> std::vec::Vec<f64> {
-        use crate::{model::Model, motion::Pendulum, parameters::Parameters};
-        let pendulum = Pendulum { mass_kg: M, length_m: L, inertia_kg_m2: I, gravity_m_s2: G };
-        let mut parameters = Parameters::frictionless(pendulum);
-        parameters.set(20, &[compliance]).unwrap();
-        let model = Model::new(&parameters);
-        let mut state = model.release(start, 0.0);
-        let until = |target: &f64| {
-            while state.time_s < *target - 5e-4 {
-                model.step(&mut state, 1e-3);
-            }
-            state.angle_rad
-        };
-        times.iter().map(until).collect()
+        angles_of_two_bodies(slope, [x0, 0.0, start, 0.0], 2e-5, times)
     }
 
     #[test]
     #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn it_agrees_with_a_support_of_its_own_degree_of_freedom() {
         let times: std::vec::Vec<f64> = (1..=40).map(|i| 0.05 * f64::from(i)).collect();
+        let pendulum = Pendulum { mass_kg: M, length_m: L, inertia_kg_m2: I, gravity_m_s2: G };
         for start in [0.3, 0.8, 1.4] {
-            let rigid = with_effect(0.0, start, &times);
-            let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
-            let ours = with_effect(COMPLIANCE, start, &times);
+            let with = |compliance: f64| angles_with(&super::effect(), &[compliance], pendulum, start, &times);
+            let (rigid, ours) = (with(0.0), with(COMPLIANCE));
             let theirs = two_degrees_of_freedom(COMPLIANCE, start, &times);
             let (effect, error) = (apart(&rigid, &theirs), apart(&ours, &theirs));
             // What is left is the support ringing after the release, as the square root of the compliance.

@@ -112,6 +112,7 @@ fn shake<R: Real>(motion: &Motion<R>, memory: &[R; MEMORY], values: &[R; MAX_VAL
 
 #[cfg(test)]
 mod tests {
+    use crate::effect::tests_support;
     use crate::model::Model;
     use crate::motion::Pendulum;
     use crate::parameters::Parameters;
@@ -141,14 +142,8 @@ mod tests {
 
     const DT: f64 = 5e-5;
 
-    /// One Runge–Kutta step.
     fn stepped(y: [f64; 4], rubs_nm: Option<f64>, dt: f64) -> [f64; 4] {
-        let moved = |k: [f64; 4], h: f64| -> [f64; 4] { core::array::from_fn(|i| y[i] + h * k[i]) };
-        let k1 = slope(y, rubs_nm);
-        let k2 = slope(moved(k1, 0.5 * dt), rubs_nm);
-        let k3 = slope(moved(k2, 0.5 * dt), rubs_nm);
-        let k4 = slope(moved(k3, dt), rubs_nm);
-        core::array::from_fn(|i| y[i] + dt / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
+        tests_support::stepped(|y| slope(y, rubs_nm), y, dt)
     }
 
     /// Angles every 5 ms of two bodies with dry friction: it slides until it turns, and slides on if what the bearing

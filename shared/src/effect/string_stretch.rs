@@ -46,8 +46,8 @@ fn torque<R: Real>(motion: &Motion<R>, values: &[R; MAX_VALUES]) -> R {
 
 #[cfg(test)]
 mod tests {
-    use crate::effect::tests_support::torque_at;
-    use crate::{model::Model, motion::Pendulum, parameters::Parameters};
+    use crate::effect::tests_support::{angles_of_two_bodies, angles_with, apart, torque_at};
+    use crate::motion::Pendulum;
     use std::vec::Vec;
 
     const L: f64 = 0.8;
@@ -64,46 +64,17 @@ mod tests {
             let push = r * omega * omega + G * (libm::cos(angle) - 1.0) - stiffness * way - damping * speed;
             [speed, push, omega, (-G * libm::sin(angle) - 2.0 * speed * omega) / r]
         };
-        let moved = |y: [f64; 4], k: [f64; 4], h: f64| -> [f64; 4] { core::array::from_fn(|i| y[i] + h * k[i]) };
-        let (mut y, mut time, dt) = ([strain * L * (libm::cos(start) - 1.0), 0.0, start, 0.0], 0.0, 1e-4);
-        let until = |target: &f64| {
-            while time < *target - 0.5 * dt {
-                let k1 = slope(y);
-                let k2 = slope(moved(y, k1, 0.5 * dt));
-                let k3 = slope(moved(y, k2, 0.5 * dt));
-                let k4 = slope(moved(y, k3, dt));
-                y = core::array::from_fn(|i| y[i] + dt / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
-                time += dt;
-            }
-            y[2]
-        };
-        times.iter().map(until).collect()
-    }
-
-    /// The rigid pendulum with the effect's torque.
-    fn with_effect(strain: f64, start: f64, times: &[f64]) -> Vec<f64> {
-        let pendulum = Pendulum { mass_kg: 0.1, length_m: L, inertia_kg_m2: 0.0, gravity_m_s2: G };
-        let mut parameters = Parameters::frictionless(pendulum);
-        parameters.set(super::effect::<f64>().id, &[strain]).unwrap();
-        let model = Model::new(&parameters);
-        let mut state = model.release(start, 0.0);
-        let until = |target: &f64| {
-            while state.time_s < *target - 5e-4 {
-                model.step(&mut state, 1e-3);
-            }
-            state.angle_rad
-        };
-        times.iter().map(until).collect()
+        angles_of_two_bodies(slope, [strain * L * (libm::cos(start) - 1.0), 0.0, start, 0.0], 1e-4, times)
     }
 
     #[test]
     #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn it_agrees_with_a_spring_that_carries_the_bob() {
         let times: Vec<f64> = (1..=60).map(|i| 0.1 * f64::from(i)).collect();
-        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
+        let pendulum = Pendulum { mass_kg: 0.1, length_m: L, inertia_kg_m2: 0.0, gravity_m_s2: G };
         for start in [0.3, 0.8, 1.2] {
-            let rigid = with_effect(0.0, start, &times);
-            let (ours, theirs) = (with_effect(STRAIN, start, &times), on_a_spring(STRAIN, start, &times));
+            let with = |strain: f64| angles_with(&super::effect(), &[strain], pendulum, start, &times);
+            let (rigid, ours, theirs) = (with(0.0), with(STRAIN), on_a_spring(STRAIN, start, &times));
             let (effect, error) = (apart(&rigid, &theirs), apart(&ours, &theirs));
             assert!(error < 0.02 * effect, "from {start}: effect {effect:e}, error {error:e}");
         }

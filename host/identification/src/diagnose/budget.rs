@@ -124,7 +124,10 @@ mod tests {
         let several = Budget::new(&tally);
         several.keep_for_pairs(true);
         simulate(MOST_OF_THE_SEARCH as usize / 2);
-        assert!(!several.allows_more(), "pairs have their part");
+        assert!(
+            !several.allows_more() && several.allows_wider_forms(),
+            "pairs have their part, of which wider forms may take"
+        );
         several.keep_for_pairs(false);
         assert!(several.allows_more());
         let budget = Budget::new(&tally);
