@@ -58,6 +58,7 @@ pub mod start;
 pub mod state_grid;
 pub mod step;
 pub mod stiction;
+mod stiction_bounds;
 pub mod stop_level;
 pub mod tally;
 pub mod tolerance;

@@ -357,6 +357,11 @@ impl Swing {
         Self { schedules, pace: self.pace, ..thin }
     }
 
+    /// The same times with other readings.
+    pub fn reading(&self, angles_rad: Vec<f64>) -> Self {
+        Self { angles_rad, ..self.clone() }
+    }
+
     /// Number of samples in a window.
     pub fn samples_within(&self, window: Window) -> usize {
         match window {

@@ -3,6 +3,9 @@
 use super::problem::Unknown;
 use serde::Serialize;
 
+/// A number is not identified from this relative standard deviation on.
+pub const UNKNOWN_SHARE: f64 = 0.5;
+
 /// How far a number may be trusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]

@@ -137,7 +137,10 @@ impl Report<'_, '_> {
         }
         let bound = number.upper.map_or(String::new(), |upper| format!("; it is below {} {unit}", two_digits(upper)));
         if number.status == Status::UpperBound && *value > 0.0 {
-            return Some(format!("{symbol} is only known to be no larger, because no swing comes to rest{bound}"));
+            let known = number
+                .upper
+                .map_or("unknown".to_owned(), |upper| format!("only known to be below {} {unit}", two_digits(upper)));
+            return Some(format!("{symbol} is {known}, because no swing comes to rest"));
         }
         let unknown =
             self.problem.unknowns.iter().find(|unknown| unknown.symbol == *symbol && unknown.name == number.name);

@@ -6,40 +6,24 @@
 //! the other numbers to first order, rises beyond what is likely. What a band that no swing shows would move the other
 //! numbers by is part of their uncertainty.
 
-use super::answered::{answered_costs, likely_rise, stiction_unknowns};
+use super::answered::stiction_unknowns;
 use super::covariance::{Covariance, with_model_error};
 use super::fitted::{Fitted, Stiction};
-use super::linear::{Linear, Steps, SwingLinear, linearise};
-pub use super::number::{Number, Status, Uncertainty};
-use super::problem::{PER_SWING, Problem, Quantity, Unknown};
-use super::rounding::has_open_steps;
-use super::stop_level;
+pub use super::number::{Number, Status, UNKNOWN_SHARE, Uncertainty};
+use super::problem::{Problem, Quantity, Unknown};
+use super::stiction_bounds::{Smooth, bound};
 use super::tolerated::tolerated;
 use super::unseen::with_unseen_band;
-use crate::swing::Window;
-use shared::parameters::base;
 
 /// Numbers that are correlated beyond this, and uncertain by more than half their value, are only known together.
 const ALIKE_CORRELATION: f64 = 0.995;
-
-/// A number is not identified from this relative standard deviation on.
-pub const UNKNOWN_SHARE: f64 = 0.5;
-
-/// Steps of a profile: each so many times the one before. Half and twice were not tried, nor of the next two.
-const PROFILE_GROWTH: f64 = 1.25;
-
-/// They begin with this share of what matters …
-const PROFILE_FROM: f64 = 0.02;
-
-/// … and are so many: the last one is 0.02 · 1.25³⁵ = 49 times what matters.
-const N_PROFILE: usize = 36;
 
 /// The uncertainty of a model that was fitted to the swings of a problem.
 pub fn uncertainty(on: &Problem, model: &Fitted) -> Uncertainty {
     let (mut found, smooth) = of_smooth_numbers(on, model);
     if let [.., level, band] = found.numbers.as_mut_slice() {
-        if !smooth.has_stiction {
-            bound_stiction(on, model, &smooth, level, band);
+        if !smooth.with_stiction {
+            bound(on, model, &smooth, level, band);
         } else if band.status == Status::NotIdentified {
             // Without a band, where the pendulum stops depends on Ms in jumps, of which no slope at a band tells.
             (level.status, level.std) = (Status::NotIdentified, None);
@@ -57,14 +41,6 @@ pub fn without_bounds(on: &Problem, model: &Fitted) -> Uncertainty {
 /// there.
 pub fn with_the_rig_free(on: &Problem, model: &Fitted) -> Uncertainty {
     tolerated(on, model, of_numbers(on, model, Unknown::is_of_the_rig).0)
-}
-
-/// What the covariance was made from.
-struct Smooth<'a> {
-    linear: Linear<'a>,
-    covariance: Option<Covariance>,
-    /// Are Ms and DV among its columns?
-    has_stiction: bool,
 }
 
 fn of_smooth_numbers<'a>(on: &Problem<'a>, model: &Fitted) -> (Uncertainty, Smooth<'a>) {
@@ -106,7 +82,7 @@ fn of_numbers<'a>(on: &Problem<'a>, model: &Fitted, is_free: impl Fn(&Unknown) -
     let row = |i: usize| (0..unknowns.len()).map(|j| correlation(i, j)).collect();
     let correlations = (0..unknowns.len()).map(row).collect();
     let coloured = covariance.as_ref().is_some_and(|covariance| covariance.coloured);
-    (Uncertainty { numbers, correlations, alike, coloured }, Smooth { linear, covariance, has_stiction })
+    (Uncertainty { numbers, correlations, alike, coloured }, Smooth { linear, covariance, with_stiction: has_stiction })
 }
 
 /// Of a band that the swings do not tell no slope says what the other numbers would be beside another one: they are known no
@@ -134,51 +110,6 @@ fn says(unknown: &Unknown, std: f64) -> bool {
     !unknown.is_stiction() || std < unknown.high - unknown.low
 }
 
-/// Ms and DV where the covariance says nothing of them.
-fn bound_stiction(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut Number, band: &mut Number) {
-    let decimated = on.decimated();
-    let rough = on.on(&decimated);
-    let share = share_of_samples(&rough, on);
-    let allowed = share * likely_rise(on, &smooth.linear);
-    let (level_scale, band_scale) = (level.unknown.scale, band.unknown.scale);
-    let wider = |more: f64, at: Stiction| Stiction { velocity_band: at.velocity_band + more, ..at };
-    (band.status, band.std) = (Status::UpperBound, None);
-    // What holds less may hold over a wider band, and the narrower that is, the more may hold.
-    let coulomb_nm = model.parameters.values(base::COULOMB).map_or(0.0, |values| values[0]);
-    let lightest = Stiction { level_nm: coulomb_nm, velocity_band: 0.0 };
-    let bound = |from: Stiction, scale: f64, moved: &dyn Fn(f64, Stiction) -> Stiction| {
-        profile_bound(&rough, model, from, allowed, scale, moved)
-    };
-    let of_bands = [model.stiction(), lightest].map(|from| bound(from, band_scale, &wider));
-    band.upper = larger(of_bands, |at| at.velocity_band);
-    if on.comes_to_rest() {
-        // What rounding leaves open is alike in so many samples as there are.
-        let (looked_at, allowed) =
-            if has_open_steps(on, &smooth.linear) { (on, likely_rise(on, &smooth.linear)) } else { (&rough, allowed) };
-        let (low, high) = stop_level::likely(looked_at, model, allowed);
-        let spread = mean_square_about(level.value, (low, high))
-            + stop_variance(&smooth.linear, smooth.covariance.as_ref(), model);
-        level.std = (high > low).then(|| spread.sqrt());
-        let is_known = level.std.is_some_and(|std| std < UNKNOWN_SHARE * level.value);
-        level.status = if is_known { Status::Identified } else { Status::NotIdentified };
-    } else {
-        let higher = |more: f64, at: Stiction| Stiction { level_nm: at.level_nm + more, ..at };
-        (level.status, level.std) = (Status::UpperBound, None);
-        let of_levels = [model.stiction(), lightest].map(|from| bound(from, level_scale, &higher));
-        level.upper = larger(of_levels, |at| at.level_nm);
-    }
-}
-
-/// Of values that are as likely anywhere in a range, about one that need not be in its middle.
-fn mean_square_about(value: f64, (low, high): (f64, f64)) -> f64 {
-    ((low + high) / 2.0 - value).powi(2) + (high - low).powi(2) / 12.0
-}
-
-/// How many of the samples of a problem another one has.
-fn share_of_samples(few: &Problem, all: &Problem) -> f64 {
-    few.n_samples(Window::Whole) as f64 / all.n_samples(Window::Whole).max(1) as f64
-}
-
 impl Uncertainty {
     /// Where a quantity stands.
     pub fn index_of(&self, quantity: Quantity) -> Option<usize> {
@@ -193,49 +124,6 @@ pub fn size(unknown: &Unknown, model: &Fitted) -> f64 {
         Quantity::Inertia => model.parameters.pendulum.pivot_inertia_kg_m2(),
         _ => unknown.get(&model.parameters).abs(),
     }
-}
-
-/// The larger of two bounds; `None` where one of them is nowhere.
-fn larger(of: [Option<Stiction>; 2], value: impl Fn(Stiction) -> f64) -> Option<f64> {
-    let [a, b] = of;
-    Some(value(a?).max(value(b?)))
-}
-
-/// Where the error has risen for good by more than is `allowed` (rad²) with a growing Ms or DV, the other numbers answering to
-/// first order; `None` if it never does.
-fn profile_bound(
-    on: &Problem,
-    model: &Fitted,
-    from: Stiction,
-    allowed: f64,
-    scale: f64,
-    moved: impl Fn(f64, Stiction) -> Stiction,
-) -> Option<Stiction> {
-    let (problem, point) = (model.problem(on), model.point());
-    let linear = linearise(&problem, &point, Window::Whole, &mut Steps::found(&problem, &point));
-    let more = |k: usize| PROFILE_FROM * scale * PROFILE_GROWTH.powi(k as i32);
-    let mut tried = vec![model.stiction()];
-    tried.extend((0..N_PROFILE).map(|k| moved(more(k), from)));
-    let costs = answered_costs(&problem, &linear, &point, &tried);
-    let last_likely = (0..tried.len()).rfind(|k| costs[*k] <= costs[0] + allowed)?;
-    tried.get(last_likely + 1).copied()
-}
-
-/// Variance of the torque at which the model stops, (N·m)²: its last angle is known no better than its numbers.
-fn stop_variance(linear: &Linear, covariance: Option<&Covariance>, model: &Fitted) -> f64 {
-    let Some(covariance) = covariance else { return 0.0 };
-    let gravity = model.parameters.pendulum.gravity_torque_nm();
-    let n_unknowns = linear.n_unknowns();
-    let of_swing = |swing_idx: usize, swing: &SwingLinear| {
-        let place = |j: usize| if j < n_unknowns { j } else { j + PER_SWING * swing_idx };
-        let last: Vec<f64> = swing.columns.iter().map(|column| column.last().copied().unwrap_or(0.0)).collect();
-        let product = |i: usize, j: usize| last[i] * last[j] * covariance.matrix[(place(i), place(j))];
-        let sum: f64 =
-            (0..last.len()).flat_map(|i| (0..last.len()).map(move |j| (i, j))).map(|(i, j)| product(i, j)).sum();
-        sum
-    };
-    let largest = linear.each(of_swing).into_iter().filter(|x| x.is_finite()).fold(0.0, f64::max);
-    gravity.powi(2) * largest
 }
 
 /// Marks numbers that make up for each other, and says which.
@@ -278,17 +166,6 @@ mod tests {
     use shared::parameters::Parameters;
 
     #[test]
-    fn every_fourth_sample_is_a_quarter() {
-        let count = Tally::default();
-        let times_s: Vec<f64> = (0..2000).map(|i| f64::from(i) * 5e-3).collect();
-        let angles_rad: Vec<f64> = times_s.iter().map(|t| (6.0 * t).cos()).collect();
-        let swings = [Swing::new("one", &times_s, &angles_rad, 1e-4)];
-        let all = problem_of(&swings, &Parameters::paper(), &count);
-        let few = [swings[0].thinned(50.0)];
-        assert_eq!(share_of_samples(&all.on(&few), &all), 0.25);
-    }
-
-    #[test]
     fn a_deviation_of_ms_beyond_its_range_is_none() {
         let level = &stiction_unknowns(&Parameters::paper())[0];
         let range = level.high - level.low;
@@ -328,60 +205,5 @@ mod tests {
         }
         let [.., level, _] = &with[..] else { panic!("{with:?}") };
         assert!(level.status == Status::NotIdentified && level.std.is_none(), "{level:?}");
-    }
-
-    /// Without a rest what a level holds over a band shows as one number: a high one over a narrow band is as good as the truth.
-    #[test]
-    fn bounds_hold_a_truth_that_holds_less_over_a_wider_band() {
-        let (mut truth, count) = (Parameters::paper(), Tally::default());
-        truth.set_friction(2e-4, 2e-4, 3e-4, 0.1);
-        let model = Model::new(&truth);
-        let mut state = model.release(0.6, 0.0);
-        let times_s: Vec<f64> = (0..1600).map(|i| f64::from(i) / 200.0).collect();
-        let mut angles_rad = Vec::new();
-        for i in 0..times_s.len() {
-            let noise_rad = 2e-4 * if i % 2 == 0 { 1.0 } else { -1.0 };
-            angles_rad.push(state.angle_rad + noise_rad);
-            (0..2).for_each(|_| model.step(&mut state, 2.5e-3));
-        }
-        let swings = [Swing::new("one", &times_s, &angles_rad, 2e-4)];
-        let on = problem_of(&swings, &truth, &count);
-        let starts = vec![Start { angle_rad: 0.6, velocity_rad_s: 0.0, offset_rad: 0.0 }];
-        let narrow = Stiction { level_nm: 6e-3, velocity_band: 0.005 };
-        let begun = Fitted::at(&on, &Point { values: on.template_values(), starts }).with_stiction(narrow);
-        let found = uncertainty(&on, &begun.refined(&on, Band::Held, Tolerance::JUDGE));
-        let [.., level, band] = &found.numbers[..] else { panic!("{found:?}") };
-        assert!(level.upper.is_none_or(|upper| upper > 3e-4) && band.upper.is_none_or(|upper| upper > 0.1), "{band:?}");
-    }
-
-    #[test]
-    fn a_bound_from_the_fewer_samples_of_a_rough_look_is_that_of_all() {
-        let count = Tally::default();
-        let mut truth = Parameters::paper();
-        truth.set_friction(2e-4, 2e-4, 2.4e-4, 0.0);
-        let model = Model::new(&truth);
-        let mut state = model.release(0.6, 0.0);
-        let times_s: Vec<f64> = (0..3200).map(|i| f64::from(i) / 400.0).collect();
-        let mut angles_rad = Vec::new();
-        for i in 0..times_s.len() {
-            let noise_rad = 2e-4 * if i % 2 == 0 { 1.0 } else { -1.0 };
-            angles_rad.push(state.angle_rad + noise_rad);
-            model.step(&mut state, 2.5e-3);
-        }
-        let swings = [Swing::new("one", &times_s, &angles_rad, 2e-4)];
-        let on = problem_of(&swings, &truth, &count);
-        let starts = vec![Start { angle_rad: 0.6, velocity_rad_s: 0.0, offset_rad: 0.0 }];
-        let model =
-            Fitted::at(&on, &Point { values: on.template_values(), starts }).with_stiction(Stiction::level(2.4e-4));
-        let found = uncertainty(&on, &model);
-        let band = found.numbers.last().unwrap();
-        let allowed = likely_rise(&on, &model.linearised(&on));
-        let wider = |more: f64, at: Stiction| Stiction { velocity_band: at.velocity_band + more, ..at };
-        let all =
-            profile_bound(&on, &model, model.stiction(), allowed, band.unknown.scale, wider).unwrap().velocity_band;
-        assert!(share_of_samples(&on.on(&on.decimated()), &on) < 0.3);
-        // Two steps of the profile beside each other are neighbours.
-        let ratio = band.upper.unwrap() / all;
-        assert!((1.0 / PROFILE_GROWTH - 0.01..PROFILE_GROWTH + 0.01).contains(&ratio), "{ratio} {band:?}");
     }
 }
