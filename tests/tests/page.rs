@@ -107,7 +107,8 @@ fn a_hidden_effect_is_found_added_and_pushed_and_the_rig_follows_its_pendulum() 
         browser.wait_for("document.querySelectorAll('#candidates li').length > 1").await;
         browser.wait_for(IDLE).await;
         let words = browser.text("#diagnosis-words").await;
-        assert!(words.contains(" quadratic-drag: seen "), "{words}");
+        assert!(words.contains("quadratic-drag: seen "), "{words}");
+        assert_eq!(browser.text("#candidates li[data-name=quadratic-drag] .tag").await, "claimed");
         browser.click("#candidates li:first-child .name").await;
         let explanation = browser.text("#explanation").await;
         assert!(explanation.contains("quadratic-drag") && explanation.contains("torque ="), "{explanation}");
@@ -216,6 +217,9 @@ fn what_no_law_explains_is_drawn_as_a_friction_curve_that_can_be_added_and_taken
         browser.wait_for(IDLE).await;
         let words = browser.text("#diagnosis-words").await;
         assert!(words.contains("Likely, but not proven: quadratic-drag"), "{words}");
+        assert_eq!(browser.text("#candidates li[data-name=quadratic-drag] .tag").await, "likely");
+        let verdict = browser.text("#verdict").await;
+        assert!(verdict.contains("thousandths of m·g·l") && !verdict.contains("mN·m"), "{verdict}");
         let words = browser.text("#curve-words").await;
         assert!(words.contains("a free friction curve") && words.contains("It resembles power-law-drag"), "{words}");
         browser.run("document.getElementById('friction-curve').scrollIntoView()").await;

@@ -223,7 +223,11 @@ fn told(beside: Beside, rig: KnownRig, swings: &[Swing], measured: Measured, opt
         mismatches: &mismatches,
         refit: refit.as_ref(),
     };
-    let (answer, verdict) = (seen.answer(), seen.sentences());
+    let (answer, sentences) = (seen.answer(), seen.sentences());
+    let verdict = match geometry::is_unknown(&rig.parameters.pendulum) {
+        true => sentences.iter().map(|sentence| verdict::per_gravity(sentence)).collect(),
+        false => sentences,
+    };
     Comparison {
         measured,
         version: VERSION,

@@ -4,7 +4,7 @@ use crate::web;
 use std::sync::OnceLock;
 
 /// Name, type and text of every file.
-const FILES: [(&str, &str, &str); 15] = [
+const FILES: [(&str, &str, &str); 16] = [
     ("", HTML, include_str!("page/index.html")),
     ("style.css", CSS, include_str!("page/style.css")),
     ("main.js", JS, include_str!("page/main.js")),
@@ -18,6 +18,7 @@ const FILES: [(&str, &str, &str); 15] = [
     ("columns.js", JS, include_str!("page/columns.js")),
     ("discover.js", JS, include_str!("page/discover.js")),
     ("evidence.js", JS, include_str!("page/evidence.js")),
+    ("findings.js", JS, include_str!("page/findings.js")),
     ("fit.js", JS, include_str!("page/fit.js")),
     ("rig.js", JS, include_str!("page/rig.js")),
 ];

@@ -77,13 +77,36 @@ impl Loss {
     }
 }
 
+/// Times from one sample to the next that is so many mean steps away …
+const GAP_STEPS: f64 = 2.0;
+
+/// … may hide turns if it is this share of a half swing: two turns are a half swing apart, a third of what then seems to be one.
+const HIDES_TURNS: f64 = 0.25;
+
+fn gaps(times_s: &[f64]) -> Vec<[f64; 2]> {
+    let mean_s = (times_s[times_s.len() - 1] - times_s[0]) / (times_s.len() - 1).max(1) as f64;
+    let steps = times_s.windows(2).map(|pair| [pair[0], pair[1]]);
+    steps.filter(|[from, to]| to - from > GAP_STEPS * mean_s).collect()
+}
+
+/// Is every turn seen between two times that are so many half swings apart?
+fn is_seen(gaps: &[[f64; 2]], from_s: f64, to_s: f64, n_halves: f64) -> bool {
+    let hides = |[begins, ends]: &[f64; 2]| ends - begins > HIDES_TURNS * (to_s - from_s) / n_halves;
+    !gaps.iter().any(|gap| gap[0] < to_s && gap[1] > from_s && hides(gap))
+}
+
 /// Reads half swings and periods off a motion around its hanging position (angles without the sensor's zero).
 pub fn halves(times_s: &[f64], angles_rad: &[f64], noise_rad: f64, gravity_nm: f64) -> Halves {
     let turns = turning_points(times_s, angles_rad, noise_rad);
-    let half = |pair: &[TurningPoint]| half_swing(&pair[0], &pair[1], gravity_nm);
+    let gaps = gaps(times_s);
+    let half = |pair: &[TurningPoint]| {
+        let all_seen = is_seen(&gaps, pair[0].time_s, pair[1].time_s, 1.0);
+        all_seen.then(|| half_swing(&pair[0], &pair[1], gravity_nm)).flatten()
+    };
     let crossings: Vec<f64> =
         crossings(times_s, angles_rad, 0.0, noise_rad).iter().map(|crossing| crossing.time_s).collect();
-    let period = |three: &[f64]| period(&turns, three[0], three[2]);
+    let period =
+        |three: &[f64]| is_seen(&gaps, three[0], three[2], 2.0).then(|| period(&turns, three[0], three[2])).flatten();
     Halves {
         halves: turns.windows(2).filter_map(half).collect(),
         periods: crossings.windows(3).filter_map(period).collect(),
@@ -138,6 +161,19 @@ mod tests {
         let friction_nm = 0.2 * (0.9_f64.cos() - 1.0_f64.cos()) / 1.9;
         assert!((half.loss_nm - friction_nm).abs() < 1e-12 && !half.is_rising);
         assert!(half_swing(&turn(0.03, 0.0), &turn(0.01, 0.4), 0.2).is_none());
+    }
+
+    #[test]
+    fn what_a_gap_hides_makes_no_long_period() {
+        let is_kept = |time_s: &f64| !(3.1..4.3).contains(time_s) && *time_s != 6.0;
+        let times_s: Vec<f64> = (0..1000).map(|i| f64::from(i) / 100.0).filter(is_kept).collect();
+        let angles_rad: Vec<f64> =
+            times_s.iter().map(|time_s| (std::f64::consts::TAU * time_s).cos() * (-0.01 * time_s).exp()).collect();
+        let found = halves(&times_s, &angles_rad, 1e-6, 0.2);
+        // 17 of 20 crossings are seen, and two of the 15 periods that begin with them hold the gap; a lost sample is none.
+        assert_eq!(found.periods.len(), 13);
+        assert!(found.periods.iter().all(|period| (period.period_s - 1.0).abs() < 0.01), "{:?}", found.periods);
+        assert!(found.halves.iter().all(|half| (half.to_s - half.from_s - 0.5).abs() < 0.01), "{:?}", found.halves);
     }
 
     #[test]

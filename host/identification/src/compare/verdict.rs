@@ -253,6 +253,11 @@ fn fails_most(seen: &Seen) -> Option<String> {
     }
 }
 
+/// The same sentence of a pendulum of which only the motion is known: its torques are per m·g·l.
+pub fn per_gravity(sentence: &str) -> String {
+    sentence.replace("mN·m", "thousandths of m·g·l")
+}
+
 /// Patterns that can be named, a sentence each.
 fn findings(seen: &Seen) -> Vec<String> {
     let mut words = Vec::new();

@@ -184,6 +184,12 @@ impl Holding {
         self.beside.retain(|name| !claimed.has(name));
         self
     }
+
+    /// Is it a claim of this model, which has nothing beside it but what it names and what is claimed?
+    pub(super) fn is_of(&self, model: &Fitted, claimed: &Fitted) -> bool {
+        let is_known = |name: &&str| *name == self.effect || self.beside.contains(name) || claimed.has(name);
+        model.has(self.effect) && self.beside.iter().all(|name| model.has(name)) && model.names().iter().all(is_known)
+    }
 }
 
 /// What was added to a model but for this.

@@ -326,7 +326,11 @@ impl Summary<'_, '_, '_> {
         );
         models.sort_by(|a, b| self.judge.criterion(a).total_cmp(&self.judge.criterion(b)));
         let leading = std::iter::once(&self.claimed).chain(self.rivals(&models)).cloned().collect();
-        models.truncate(MAX_LISTED);
+        let suspect = suspect(&self.unproven, rmse_after, noise);
+        let likely = self.unproven.iter().find(|claim| Some(claim.effect) == suspect);
+        let is_likely = |model: &Fitted| likely.is_some_and(|claim| claim.is_of(model, &self.claimed));
+        let mut place = 0..;
+        models.retain(|model| place.next() < Some(MAX_LISTED) || is_claimed(model) || is_likely(model));
         let staircase = self.staircase(rmse_before, &held_out);
         let left = problem.chi_square(self.claimed.cost).left();
         let unexplained = left == Left::Missing;
@@ -348,7 +352,7 @@ impl Summary<'_, '_, '_> {
             not_tried: self.not_tried.into_iter().filter(|it| !self.undecided.contains(&it.effect)).collect(),
             undecided: self.undecided,
             vetoed: self.vetoed,
-            suspect: suspect(&self.unproven, rmse_after, noise),
+            suspect,
             unproven: self.unproven,
             holds_on: self.holds_on,
             zero_is_doubtful: verdict.is_empty() && levels.is_none() && rmse_after < VISIBLE_ZERO * rmse_before,

@@ -1,13 +1,11 @@
 // Which effect is missing: candidates as bars, their evidence, one click to add, and the staircase of errors.
 
+import { ZERO, findings } from './findings.js';
 import { byId, element, mrad, number, times } from './numbers.js';
 import { draw, pictureOf } from './plots.js';
 import { get, post } from './server.js';
 
 const CURVE = 'friction-curve';
-
-/** Every fit takes the sensor's zero off by itself. */
-const ZERO = 'angle-offset';
 
 let effects = new Map();
 let state = null;
@@ -43,43 +41,13 @@ function showWords() {
   const found = state.diagnosis;
   const words = byId('diagnosis-words');
   byId('diagnosis-old').hidden = !state.diagnosis_is_old;
-  if (!found) { words.textContent = ''; return; }
-  const isMissing = !isInModel(found.verdict);
-  const verdict = isMissing ? found.verdict : found.verdict.filter((name) => name !== ZERO);
-  const names = verdict.join(' and ');
-  const split = found.of_state ? ` ${found.of_state.words}` : '';
-  const rest = (found.unexplained ? ' What remains is not explained by any candidate.' : '') + split;
-  const reasons = {
-    'too-short': 'there are too few periods to check it on',
-    'slight': 'by less than a tenth of what is claimed, whose own law may be as far from the truth',
-    'out-of-range': 'only at the end of its range: these swings ask for more than it can be, or for something else',
-    'vague': 'all its numbers are within their own errors, so that nobody knows by what',
-    'partly': 'not on every part of the swings',
-  };
-  const why = (claim) => reasons[claim.standing];
-  const named = (claim) => claim.effect + (claim.beside.length ? ` beside ${claim.beside.join(' and ')}` : '');
-  const doubt = (claim) => (claim.effect === found.suspect
-    ? ` Likely, but not proven: ${named(claim)}. With ${['it', 'both'][claim.beside.length] || 'all'} the error would fall to ${mrad(claim.rmse)}, but ${why(claim)}; another release can tell.`
-    : ` Not claimed: ${named(claim)}. It lowers the error to ${mrad(claim.rmse)}, but ${why(claim)}.`);
-  const dropped = found.unproven.map(doubt).join('');
-  const tie = found.family ? ` It is ${found.family.words}; its shape is undecided between ${found.family.members.join(' and ')}.` : found.undecided.length ? ` These swings cannot tell it from ${found.undecided.join(', ')}.` : '';
-  const putRight = found.verdict.length ? `put right (${names})`
-    : found.zero_is_doubtful ? "fitted, which these swings don't prove to be off," : null;
-  const levelled = found.levels ? ` With a friction level for each release it leaves ${mrad(found.rmse_after)}.` : '';
-  const zero = putRight ? ` With the sensor's zero ${putRight} it leaves ${mrad(found.rmse_after)}.${state.zero_words ? ` ${state.zero_words}` : ''}` : '';
-  const hasNoLaw = found.staircase.slice(1).every((step) => step.added === 'friction levels');
-  const held = state.seen_words.map((words) => ` ${words}.`).join('');
-  const touched = found.touches.map((touch) => `Something touched the pendulum at ${touch.time_s.toFixed(2)} s of ${touch.recording}, or its time jumped there: only the longer part of that swing is looked at here. `).join('');
-  const driven = found.driven.length ? `The swings of ${found.driven.join(', ')} don't become smaller: a motor or a hand drives them, and what follows says nothing of this pendulum. ` : '';
-  const lost = found.follows ? '' : `The model does not follow these swings at all: it leaves ${mrad(found.rmse_after)}. Did nothing touch or drive it, and are unit, zero and geometry right? `;
-  const hardly = found.follows && found.hardly_follows && !driven
-    ? 'The model hardly follows these swings: see first that the column is the angle of one pendulum, in that unit, let go and left alone. ' : '';
-  const apart = hardly && found.apart_rmse ? `Each recording has a model of its own that leaves ${mrad(found.apart_rmse)}: what was changed between them? ` : '';
-  const levels = found.levels ? `${found.levels.words}. ` : '';
-  const isSilent = lost && !found.unexplained && found.verdict.length === 0;
-  words.textContent = touched + driven + lost + hardly + apart + levels + (isSilent ? '' : hasNoLaw && found.unexplained
-    ? `The base model leaves ${mrad(found.rmse_before)}.${zero || levelled} More than noise is left${found.suspect ? '' : ', but no effect of the list brings it down to the noise'}.${dropped}${split}`
-    : found.verdict.length === 0 ? `${levels ? 'No effect' : 'Nothing'} is missing at this noise level.` : `${isMissing ? 'Missing' : 'Already in the model'}: ${names}.${state.zero_words ? ` ${state.zero_words}` : ''} With ${verdict.length > 1 ? 'them' : 'it'} the ${isMissing ? '' : 'base model\'s '}error falls from ${mrad(found.rmse_before)} to ${mrad(found.rmse_after)}.${held}${tie}${dropped}${rest}`);
+  if (!found) { words.replaceChildren(); return; }
+  const { obstacles, headline, points } = findings(found, !isInModel(found.verdict), { zeroWords: state.zero_words, seenWords: state.seen_words });
+  words.replaceChildren(
+    ...obstacles.map((sentence) => element('p', {}, sentence)),
+    ...(headline ? [element('p', {}, element('strong', {}, headline))] : []),
+    ...(points.length ? [element('ul', {}, ...points.map((point) => element('li', {}, point)))] : []),
+  );
 }
 
 /** Has the model everything that was found? */
@@ -134,14 +102,27 @@ function showCandidates() {
   list.replaceChildren(...tried.map((candidate, place) => row(candidate, place, found, widest)));
 }
 
+const STANDINGS = { claimed: 'claimed', likely: 'likely', tie: "tie: can't be told apart" };
+
+/** What a diagnosis says of some laws together, if anything. */
+function standingOf(names, found) {
+  const laws = found.verdict.filter((name) => name !== ZERO);
+  const suspect = found.unproven.find((claim) => claim.effect === found.suspect);
+  const areAll = (others, also = []) => names.length > 0 && names.length === others.length && names.every((name) => others.includes(name) || also.includes(name));
+  if (areAll(laws)) return 'claimed';
+  const likely = suspect ? [suspect.effect, ...suspect.beside] : [];
+  if (suspect && likely.every((name) => names.includes(name)) && names.every((name) => likely.includes(name) || laws.includes(name))) return 'likely';
+  return areAll(laws, found.undecided) ? 'tie' : null;
+}
+
 function row(candidate, place, found, widest) {
   const names = namesOf(candidate);
   const here = names.length > 0 && names.every((name) => state.model?.effects.includes(name));
-  const tie = names.length > 0 && (names.some((name) => found.undecided.includes(name)) || (place === 0 && found.undecided.length > 0));
+  const standing = standingOf(names, found);
   const bar = element('div', { class: 'bar', 'aria-hidden': 'true' }, element('i'));
   bar.firstChild.style.width = `${Math.max(100 * candidate.rmse / widest, 0.6)}%`;
   const title = names.length ? names.join(' + ') : 'base model';
-  const tags = [here && element('span', { class: 'tag in' }, 'in the model'), tie && element('span', { class: 'tag' }, "tie: can't be told apart")];
+  const tags = [here && element('span', { class: 'tag in' }, 'in the model'), standing && !(here && standing === 'claimed') && element('span', { class: `tag ${standing}` }, STANDINGS[standing])];
   const absent = names.filter((name) => !state.model?.effects.includes(name));
   const button = !absent.length ? element('span')
     : element('button', { class: 'add', 'data-add': absent.join('+'), 'aria-label': `add ${absent.join(' and ')} to the model`, click: () => done(post('api/change', { add: absent })) }, 'Add');

@@ -22,7 +22,9 @@ fn both(
     }
     let mut line: Vec<(f64, f64)> = comparison.recordings.iter().flat_map(modelled).collect();
     line.sort_by(|a, b| a.0.total_cmp(&b.0));
-    curves.push(Curve::new("modelled", Style::Line, 6, line));
+    // A line of one point would not be seen.
+    let style = if line.len() > 1 { Style::Line } else { Style::Dots };
+    curves.push(Curve::new("modelled", style, 6, line));
     curves
 }
 
