@@ -60,7 +60,7 @@ pub(super) fn notes(
     }));
     notes.extend(as_quick_as_noise(cut));
     notes.extend(whole.driven_in_words(&swing));
-    notes.extend(no_fading(whole, &swing));
+    notes.extend(no_fading(whole, &swing).or_else(|| kept_going(whole, options, &swing)));
     notes.extend(disorder(cut, free));
     notes.extend(interruptions(recording, interrupted));
     notes.extend(carried(cut, bounds));
@@ -177,6 +177,16 @@ fn no_fading(cut: &Cut, free: &Range<usize>) -> Option<String> {
     Some(format!(
         "doubtful: its swings don't become smaller, as free ones do{}; does a motor or a hand drive it?",
         grown.unwrap_or_default()
+    ))
+}
+
+/// That what lies about it swings as far, for longer than any free swing would.
+fn kept_going(cut: &Cut, options: &SegmentOptions, free: &Range<usize>) -> Option<String> {
+    let run = cut.kept_going(free).filter(|_| *options == SegmentOptions::default())?;
+    let (from_s, to_s) = (cut.times_s()[run.start], cut.times_s()[run.end - 1]);
+    Some(format!(
+        "doubtful: from {from_s:.2} to {to_s:.2} s it swings on without dying away, and what is taken is a part of that; does a motor \
+         or a hand keep it going?"
     ))
 }
 
