@@ -6,6 +6,7 @@
 mod archive;
 mod as_text;
 mod biff;
+mod cassy;
 mod compound;
 mod json;
 mod kind;
@@ -57,7 +58,7 @@ impl Kind {
 fn project(format: &'static str) -> Fault {
     refused(
         format,
-        "Tracker (.trk), Logger Pro (.cmbl), CASSY Lab (.labx) and phyphox (.phyphox) keep their projects so; open it there, \
-         and export the table with time and angle as text or CSV",
+        "Tracker (.trk), Logger Pro (.cmbl) and phyphox (.phyphox) keep their projects so; open it there, and export the table \
+         with time and angle as text or CSV",
     )
 }

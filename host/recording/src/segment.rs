@@ -18,6 +18,7 @@ mod error;
 mod growth;
 mod half_swing;
 mod interrupted;
+mod kept;
 mod law;
 mod middle;
 mod motor;

@@ -77,9 +77,10 @@ fn axes_in_brackets_without_names_are_refused_with_what_to_tell() {
 
 #[test]
 fn what_is_known_and_not_read_is_named_with_the_cure() {
-    let cases: [(&[u8], &str, &str); 6] = [
+    let cases: [(&[u8], &str, &str); 7] = [
         (b"\x80\x04\x95\x10", "pickle", "numpy.savetxt"),
         (b"PAR1\x15\x04", "Parquet", "to_csv"),
+        (b"CL4\r\n180 0.1\r\n", "CASSY Lab 1", "export the table"),
         (b"#ROSBAG V2.0\n\x00", "bag of ROS", "rostopic echo -p"),
         (b"\x1f\x8b\x08\x00", "gzip", "unpack it first"),
         (b"\x00\x00\x00\x20ftypisom", "video", "Tracker"),

@@ -28,7 +28,7 @@ pub(crate) enum Kind {
 }
 
 /// What begins a file that is not read, what it is, and what to do.
-pub(super) const UNREAD: [(&[u8], &str, &str); 18] = [
+pub(super) const UNREAD: [(&[u8], &str, &str); 19] = [
     (b"\x80\x02", PICKLE, PICKLE_CURE),
     (b"\x80\x03", PICKLE, PICKLE_CURE),
     (b"\x80\x04", PICKLE, PICKLE_CURE),
@@ -40,6 +40,7 @@ pub(super) const UNREAD: [(&[u8], &str, &str); 18] = [
     (b"\x89MCAP", "bag of ROS 2", BAG_CURE),
     (b"SQLite format 3", "database, as bags of ROS 2 are", BAG_CURE),
     (b"TDSm", "TDMS file", "in LabVIEW write a measurement file as text (.lvm), or export it as CSV"),
+    (b"CL4\r\n", "project of CASSY Lab 1 (.lab)", "open it there, and export the table with time and angle as text"),
     (b"\x1f\x8b", "packed file (gzip)", UNPACK),
     (b"BZh", "packed file (bzip2)", UNPACK),
     (b"\xfd7zXZ", "packed file (xz)", UNPACK),

@@ -2,10 +2,10 @@
 //! a table for each sensor of a phone that of the gyroscope is read, because no other one can be fitted. Workbooks are
 //! archives, and so are several arrays of NumPy in one file.
 
-use super::archive::{bytes_of, only_one, stem, unreadable};
+use super::archive::{bytes_of, only_one, stem, unpacked, unreadable};
 use super::as_text::{refused, text_of};
 use super::kind::Kind;
-use super::{numpy, project, workbook};
+use super::{cassy, numpy, project, workbook};
 use crate::error::Fault;
 use std::io::Cursor;
 use zip::ZipArchive;
@@ -30,7 +30,7 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, S
             && !lower.contains("__macosx")
     };
     if !names.is_empty() && names.iter().all(|name| name.to_lowercase().ends_with(".xml")) {
-        return Err(project("zip archive of XML"));
+        return of_project(&mut archive, &names, notes);
     }
     let tables: Vec<&String> = names.iter().filter(is_table).collect();
     let Some(name) = only_one(&tables) else {
@@ -50,6 +50,20 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<(Vec<u8>, S
     }
     notes.push(format!("{name} read from the archive"));
     Ok((text, stem(name).to_owned()))
+}
+
+/// The only file of XML, if it is a project that is read.
+fn of_project(
+    archive: &mut ZipArchive<Cursor<&[u8]>>,
+    names: &[String],
+    notes: &mut Vec<String>,
+) -> Result<(Vec<u8>, String), Fault> {
+    let [name] = names else { return Err(project("zip archive of XML")) };
+    let xml = unpacked(archive, name)?;
+    if !cassy::is_project(&xml) {
+        return Err(project("zip archive of XML"));
+    }
+    Ok((cassy::table(&xml, notes)?, String::new()))
 }
 
 /// Arrays by their names; the columns of a matrix are numbered.
@@ -130,7 +144,8 @@ mod tests {
         assert_eq!(one, (b"t,theta".to_vec(), "Raw Data".to_owned()));
         let phone = [("Accelerometer.csv", "a"), ("run/Gyroscope.csv", "g"), ("GyroscopeUncalibrated.csv", "u")];
         assert_eq!(read(&phone).unwrap(), (b"g".to_vec(), "Gyroscope".to_owned()));
-        assert!(read(&[("data.xml", "<cassylab/>")]).unwrap_err().contains("CASSY Lab (.labx)"));
+        assert!(read(&[("data.xml", "<project/>")]).unwrap_err().contains("Logger Pro (.cmbl)"));
+        assert!(read(&[("data.xml", "<cassylab/>")]).unwrap_err().contains("no run in it"));
         assert!(read(&[("a.csv", "1"), ("b.csv", "2")]).unwrap_err().contains("2 tables (of a.csv, b.csv)"));
         assert!(read(&[("xl/workbook.xml", "")]).unwrap_err().contains("save the sheet as CSV"));
         assert!(read(&[("content.xml", "")]).unwrap_err().contains("save the sheet as CSV"));

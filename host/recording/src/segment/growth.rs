@@ -15,7 +15,7 @@ const GROWTH_NOISE: f64 = 20.0;
 const BEST_QUALITY: f64 = 2e4;
 
 /// Half swings in each third, at least, before it is said that they don't become smaller.
-const FADING_SWINGS: usize = 6;
+pub(super) const FADING_SWINGS: usize = 6;
 
 /// They become smaller where that is more than so many standard deviations of chance: a coarse sensor scatters the turns, and of
 /// two thirds that a motor holds one is smaller. Of 24 simulated swings that a motor holds, seen with noise in steps of 1/36 of

@@ -74,6 +74,13 @@ impl Scale {
         }
     }
 
+    /// What the known friction would add beyond the speed up to which it is known, if it went on as it begins (rad/s²).
+    fn unknown_friction(self, state: &State, law: &Law) -> f64 {
+        let Self::Angle { fastest_rad_s, .. } = self else { return 0.0 };
+        let velocity = state.velocity_rad_s;
+        -law[3].max(0.0) * (velocity - velocity.clamp(-fastest_rad_s, fastest_rad_s))
+    }
+
     /// Of a state (rad²/s²); a rate is read without an angle.
     fn squared_speed(self, state: &State) -> f64 {
         match self {
@@ -123,7 +130,11 @@ impl Cut<'_> {
         };
         let dry_rad_s2 = if let Scale::Angle { .. } = scale { 2.0 * law[2].abs() } else { 0.0 };
         let common = DISTURBED_MISFIT * misfit + dry_rad_s2;
-        let off = |state: &State| (state.acceleration_rad_s2 - law.dot(&law_terms(state, scale))).abs();
+        let off = |state: &State| {
+            let off = state.acceleration_rad_s2 - law.dot(&law_terms(state, scale));
+            let more = scale.unknown_friction(state, &law);
+            (off - off.clamp(more.min(0.0), more.max(0.0))).abs()
+        };
         let limit = |state: &State| {
             let gravity = scale.gravity_at(self.amplitude_rad(state.time_s).max(typical_rad));
             let of_scale = SCALE_BEND_RAD * scale.squared_speed(state);
@@ -248,4 +259,49 @@ fn least_squares(states: &[&State], scale: Scale, earlier: Option<(&Law, f64)>) 
 /// Keeps marks that stand in a row of at least [`N_DISTURBED`].
 fn sustained(marks: &[bool]) -> Vec<bool> {
     marks.chunk_by(|a, b| a == b).flat_map(|run| vec![run[0] && run.len() >= N_DISTURBED; run.len()]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Recording;
+    use crate::segment::{SegmentOptions, segment};
+
+    /// Water or a magnet takes a fifth of a swing from turn to turn, and more; readings without noise show a tail of any length.
+    #[test]
+    fn large_swings_that_die_away_fast_are_no_hands_before_a_long_tail() {
+        for damping in [0.6, 1.2, 2.0] {
+            let (mut angle, mut velocity) = (0.5_f64, 0.0_f64);
+            let mut readings = Vec::new();
+            for step_idx in 0..100_000 {
+                if step_idx % 50 == 0 {
+                    readings.push(angle);
+                }
+                velocity -= 1e-4 * (39.5 * angle.sin() + damping * velocity);
+                angle += 1e-4 * velocity;
+            }
+            let recording = Recording::uniform(200.0, readings).unwrap();
+            let found = segment(&recording, &SegmentOptions::default()).unwrap();
+            assert_eq!(found.free.start, 0, "{damping} {found:?}");
+        }
+    }
+
+    /// The same, which a hand brought there: what drives it is no friction, however little is known of that.
+    #[test]
+    fn a_hand_before_a_long_tail_is_cut() {
+        let (mut angle, mut velocity) = (0.0_f64, 0.0_f64);
+        let mut readings = Vec::new();
+        for step_idx in 0..120_000 {
+            let time_s = f64::from(step_idx) * 1e-4;
+            if step_idx % 50 == 0 {
+                readings.push(angle);
+            }
+            let hand = if time_s < 2.0 { 30.0 * (5.0 * time_s).sin() } else { 0.0 };
+            velocity -= 1e-4 * (39.5 * angle.sin() + 2.0 * velocity - hand);
+            angle += 1e-4 * velocity;
+        }
+        let recording = Recording::uniform(200.0, readings).unwrap();
+        let found = segment(&recording, &SegmentOptions::default()).unwrap();
+        // It lets go at sample 400, and swings to one side in 100.
+        assert!((400..=500).contains(&found.free.start), "{found:?}");
+    }
 }

@@ -60,7 +60,7 @@ pub(super) fn notes(
     }));
     notes.extend(as_quick_as_noise(cut));
     notes.extend(whole.driven_in_words(&swing));
-    notes.extend(no_fading(whole, &swing));
+    notes.extend(no_fading(whole, &swing).or_else(|| goes_on(whole, options, &swing)));
     notes.extend(disorder(cut, free));
     notes.extend(interruptions(recording, interrupted));
     notes.extend(carried(cut, bounds));
@@ -178,6 +178,23 @@ fn no_fading(cut: &Cut, free: &Range<usize>) -> Option<String> {
         "doubtful: its swings don't become smaller, as free ones do{}; does a motor or a hand drive it?",
         grown.unwrap_or_default()
     ))
+}
+
+/// That what lies about it swings as it does, for longer: either something keeps that going, or it is as free.
+fn goes_on(cut: &Cut, options: &SegmentOptions, free: &Range<usize>) -> Option<String> {
+    let run = cut.swings_alike(free).filter(|_| *options == SegmentOptions::default())?;
+    let (from_s, to_s) = (cut.times_s()[run.start], cut.times_s()[run.end - 1]);
+    Some(match cut.fades(&run) {
+        false => format!(
+            "doubtful: from {from_s:.2} to {to_s:.2} s it swings on without dying away, and what is taken is a part of that; does a \
+             motor or a hand keep it going?"
+        ),
+        true => format!(
+            "doubtful: from {from_s:.2} to {to_s:.2} s it swings on alike, and what is taken is a part of that: a motor or a hand keeps it \
+             going, or a stand or a second pendulum swings along and makes swings grow that nobody pushes, and then --from {from_s:.2} \
+             --to {to_s:.2} takes all of it"
+        ),
+    })
 }
 
 /// That it turns after times that no pendulum takes.
