@@ -5,8 +5,9 @@ use super::growth::FADING_SWINGS;
 use super::half_swing::{HalfSwing, size_rad};
 use std::ops::Range;
 
-/// A half swing is like the one before it where it goes as far and takes as long to this share. Of 479 recordings of strangers four
-/// that motors drive are doubted so; with half of it two of these, with twice of it a fifth and one of a phone.
+/// A half swing is like the one before it where it goes as far and takes as long to this share. Of 479 recordings of strangers, with
+/// those whose file tells of a motor, four that motors drive were said to go on so; with half of it two of these, with twice of it a
+/// fifth and one of a phone.
 const ALIKE: f64 = 0.3;
 
 impl Cut<'_> {
@@ -22,7 +23,14 @@ impl Cut<'_> {
         let end = self.recording.index_at(half_swings[last + n_behind][1].time_s);
         let run = start(&half_swings[first - n_before])..end + 1;
         let is_longer = n_before + n_behind >= (last + 1 - first).max(2 * FADING_SWINGS);
-        is_longer.then_some(run)
+        (is_longer && !self.is_switched_off_in(&run, free)).then_some(run)
+    }
+
+    /// Does the file tell what drives it there, or what it loses that a motor was switched off where the free swing begins?
+    fn is_switched_off_in(&self, run: &Range<usize>, free: &Range<usize>) -> bool {
+        let off = self.left_alone(run).start;
+        let is_there = off > run.start && off.abs_diff(free.start) <= self.n_in(2.0 * self.half_swing_s);
+        is_there || !self.driven_in_words(run).is_empty()
     }
 }
 
@@ -76,6 +84,8 @@ mod tests {
             0.5 * (-0.02 * swings_s).exp() * (TAU * swings_s / 1.5).cos()
         };
         assert_eq!(doubts(300, released), Vec::<String>::new());
+        let switched_off = |time_s: f64| 0.5 * (-0.03 * (time_s - 120.0).max(0.0)).exp() * (TAU * time_s / 1.5).cos();
+        assert_eq!(doubts(180, switched_off), Vec::<String>::new());
         let free = |time_s: f64| 0.5 * (-0.01 * time_s).exp() * (TAU * time_s / 1.5).cos();
         assert_eq!(doubts(300, free), Vec::<String>::new());
     }
