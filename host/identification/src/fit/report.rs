@@ -11,6 +11,7 @@ use super::runs::responses_at;
 use super::sequential::Stage;
 use super::uncertainty::{Number, Status, UNKNOWN_SHARE, Uncertainty, uncertainty};
 use crate::fit::tally::Tally;
+use crate::geometry::slower_than_seen;
 use crate::number::{angle, noises};
 use crate::swing::{Swing, Window, kind};
 use crate::verdict::{CHANCE_STDS, LOOK_FIRST, Left, followed_one_by_one, hardly_follows};
@@ -160,7 +161,13 @@ impl Report<'_, '_> {
             (Verdict::Not, Some(base::VISCOUS | base::COULOMB)) if *value == 0.0 => {
                 Some(format!("{symbol} is zero within its uncertainty"))
             }
-            (Verdict::Not, _) if is_imitating => Some(unknown_beside_missing_physics(number)),
+            (Verdict::Not, _) if is_imitating => {
+                let is_inertia = unknown.is_some_and(|unknown| unknown.quantity == Quantity::Inertia);
+                let told = (is_inertia && *value == 0.0)
+                    .then(|| slower_than_seen(&self.model.parameters, self.problem.swings))
+                    .flatten();
+                Some(told.unwrap_or_else(|| unknown_beside_missing_physics(number)))
+            }
             (Verdict::Not, _) => {
                 let swings = self.problem.swings.iter().flat_map(Swing::sizes_rad);
                 let more = what_tells_more(swings.fold(0.0_f64, |largest, angle| largest.max(angle.abs())));
