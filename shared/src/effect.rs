@@ -6,7 +6,7 @@
 
 pub use crate::action::{Action, Advance, Memory, Sensor, Shake, Support, Torque};
 pub use crate::limits::{MAX_VALUES, MEMORY, SENSOR_MEMORY};
-pub use crate::rules::{Former, Rules};
+pub use crate::rules::{Former, Pattern, Rules};
 
 use crate::real::Real;
 

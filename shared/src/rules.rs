@@ -36,9 +36,21 @@ pub struct Rules {
     pub is_left_to_diagnosis: bool,
     /// So many of its starts, the last ones, are left to the diagnosis for the same reason.
     pub n_starts_left_to_diagnosis: u8,
+    /// How its torque is spread along the way: a fit finds it only from nearby, so that a diagnosis begins it as closely as the
+    /// swings are wide.
+    pub pattern: Option<Pattern>,
     /// Symbols of numbers that its law had under another id; a model file that still has them is refused with what they
     /// meant.
     pub former: Option<Former>,
+}
+
+/// A torque that depends on the angle, by which of its parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    /// So many periods a turn.
+    Periods(u8),
+    /// At one place: its angle and its half width, rad.
+    Place(u8, u8),
 }
 
 /// Numbers that an effect no longer has.
@@ -67,6 +79,7 @@ impl Rules {
         is_of_pictures: false,
         is_left_to_diagnosis: false,
         n_starts_left_to_diagnosis: 0,
+        pattern: None,
         former: None,
     };
 }

@@ -13,6 +13,7 @@ pub mod blocks;
 pub mod by_least_squares;
 mod by_surfaces;
 mod clock_knots;
+mod closer;
 pub mod clusters;
 pub mod covariance;
 pub mod curve;
@@ -70,5 +71,7 @@ pub mod windows;
 
 #[cfg(test)]
 mod numbers_tests;
+#[cfg(test)]
+pub(crate) mod own_swing;
 #[cfg(test)]
 mod tests;

@@ -163,6 +163,29 @@ pub fn too_long(parameters: &Parameters<f64>, swings: &[Swing]) -> Option<(usize
     Some((idx, words))
 }
 
+/// What to ask where a fit wants less inertia than none: with all mass in one point the pendulum would still be slower than these
+/// swings. Below what [`too_long`] tells before a fit, which knows periods less well.
+pub fn slower_than_seen(parameters: &Parameters<f64>, swings: &[Swing]) -> Option<String> {
+    let Pendulum { length_m, gravity_m_s2, .. } = parameters.pendulum;
+    if is_unknown(&parameters.pendulum) || has_drive(parameters) {
+        return None;
+    }
+    let periods_s = swings.iter().filter_map(|swing| Some(seen(swing)?.small_period_s()));
+    let most_m = gravity_m_s2 * (periods_s.fold(f64::INFINITY, f64::min) / TAU).powi(2);
+    (length_m > most_m).then(|| {
+        let [length, most, slow] = [length_m, most_m, 100.0 * ((length_m / most_m).sqrt() - 1.0)];
+        format!(
+            "the moment of inertia ends at zero, and with all mass in one point the pendulum would still be slower than it swings: \
+             its period allows a length of {} m, and the model has {} m. Measure it again, or say how surely it was measured \
+             (host init --length-std), before you believe that a spring or anything else is missing; a clock that is {} % slow \
+             looks alike",
+            significant(most, 4),
+            significant(length, 4),
+            significant(slow, 2)
+        )
+    })
+}
+
 /// Swings among others of another period, by their place, with what is doubtful of them in words. A drive of the model may
 /// change the period with the amplitude; with one nothing is judged.
 pub fn other_periods(parameters: &Parameters<f64>, swings: &[Swing]) -> Vec<(usize, String)> {
@@ -383,6 +406,20 @@ mod tests {
         let mut sprung = paper_but(|pendulum| pendulum.length_m = 1.02 * most_m);
         sprung.set(Effect::<f64>::by_name("torsional-spring").unwrap().id, &[0.0]).unwrap();
         assert_eq!(too_long(&sprung, &swings(0.1, period_s)), None);
+    }
+
+    #[test]
+    fn a_length_that_leaves_no_inertia_is_told_with_the_one_that_the_period_allows() {
+        let period_s = small_period_s(&Pendulum::paper());
+        let most_m = 9.81 * (period_s / TAU).powi(2);
+        let of = |length_m: f64| {
+            slower_than_seen(&paper_but(|pendulum| pendulum.length_m = length_m), &swings(0.1, period_s))
+        };
+        assert_eq!(of(0.98 * most_m), None);
+        let words = of(1.008 * most_m).unwrap();
+        // The period is found within 0.04 %.
+        assert!(words.contains("a length of 0.2801 m, and the model has 0.2826 m"), "{words}");
+        assert!(words.contains("0.44 % slow"), "{words}");
     }
 
     #[test]

@@ -3,14 +3,17 @@
 use super::given::Given;
 use super::values::custom_effect;
 use super::{evidence, output};
-use crate::diagnose::{Diagnosis, Wishes, diagnose_with};
+use crate::diagnose::{Diagnosis, Value, Wishes, diagnose_with};
 use crate::error::Failure;
+use crate::geometry::slower_than_seen;
 use crate::look::{Look, at_first_look};
 use crate::operations::diagnose::Fields;
 use crate::operations::json::{all_named, doubts};
 use crate::plot::friction::friction;
 use crate::plot::svg::svg;
 use crate::report::diagnosis::report;
+use crate::swing::Swing;
+use crate::verdict::Left;
 use clap::Args;
 use shared::effect::Effect;
 use shared::parameters::Parameters;
@@ -64,6 +67,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         output::say("the thorough search says otherwise, and it counts:");
     }
     already_there(&diagnosis, model.parameters()).iter().for_each(|words| output::warn(words));
+    without_inertia(&diagnosis, model.parameters(), &swings).iter().for_each(|words| output::warn(words));
     if options.given.json {
         output::json(
             "diagnose",
@@ -91,6 +95,13 @@ fn already_there(diagnosis: &Diagnosis, parameters: &Parameters<f64>) -> Option<
             "{what} {is} in this model already: what is missing is told of the base model; host compare tells what this one leaves"
         )
     })
+}
+
+/// Where more than the noise is left and the inertia ended at zero, the length may be too large.
+fn without_inertia(diagnosis: &Diagnosis, parameters: &Parameters<f64>, swings: &[Swing]) -> Option<String> {
+    let is_zero = |value: &Value| value.effect == "inertia" && value.value == 0.0;
+    let ends_at_zero = diagnosis.left == Left::Missing && diagnosis.values.iter().any(is_zero);
+    ends_at_zero.then(|| slower_than_seen(parameters, swings)).flatten()
 }
 
 fn first_look(look: &Look) {

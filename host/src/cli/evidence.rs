@@ -33,7 +33,7 @@ pub(super) fn in_words(diagnosis: &Diagnosis) -> String {
     parts.extend(left_out(diagnosis));
     parts.extend(formulas(diagnosis));
     parts.push(staircase(diagnosis));
-    parts.push(ranking(diagnosis));
+    parts.extend(ranking(diagnosis));
     parts.join("\n\n")
 }
 
@@ -316,8 +316,12 @@ pub(super) fn treads(diagnosis: &Diagnosis) -> Vec<Tread> {
 /// Widest bar of the staircase, characters.
 const BAR_WIDTH: f64 = 30.0;
 
-fn ranking(diagnosis: &Diagnosis) -> String {
+/// What was tried; nothing where that was the base model alone, whose zero is free in every fit.
+fn ranking(diagnosis: &Diagnosis) -> Option<String> {
     let shown: Vec<&Candidate> = diagnosis.tried().take(SHOWN).collect();
+    if shown.iter().all(|candidate| candidate.is_base()) {
+        return None;
+    }
     let widest = shown.iter().map(|candidate| candidate.title().len()).fold(NAME_WIDTH, usize::max);
     let line = |candidate: &&Candidate| {
         let noises = candidate.rmse / diagnosis.noise;
@@ -326,7 +330,7 @@ fn ranking(diagnosis: &Diagnosis) -> String {
     let head =
         format!("{:<width$}{:>8}  {:>7}", "Tried", diagnosis.measured.milli_unit(), "noises", width = widest + 2);
     let lines = shown.iter().map(line);
-    std::iter::once(head).chain(lines).collect::<Vec<_>>().join("\n")
+    Some(std::iter::once(head).chain(lines).collect::<Vec<_>>().join("\n"))
 }
 
 /// Room for a usual name.
@@ -403,7 +407,9 @@ mod tests {
             tried("sensor-lag", 1.6e16),
             tried("detent", f64::NAN),
         ];
-        let told = ranking(&told(Diagnosis { candidates, ..diagnosis() }));
+        let alone = vec![tried("none", 1.0e-3)];
+        assert_eq!(ranking(&told(Diagnosis { candidates: alone, ..diagnosis() })), None);
+        let told = ranking(&told(Diagnosis { candidates, ..diagnosis() })).unwrap();
         let names: Vec<&str> = told.lines().skip(1).map(|line| line[2..30].trim()).collect();
         assert_eq!(names, ["quadratic-drag", "base model"], "{told}");
     }

@@ -3,7 +3,7 @@
 //!
 //! It adds to Coulomb friction, which must be the larger for friction to oppose the motion at every angle.
 
-use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Pattern, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -46,7 +46,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         family: Family::Angle,
         generalises: None,
         is_fine: false,
-        rules: Rules::NONE,
+        rules: Rules { pattern: Some(Pattern::Periods(2)), ..Rules::NONE },
         action: Action::Friction(torque),
     }
 }

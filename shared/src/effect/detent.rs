@@ -5,7 +5,7 @@
 //! step. The number of periods a turn is a real number, because the notches need not be evenly spaced over a turn.
 //! With few periods it looks like a spring.
 
-use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Pattern, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -50,7 +50,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         family: Family::Spring,
         generalises: None,
         is_fine: true,
-        rules: Rules { must_lie_within: Some(2), ..Rules::NONE },
+        rules: Rules { must_lie_within: Some(2), pattern: Some(Pattern::Periods(2)), ..Rules::NONE },
         action: Action::Drive(torque),
     }
 }

@@ -1,7 +1,7 @@
 //! Eddy-current brake: a magnet beside the path brakes a passing conductor in proportion to its speed.
 //! Source: H. D. Wiederick, N. Gauthier, D. A. Campbell, P. Rochon, Am. J. Phys. 55 (1987) 500.
 
-use super::{Action, Effect, Family, MAX_VALUES, Parameter, Rules};
+use super::{Action, Effect, Family, MAX_VALUES, Parameter, Pattern, Rules};
 use crate::motion::Motion;
 use crate::real::Real;
 
@@ -55,7 +55,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         family: Family::Angle,
         generalises: None,
         is_fine: false,
-        rules: Rules { n_starts_left_to_diagnosis: 3, ..Rules::NONE },
+        rules: Rules { n_starts_left_to_diagnosis: 3, pattern: Some(Pattern::Place(1, 2)), ..Rules::NONE },
         action: Action::Friction(torque),
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Friction and inertia must be allowed to answer at once, or effects that resemble them are never found.
 
+use super::closer;
 use super::descent::Tolerance;
 use super::fitted::Fitted;
 use super::linear::{Linear, equations_with_added};
@@ -50,12 +51,21 @@ impl Prediction {
 }
 
 /// Predictions for all start points of all given effects on top of a model whose cost is that of these swings, the best
-/// first.
+/// first; of starts that lie closer than in the list those that promise clearly more than all of the list.
 pub fn predictions(on: &Problem, model: &Fitted, effects: &[&'static Effect<f64>]) -> Vec<Prediction> {
     let starts = effects.iter().flat_map(|effect| pace::starts(effect, on.pace()).map(|start| (*effect, start)));
     let known = model.linearised(on);
-    let found = on_all_cores(starts, |(effect, start)| prediction(on, model, &known, effect, &start));
-    let mut predictions: Vec<Prediction> = found.into_iter().flatten().collect();
+    let of = |(effect, start): (&'static Effect<f64>, [f64; MAX_VALUES])| prediction(on, model, &known, effect, &start);
+    let mut predictions: Vec<Prediction> = on_all_cores(starts, of).into_iter().flatten().collect();
+    // They take as long as all starts of the list, so that third effects do without.
+    for effect in effects.iter().filter(|_| model.effects.len() < closer::MOST_BESIDE) {
+        let of_list = predictions.iter().filter(|other| other.effect.id == effect.id);
+        let least = of_list.map(|other| other.reduction).fold(0.0, f64::max);
+        let least = closer::WORTH_IT * least;
+        let row = |row: closer::Row| closer::peaks(on_all_cores(row, |start| of((*effect, start))), least);
+        let closer: Vec<Prediction> = closer::rows(effect, on).into_iter().flat_map(row).collect();
+        predictions.extend(closer);
+    }
     predictions.sort_by(|a, b| b.reduction.total_cmp(&a.reduction));
     predictions
 }
