@@ -5,7 +5,6 @@
 //! board has room for. Here they lie as closely as the swings are wide, and what one linearised step promises from each
 //! chooses among them.
 
-use super::prediction::Prediction;
 use super::problem::Problem;
 use crate::swing::Swing;
 use shared::effect::{Effect, MAX_VALUES, Pattern};
@@ -75,15 +74,13 @@ fn spread(like: &[f64; MAX_VALUES], at: usize, low: f64, high: f64, step: f64) -
     if n.is_finite() { (0..=n as usize).map(start).collect() } else { Row::new() }
 }
 
-/// Those of a row that promise more than both of their neighbours, and more than this.
-pub(super) fn peaks(row: Vec<Option<Prediction>>, least: f64) -> impl Iterator<Item = Prediction> {
-    let promised = |of: &Option<Prediction>| of.as_ref().map_or(0.0, |prediction| prediction.reduction);
-    let all: Vec<f64> = row.iter().map(promised).collect();
-    let is_peak = move |i: usize| {
-        let beside = |j: Option<usize>| j.and_then(|j| all.get(j)).copied().unwrap_or(0.0);
-        all[i] > least && all[i] >= beside(i.checked_sub(1)) && all[i] > beside(Some(i + 1))
+/// Which of a row promise more than both of their neighbours, and more than this.
+pub(super) fn peaks(promised: &[f64], least: f64) -> impl Iterator<Item = usize> {
+    let beside = |j: Option<usize>| j.and_then(|j| promised.get(j)).copied().unwrap_or(0.0);
+    let is_peak = move |i: &usize| {
+        promised[*i] > least && promised[*i] >= beside(i.checked_sub(1)) && promised[*i] > beside(Some(i + 1))
     };
-    row.into_iter().enumerate().filter(move |(i, _)| is_peak(*i)).filter_map(|(_, prediction)| prediction)
+    (0..promised.len()).filter(is_peak)
 }
 
 #[cfg(test)]

@@ -60,14 +60,21 @@ pub fn predictions(on: &Problem, model: &Fitted, effects: &[&'static Effect<f64>
     // They take as long as all starts of the list, so that third effects do without.
     for effect in effects.iter().filter(|_| model.effects.len() < closer::MOST_BESIDE) {
         let of_list = predictions.iter().filter(|other| other.effect.id == effect.id);
-        let least = of_list.map(|other| other.reduction).fold(0.0, f64::max);
-        let least = closer::WORTH_IT * least;
-        let row = |row: closer::Row| closer::peaks(on_all_cores(row, |start| of((*effect, start))), least);
-        let closer: Vec<Prediction> = closer::rows(effect, on).into_iter().flat_map(row).collect();
+        let best = of_list.map(|other| other.reduction).fold(0.0, f64::max);
+        let of_row =
+            |row: closer::Row| promising(on_all_cores(row, |start| of((*effect, start))), closer::WORTH_IT * best);
+        let closer: Vec<Prediction> = closer::rows(effect, on).into_iter().flat_map(of_row).collect();
         predictions.extend(closer);
     }
     predictions.sort_by(|a, b| b.reduction.total_cmp(&a.reduction));
     predictions
+}
+
+/// Those of neighbouring starts that promise most, and more than this.
+fn promising(mut row: Vec<Option<Prediction>>, least: f64) -> Vec<Prediction> {
+    let promised = |of: &Option<Prediction>| of.as_ref().map_or(0.0, |prediction| prediction.reduction);
+    let promised: Vec<f64> = row.iter().map(promised).collect();
+    closer::peaks(&promised, least).filter_map(|i| row[i].take()).collect()
 }
 
 fn prediction(
