@@ -5,7 +5,7 @@ use super::models::{drop_doubles, is_explained, near_the_best, sort};
 use crate::cores::on_all_cores;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
-use crate::fit::prediction::{Prediction, predictions};
+use crate::fit::prediction::{Prediction, predictions, predictions_between};
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels};
 use shared::effect::{Action, CUSTOM_FORMULA_ID, Effect};
@@ -49,7 +49,7 @@ pub(super) fn extensions(
         candidates.iter().copied().filter(|effect| !model.has(effect.name) && !is_part(effect)).collect();
     let promised = predictions(problem, model, &fresh);
     let supports: Vec<Prediction> = promised.iter().filter(|promise| is_support(promise.effect)).cloned().collect();
-    let (first, mut others) = worth_fitting(promised);
+    let (first, mut others) = worth_fitting(promised.clone());
     let best_reduction = first.first().map_or(0.0, |prediction| prediction.reduction);
     if best_reduction < least_share * (model.cost - problem.noise_cost()) {
         return Vec::new();
@@ -65,6 +65,11 @@ pub(super) fn extensions(
     }
     if !budget.allows_more() {
         return level;
+    }
+    if !is_explained(&level) {
+        let between = predictions_between(problem, model, &fresh, &promised);
+        level.extend(on_all_cores(&between, |prediction| prediction.fitted(problem)));
+        sort(&mut level);
     }
     if is_explained(&level) {
         let rivals: Vec<&str> = near_the_best(&level).iter().filter_map(|rival| rival.names().pop()).collect();

@@ -3,7 +3,7 @@
 use super::descent::Tolerance;
 use super::fitted::Fitted;
 use super::other_turn::or_of_another_turn;
-use super::prediction::{Prediction, predictions};
+use super::prediction::{Prediction, predictions, predictions_between};
 use super::problem::{Problem, Quantity, Unknown};
 use super::refine::Band;
 use crate::verdict::Left;
@@ -25,7 +25,12 @@ pub(crate) fn fitted(problem: &Problem, model: &Fitted, effect: &'static Effect<
 pub(crate) fn begun(problem: &Problem, model: &Fitted, effect: &'static Effect<f64>) -> Option<Fitted> {
     let predictions = predictions(problem, &model.evaluated(problem), &[effect]);
     let fits = predictions.iter().take(STARTS).map(|prediction| from_start(problem, prediction));
-    fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
+    let best = fits.min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+    if problem.chi_square(best.cost).left() == Left::Noise {
+        return Some(best);
+    }
+    let between = predictions_between(problem, &model.evaluated(problem), &[effect], &predictions);
+    Some(between.iter().map(|prediction| from_start(problem, prediction)).fold(best, Fitted::better))
 }
 
 fn from_start(problem: &Problem, prediction: &Prediction) -> Fitted {

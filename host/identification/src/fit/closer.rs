@@ -86,20 +86,16 @@ pub(super) fn peaks(promised: &[f64], least: f64) -> impl Iterator<Item = usize>
 #[cfg(test)]
 mod tests {
     use crate::diagnose::tests::{effect, fitted, rig};
-    use crate::fit::descent::Tolerance;
-    use crate::fit::fitted::Fitted;
+    use crate::fit::added::begun;
     use crate::fit::identify::problem_of;
     use crate::fit::own_swing::swing;
-    use crate::fit::prediction::predictions;
-    use crate::fit::refine::Band;
     use crate::fit::tally::Tally;
 
-    /// How many noises the best promise of an effect leaves once it is fitted.
+    /// How many noises an effect leaves that is added.
     fn noises_left(name: &str, more: impl Fn(f64, f64) -> f64) -> f64 {
         let (swings, count) = ([swing(1.3, more)], Tally::default());
         let problem = problem_of(&swings, &rig(), &count);
-        let best: Fitted = predictions(&problem, &fitted(&problem, &rig()), &[effect(name)]).remove(0).fitted(&problem);
-        let best = best.refined(&problem, Band::Held, Tolerance::JUDGE);
+        let best = begun(&problem, &fitted(&problem, &rig()), effect(name)).unwrap();
         problem.rmse_rad(best.cost) / problem.noise_rad()
     }
 

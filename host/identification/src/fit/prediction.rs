@@ -51,21 +51,34 @@ impl Prediction {
 }
 
 /// Predictions for all start points of all given effects on top of a model whose cost is that of these swings, the best
-/// first; of starts that lie closer than in the list those that promise clearly more than all of the list.
+/// first.
 pub fn predictions(on: &Problem, model: &Fitted, effects: &[&'static Effect<f64>]) -> Vec<Prediction> {
     let starts = effects.iter().flat_map(|effect| pace::starts(effect, on.pace()).map(|start| (*effect, start)));
     let known = model.linearised(on);
     let of = |(effect, start): (&'static Effect<f64>, [f64; MAX_VALUES])| prediction(on, model, &known, effect, &start);
-    let mut predictions: Vec<Prediction> = on_all_cores(starts, of).into_iter().flatten().collect();
-    // They take as long as all starts of the list, so that third effects do without.
-    for effect in effects.iter().filter(|_| model.effects.len() < closer::MOST_BESIDE) {
-        let of_list = predictions.iter().filter(|other| other.effect.id == effect.id);
-        let best = of_list.map(|other| other.reduction).fold(0.0, f64::max);
-        let of_row =
-            |row: closer::Row| promising(on_all_cores(row, |start| of((*effect, start))), closer::WORTH_IT * best);
-        let closer: Vec<Prediction> = closer::rows(effect, on).into_iter().flat_map(of_row).collect();
-        predictions.extend(closer);
-    }
+    sorted(on_all_cores(starts, of).into_iter().flatten().collect())
+}
+
+/// The best of each effect's starts that lie closer than in the list, where it promises clearly more than all of the list: the best
+/// first. They take as long as all starts of the list, so that third effects do without.
+pub fn predictions_between(
+    on: &Problem,
+    model: &Fitted,
+    effects: &[&'static Effect<f64>],
+    of_list: &[Prediction],
+) -> Vec<Prediction> {
+    let known = model.linearised(on);
+    let of_effect = |effect: &'static Effect<f64>| {
+        let promised = of_list.iter().filter(|other| other.effect.id == effect.id).map(|other| other.reduction);
+        let least = closer::WORTH_IT * promised.fold(0.0, f64::max);
+        let of_row = |row| promising(on_all_cores(row, |start| prediction(on, model, &known, effect, &start)), least);
+        sorted(closer::rows(effect, on).into_iter().flat_map(of_row).collect()).into_iter().next()
+    };
+    let effects = effects.iter().filter(|_| model.effects.len() < closer::MOST_BESIDE);
+    sorted(effects.filter_map(|effect| of_effect(effect)).collect())
+}
+
+fn sorted(mut predictions: Vec<Prediction>) -> Vec<Prediction> {
     predictions.sort_by(|a, b| b.reduction.total_cmp(&a.reduction));
     predictions
 }
