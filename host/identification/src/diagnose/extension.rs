@@ -67,7 +67,8 @@ pub(super) fn extensions(
         return level;
     }
     if !is_explained(&level) {
-        let between = predictions_between(problem, model, &fresh, &promised);
+        let mut between = predictions_between(problem, model, &fresh, &promised);
+        between.retain(|prediction| prediction.reduction > SHARE_OF_BEST_PREDICTION * best_reduction);
         level.extend(on_all_cores(&between, |prediction| prediction.fitted(problem)));
         sort(&mut level);
     }
