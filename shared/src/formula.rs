@@ -334,6 +334,13 @@ mod tests {
         assert!((torque - 1e-4 * libm::pow(2.0, 2.5)).abs() < 1e-18, "{torque}");
     }
 
+    #[test]
+    fn each_constant_has_its_place() {
+        let code = [code::CONSTANT, code::CONSTANT + 1, code::DIVIDE, code::THETA, code::MULTIPLY];
+        let program = Program::<f64>::new(&Formula::new(&code, &[3.0, 8.0], 0, "").unwrap());
+        assert_eq!(program.torque_nm(&motion_at(0.4, 0.0, 0.0), &[0.0; 4]), 3.0 / 8.0 * 0.4);
+    }
+
     /// −(k·θ + c·ω): a spring that acts at rest too, and friction that does not.
     #[test]
     fn what_acts_at_standstill_drives_and_what_motion_adds_is_friction() {
@@ -368,6 +375,7 @@ mod tests {
         refused(&[code::CONSTANT], &[f32::NAN], 0);
         refused(&[code::CONSTANT], &[f32::INFINITY], 0);
         refused(&[code::THETA, code::WHOLE_POWER + 1], &[], 0);
+        refused(&[code::THETA, code::THETA, code::POWER + 1], &[], 0);
         refused(&[0xff], &[], 0);
         refused(&[code::THETA; MAX_CODE + 1], &[], 0);
         let too_high = [[code::THETA; STACK + 1].as_slice(), &[code::ADD; STACK]].concat();

@@ -74,6 +74,16 @@ fn a_model_that_is_right_lacks_nothing() {
     check_reason(&pendulum(), &swings(&pendulum(), 30.0, 3), Reason::NothingMissing);
 }
 
+/// Over windows of several periods the lighter one loses count of the swings; over single ones it does not.
+#[test]
+fn a_pendulum_of_quite_another_inertia_is_put_right() {
+    for factor in [0.6, 1.5] {
+        let mut far = pendulum();
+        far.pendulum.inertia_kg_m2 *= factor;
+        check_reason(&far, &swings(&pendulum(), 30.0, 3), Reason::WrongNumbers);
+    }
+}
+
 #[test]
 fn numbers_that_are_wrong_are_no_missing_physics() {
     let mut wrong = pendulum();

@@ -411,6 +411,30 @@ mod tests {
         Suspect { effect, values, strengths, evidence, chi_square, p: 0.0, rank: chi_square, is_tied: false }
     }
 
+    /// Ten parts whose gains differ by `mean ± 1` in turn are at 3·mean of the standard deviations of their mean.
+    #[test]
+    fn parts_prefer_a_law_whose_mean_gain_stands_out_of_their_scatter() {
+        let none = suspect(0.0).evidence;
+        for (mean, is_preferred) in [(0.3, false), (0.37, true)] {
+            let gains = (0..10).map(|n| 7.0 + mean + if n % 2 == 0 { 1.0 } else { -1.0 }).collect();
+            let other = Evidence { gains: [7.0; 10].into_iter().collect(), ..none.clone() };
+            assert_eq!(prefers(&Evidence { gains, ..none.clone() }, &other), is_preferred, "{mean}");
+        }
+    }
+
+    #[test]
+    fn only_a_law_of_time_needs_more_than_one_release() {
+        let readings = [0.1; 8];
+        let told = |n_releases: usize, name: &str| {
+            let mut findings = Findings::empty(0.0);
+            let effect = Effect::by_name(name).unwrap();
+            assert!(findings.suspects.push(Suspect { effect, ..suspect(1.0) }).is_ok());
+            one_release_is_too_few(&findings, &Releases::new(&[&readings[..]; 2][..n_releases], 0.01))
+        };
+        assert_eq!(told(1, "drifting-friction"), Some(Reason::TooFewSwings));
+        assert_eq!([told(2, "drifting-friction"), told(1, "coulomb"), told(2, "coulomb")], [None; 3]);
+    }
+
     #[test]
     fn a_second_law_is_tied_within_a_twentieth_of_the_gain_and_a_tenth_of_what_neither_explains() {
         // Of 1000 the first law leaves nothing, or 1000 where there are 2000.

@@ -329,3 +329,39 @@ fn dot<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> R {
 fn part<R: Real>(a: &Numbers<R>, b: &Numbers<R>, range: Range<usize>) -> R {
     a[range.clone()].iter().zip(&b[range]).fold(R::zero(), |sum, (a, b)| sum + *a * *b)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Clusters with these numbers in the first columns.
+    fn clusters<const N: usize>(of_each: &[[f64; N]]) -> Clusters<f64> {
+        let mut clusters = Clusters::empty();
+        for numbers in of_each {
+            clusters.add(|share| share.columns[..N].copy_from_slice(numbers));
+        }
+        clusters
+    }
+
+    #[test]
+    fn the_spread_is_the_sum_of_the_products_of_steps() {
+        let spread = spread(&clusters(&[[9.0, 1.0, 2.0], [9.0, 3.0, -1.0]]), Own { first: 1, count: 2 });
+        assert_eq!([spread[0][0], spread[0][1], spread[1][0], spread[1][1]], [10.0, -1.0, -1.0, 5.0]);
+    }
+
+    /// One known number beside the starts, of which each cluster has a score and a product: steps are their quotients.
+    #[test]
+    fn a_jackknife_leaves_each_cluster_out_in_turn() {
+        let (scores, products) = ([1.0, 2.0, 6.0], [2.0, 1.0, 5.0]);
+        let mut all = [[0.0; N_SHARED + 1]; 3];
+        for (numbers, (score, product)) in all.iter_mut().zip(scores.iter().zip(&products)) {
+            (numbers[0], numbers[N_SHARED]) = (*score, *product);
+        }
+        let (step, stds, gain) = jackknife(&clusters(&all), N_STARTS + 1).unwrap();
+        let whole = 9.0 / 8.0;
+        let left_out: [f64; 3] = core::array::from_fn(|i| (9.0 - scores[i]) / (8.0 - products[i]));
+        let squares: f64 = left_out.iter().map(|one| (one - whole) * (one - whole)).sum();
+        let off = [step[N_STARTS] - whole, stds[N_STARTS] - (squares * 2.0 / 3.0).sqrt(), gain - 9.0 * whole];
+        assert!(off.iter().all(|off| off.abs() < 1e-12), "{off:?}");
+    }
+}

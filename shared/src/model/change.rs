@@ -141,3 +141,30 @@ impl<R: Real> Model<R> {
         R::select(inside, share, R::zero())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Parameters;
+
+    /// A pendulum that moves by θ = 0.2 + 0.3·t − 0.2·t² + 0.4·t³ within a step of 0.1 s from 7 s on.
+    fn share_until(excess: impl Fn(f64, f64, f64) -> f64) -> f64 {
+        let model = Model::new(&Parameters::<f64>::paper());
+        let state = State { time_s: 7.0, ..model.release(0.2, 0.3) };
+        let end = Phase { angle: 0.2284, velocity: 0.272 };
+        model.share_until_held(&state, end, 0.1, excess)
+    }
+
+    #[test]
+    fn the_share_of_a_step_is_sought_by_angle_velocity_and_time() {
+        let angle = |t: f64| 0.2 + 0.3 * t - 0.2 * t * t + 0.4 * t * t * t;
+        for share in [0.2, 0.5, 0.9] {
+            let by_angle = share_until(|theta, _, _| 1e-3 * (angle(0.1 * share) - theta));
+            assert!((by_angle - share).abs() < 1e-4, "{share}: {by_angle}");
+            // Between the ends the velocity goes along a straight line.
+            let by_velocity = share_until(|_, omega, _| omega - (0.3 - 0.028 * share));
+            let by_time = share_until(|_, _, time_s| 7.0 + 0.1 * share - time_s);
+            assert!((by_velocity - share).abs() < 1e-12 && (by_time - share).abs() < 1e-12, "{share}");
+        }
+    }
+}

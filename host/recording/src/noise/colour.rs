@@ -76,6 +76,8 @@ mod tests {
             Some(*last)
         });
         assert!(independent_share(&plain) > 0.99);
+        let colour = Colour::of(&plain);
+        assert_eq!(colour.n_independent, colour.independent_share * 20_000.0);
         // Of a first-order process: (1 − ρ²)/(1 + ρ²).
         let share = independent_share(&walk.collect::<Vec<f64>>());
         assert!((share - (1.0 - rho * rho) / (1.0 + rho * rho)).abs() < 0.03, "{share}");

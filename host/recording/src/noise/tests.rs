@@ -103,7 +103,37 @@ fn still_samples_give_their_scatter_and_a_drift_does_not_count() {
     let recording = Recording::uniform(500.0, angles_rad).unwrap();
     let noise = of_still(&recording, 0..5000).unwrap();
     assert!((noise.total_rms / 1e-3 - 1.0).abs() < 0.03, "{noise:?}");
-    assert_eq!(of_still(&recording, 0..5), None);
+    assert!(of_still(&recording, 0..MIN_STILL).is_some());
+    assert_eq!(of_still(&recording, 0..MIN_STILL - 1), None);
+}
+
+/// One in two hundred is a thousand noises off, as where a tracker takes another point.
+#[test]
+fn what_few_samples_add_counts_only_where_it_outweighs_all_others() {
+    let mut random = Random(21);
+    let times_s: Vec<f64> = (0..4000).map(|idx| 0.01 * f64::from(idx)).collect();
+    let angle = |time_s: &f64| 0.5 * (6.0 * time_s).cos() + 1e-3 * random.normal();
+    let clean: Vec<f64> = times_s.iter().map(angle).collect();
+    let noise = of_samples(&times_s, &clean, None);
+    assert_eq!(of_most_samples(&times_s, &clean, &noise), noise.total_rms);
+    let jumps = |(idx, angle_rad): (usize, &f64)| if idx % 200 == 100 { angle_rad + 1.0 } else { *angle_rad };
+    let jumping: Vec<f64> = clean.iter().enumerate().map(jumps).collect();
+    let noise = of_samples(&times_s, &jumping, None);
+    let most = of_most_samples(&times_s, &jumping, &noise);
+    assert!(noise.total_rms > 2e-2 && (most / 1e-3 - 1.0).abs() < 0.1, "{} {most}", noise.total_rms);
+}
+
+/// Two orders are apart by chance as well, the more so the fewer windows there are.
+#[test]
+fn few_samples_of_white_noise_need_no_higher_order() {
+    let mut random = Random(23);
+    let times_s: Vec<f64> = (0..60).map(|idx| 0.01 * f64::from(idx)).collect();
+    let mut order = || {
+        let angles_rad: Vec<f64> = times_s.iter().map(|_| 1e-3 * random.normal()).collect();
+        differences::agreeing_order(&times_s, &angles_rad, &[false; 60]).0
+    };
+    let orders: Vec<usize> = (0..40).map(|_| order()).collect();
+    assert!(orders.iter().filter(|order| **order == 4).count() >= 36, "{orders:?}");
 }
 
 /// Half swinging across many steps, half held about an angle, all in steps; so many steps of noise where it is held.
