@@ -7,7 +7,9 @@ use super::models::{
     worth_all_samples,
 };
 use super::physical::is_sound;
-use super::widening::{alone_in_wider_form, begun_from_special_cases, narrowed, widened};
+use super::widening::{
+    alone_beside_nothing, alone_in_wider_form, begun_from_last_digits, begun_from_special_cases, narrowed, widened,
+};
 use crate::cores::on_all_cores;
 use crate::fit::descent::{Termination, Tolerance};
 use crate::fit::fitted::{Fitted, Stiction};
@@ -98,7 +100,10 @@ pub fn search(
         let before = found.best(found.levels.len());
         let Some(best) = level.first().filter(|best| best.cost < before.cost) else { break };
         let is_pair = n_added == 1 && is_explained(problem, best);
-        let alone = || alone_in_wider_form(problem, rough, &bare, best, &found.levels[0]);
+        let alone = || {
+            let beside_nothing = alone_beside_nothing(problem, rough, &level);
+            beside_nothing.or_else(|| alone_in_wider_form(problem, rough, &bare, best, &found.levels[0]))
+        };
         if let Some(alone) = is_pair.then(alone).flatten() {
             found.add(alone);
             break;
@@ -181,6 +186,9 @@ fn next_level(
     level.retain(|model| is_sound(problem, model));
     sort(&mut level);
     with_the_bands_they_lack(problem, rough, &mut level);
+    level.extend(begun_from_last_digits(problem, &level));
+    sort(&mut level);
+    drop_doubles(&mut level);
     level
 }
 

@@ -2,7 +2,7 @@
 //! is easily taken for an effect that is not there.
 
 use super::extension::grown;
-use super::models::{is_explained, near_the_best};
+use super::models::{NEAR, is_explained, near_the_best};
 use super::physical::is_sound;
 use super::strength::is_as_strong_as_can_be;
 use crate::cores::on_all_cores;
@@ -48,8 +48,22 @@ pub(super) fn narrowed(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
 /// numbers of that: from its own starts a wider law may end in a side valley, and would be told as one that explains less. Those
 /// that follow their special case were begun from it.
 pub(super) fn begun_from_special_cases(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
+    let begun = at_special_cases(level, |wide| !wide.rules.follows_special_case);
+    let begun = on_all_cores(&begun, |model| model.refined(rough, Band::Held, Tolerance::SCREEN));
+    begun.into_iter().filter(|model| is_sound(rough, model)).collect()
+}
+
+/// The same of those that follow their special case, on all samples: that may have come further since they were begun from it.
+pub(super) fn begun_from_last_digits(problem: &Problem, level: &[Fitted]) -> Vec<Fitted> {
+    let begun = at_special_cases(near_the_best(level), |wide| wide.rules.follows_special_case);
+    let begun = on_all_cores(&begun, |model| model.refined(problem, Band::Free, Tolerance::JUDGE));
+    begun.into_iter().filter(|model| is_sound(problem, model)).collect()
+}
+
+/// Models of a level that cost more than the same with the special case of a law, with the numbers of that.
+fn at_special_cases(level: &[Fitted], is_asked: fn(&Effect<f64>) -> bool) -> Vec<Fitted> {
     let of_law = |model: &Fitted, wide: &'static Effect<f64>| -> Option<Fitted> {
-        let (at, value) = wide.rules.special_case_at.filter(|_| !wide.rules.follows_special_case)?;
+        let (at, value) = wide.rules.special_case_at.filter(|_| is_asked(wide))?;
         let special = Effect::by_name(wide.generalises?).filter(|special| !model.has(special.name))?;
         let is_it = |known: &&Fitted| {
             known.effects.len() == model.effects.len()
@@ -59,13 +73,9 @@ pub(super) fn begun_from_special_cases(rough: &Problem, level: &[Fitted]) -> Vec
         let best = level.iter().filter(is_it).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         let mut values = wide.starts[0];
         values[usize::from(at)] = value;
-        let begun = exchanged(best, special, wide, values).filter(|_| best.cost < model.cost)?;
-        Some(begun.refined(rough, Band::Held, Tolerance::SCREEN))
+        exchanged(best, special, wide, values).filter(|_| best.cost < model.cost)
     };
-    let of_model =
-        |model: &Fitted| model.effects.iter().filter_map(|wide| of_law(model, wide)).collect::<Vec<Fitted>>();
-    let begun = on_all_cores(level, of_model);
-    begun.into_iter().flatten().filter(|model| is_sound(rough, model)).collect()
+    level.iter().flat_map(|model| model.effects.iter().filter_map(move |wide| of_law(model, wide))).collect()
 }
 
 /// A model whose error is this share of the motion is late by up to a sixth of a radian in the end, where first-order answers err
@@ -138,6 +148,20 @@ pub(super) fn alone_in_wider_form(
     (is_explained(problem, &best) && is_sound(problem, &best)).then_some(best)
 }
 
+/// Where pairs of laws explain the swings: a law alone, if it does so too with the numbers that it has beside one that does
+/// next to nothing. Alone it may have ended on its way there.
+pub(super) fn alone_beside_nothing(problem: &Problem, rough: &Problem, pairs: &[Fitted]) -> Option<Fitted> {
+    let alone = |pair: &Fitted| -> Vec<Fitted> {
+        let limit = NEAR * pair.evaluated(rough).cost;
+        let rests = pair.effects.iter().map(|law| pair.without(law.id));
+        rests.filter(|rest| rest.evaluated(rough).cost < limit).collect()
+    };
+    let all: Vec<Fitted> = pairs.iter().filter(|pair| is_explained(problem, pair)).flat_map(alone).collect();
+    let fitted = on_all_cores(&all, |rest| rest.refined(problem, Band::Free, Tolerance::JUDGE));
+    let explaining = fitted.into_iter().filter(|law| is_explained(problem, law) && is_sound(problem, law));
+    explaining.min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
 /// A model with each of its laws in its wider form, fitted on decimated swings.
 pub(super) fn in_wider_forms(rough: &Problem, model: &Fitted) -> Vec<Fitted> {
     let all: Vec<Widening> = widenings(model).collect();
@@ -191,6 +215,25 @@ mod tests {
         let mut truth = rig();
         truth.set(effect("general-gear-load").id, &[0.02, 1.6, 0.3]).unwrap();
         assert_eq!(alone(&truth), [Some(vec!["general-gear-load"]), None]);
+    }
+
+    /// What is told of drag and gears, of which the gears are as strong as given.
+    fn beside(gears: f64) -> Option<Vec<&'static str>> {
+        let mut truth = rig();
+        truth.set(effect("quadratic-drag").id, &[3e-4]).unwrap();
+        truth.set(effect("gear-load").id, &[gears]).unwrap();
+        let (swings, count) = ([simulated("drag", &truth, 20.0, 7)], Tally::default());
+        let problem = problem_of(&swings, &rig(), &count);
+        let decimated = problem.decimated();
+        let pair = fitted(&problem, &truth);
+        assert_eq!(pair.names(), ["quadratic-drag", "gear-load"]);
+        alone_beside_nothing(&problem, &problem.on(&decimated), &[pair]).map(|it| it.names())
+    }
+
+    #[test]
+    fn a_law_that_explains_the_swings_beside_one_that_does_nothing_is_told_alone() {
+        assert_eq!(beside(0.0), Some(vec!["quadratic-drag"]));
+        assert_eq!(beside(0.02), None);
     }
 
     #[test]
