@@ -18,6 +18,7 @@ mod mat5;
 mod matlab;
 mod matlab_runs;
 mod numpy;
+mod rate_beside;
 mod sheets;
 mod workbook;
 mod zipped;
@@ -42,15 +43,24 @@ impl Kind {
             )),
             Self::OldWorkbook => return biff::table(bytes, notes).map(|(text, name)| (text, Some(name))),
             Self::LabView => labview::table(bytes),
-            Self::Json => json::table(bytes),
-            Self::Lists => lists::table(bytes),
-            Self::Markup => Err(project("file of XML or HTML")),
+            Self::Json => json::table(bytes, notes),
+            Self::Lists => lists::table(bytes, notes),
+            Self::Markup => markup(bytes, notes),
             Self::Unread(place) => {
                 let (_, format, cure) = UNREAD.get(place).copied().unwrap_or((b"", "file", "export it as CSV"));
                 Err(refused(format, cure))
             }
         };
         text.map(|text| (text, None))
+    }
+}
+
+/// CASSY Lab 2 saves its projects unpacked too.
+fn markup(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Fault> {
+    let text = String::from_utf8_lossy(bytes);
+    match cassy::is_project(&text) {
+        true => cassy::table(&text, notes),
+        false => Err(project("file of XML or HTML")),
     }
 }
 

@@ -17,6 +17,7 @@ mod ends;
 mod error;
 mod growth;
 mod half_swing;
+mod held;
 mod interrupted;
 mod kept;
 mod law;

@@ -7,7 +7,7 @@ use super::super::runs::is_one_of_several;
 use super::super::table::Table;
 use super::super::words::{
     Meaning, is_acceleration, is_distance, is_duration, is_estimate, is_estimate_of, is_length, is_of_carrier,
-    is_of_drive, is_of_pendulum, is_other_quantity, is_raw, meaning, says_nothing_else,
+    is_of_drive, is_of_pendulum, is_other_quantity, is_raw, is_turn_sensor, meaning, says_nothing_else,
 };
 use super::parted::parted;
 use super::quaternion::quaternion;
@@ -58,7 +58,10 @@ pub(super) fn no_angle(table: &Table) -> Fault {
     let first = |is_it: fn(&str) -> bool| table.names.iter().flatten().position(|name| is_it(name));
     let raw = the_raw(table);
     match (first(is_acceleration).or_else(|| bare_accelerations(table)), periods(table), raw, quaternion(table)) {
-        (Some(_), ..) => NoAngle::OnlyAccelerations { available }.into(),
+        // A phone's battery has volts too.
+        (Some(_), _, raw, _) if raw.is_none_or(|idx| !table.says(idx, is_turn_sensor)) => {
+            NoAngle::OnlyAccelerations { available }.into()
+        }
         (_, Some(_), ..) => NoAngle::OnlyDurations { available }.into(),
         (.., Some(drive), _) if let Some(moved) = moved_by(table, drive) => {
             let (drive, moved, example) =
@@ -78,7 +81,11 @@ pub(super) fn no_angle(table: &Table) -> Fault {
 fn the_raw(table: &Table) -> Option<usize> {
     let names = table.names.as_deref()?;
     let raw = (0..names.len()).filter(|idx| is_raw(&names[*idx]) && table.is_of_numbers(*idx));
-    raw.min_by_key(|idx| (!is_of_pendulum(&names[*idx]), is_of_carrier(&names[*idx])))
+    let raw = raw.filter(|idx| !is_acceleration(&names[*idx]));
+    raw.min_by_key(|idx| {
+        let name = &names[*idx];
+        (!is_of_pendulum(name), is_of_carrier(name), !is_turn_sensor(name))
+    })
 }
 
 /// The first column that this one may move by its name, where that is the voltage or the current of a motor.
@@ -358,13 +365,23 @@ mod tests {
         notes
     }
 
+    fn told(heading: &str) -> String {
+        let row = |idx: i32| format!("{},{},{}\n", 0.1 * f64::from(idx), (7 * idx) % 5, (3 * idx) % 4);
+        let text = format!("{heading}\n{}", (0..20).map(row).collect::<String>());
+        no_angle(&Table::new(Lines::of(text.as_bytes(), &mut Vec::new()).unwrap()).unwrap()).to_string()
+    }
+
+    #[test]
+    fn a_potentiometer_beside_an_accelerometer_is_what_may_be_the_angle() {
+        for heading in ["Time (s),Pot (V),Accel (V)", "Zeit (s),Drehgeber,Beschleunigung"] {
+            assert!(told(heading).contains("theta=1:54.5deg"), "{}", told(heading));
+        }
+        assert!(told("Time (s),Accel (V),Encoder").contains("theta=2:54.5deg"));
+        assert!(told("Time (s),Battery (V),Accel (m/s²)").contains("accelerations, which can't be fitted"));
+    }
+
     #[test]
     fn the_voltage_of_a_motor_is_not_advised_where_something_else_moves() {
-        let told = |heading: &str| {
-            let row = |idx: i32| format!("{},{},{}\n", 0.1 * f64::from(idx), (7 * idx) % 5, (3 * idx) % 4);
-            let text = format!("{heading}\n{}", (0..20).map(row).collect::<String>());
-            no_angle(&Table::new(Lines::of(text.as_bytes(), &mut Vec::new()).unwrap()).unwrap()).to_string()
-        };
         let driven = told("t,alpha,voltage");
         assert!(driven.contains("2 (voltage) drives") && driven.contains("--columns t=0,theta=1"), "{driven}");
         assert!(told("t,temperature,voltage").contains("theta=2:54.5deg"));

@@ -1,4 +1,4 @@
-//! Projects of CASSY Lab 2 (`.labx`): an archive with one file of XML. In groups of channels each run has a channel, with its quantity,
+//! Projects of CASSY Lab 2 (`.labx`): an archive with one file of XML, or that file itself. In groups of channels each run has a channel, with its quantity,
 //! symbol, unit and values.
 
 use super::as_text::{refused, text_of};
@@ -99,5 +99,20 @@ mod tests {
         assert!(notes[0].starts_with("run 2 of 2 taken"), "{notes:?}");
         let empty = table("<cassylab></cassylab>", &mut notes).unwrap_err().to_string();
         assert!(empty.contains("no run in it"), "{empty}");
+    }
+
+    #[test]
+    fn a_project_that_is_not_packed_is_read() {
+        let times_s: Vec<f64> = (0..400).map(|idx| 0.05 * f64::from(idx)).collect();
+        let angles: Vec<f64> =
+            times_s.iter().map(|time_s| 2.0 * (-0.05 * time_s).exp() * (5.0 * time_s).cos()).collect();
+        let xml = format!(
+            "\u{feff}<?xml version=\"1.0\" encoding=\"utf-8\"?><cassylab xml:lang=\"de-DE\">{}{}</cassylab>",
+            group(&[("Zeit", "t", "s", &times_s)]),
+            group(&[("Winkel", "&amp;aA1", "°", &angles)]),
+        );
+        let recording = crate::read_bytes("pendel.labx", xml.as_bytes(), &crate::ReadOptions::default()).unwrap();
+        assert_eq!(recording.len(), 400);
+        assert!((recording.angles_rad()[0] - 2_f64.to_radians()).abs() < 1e-9);
     }
 }

@@ -1,18 +1,20 @@
 //! JSON: an object a line (`{"t": 0.01, "theta": 0.5}`), an array of such objects or of arrays (`[[0.01, 0.5], …]`), or one
-//! object of arrays, however deep it lies.
+//! object of arrays, however deep it lies, or in an array of its own.
 
 use super::as_text::{refused, text_of};
+use super::rate_beside;
 use crate::clock::{self, Moment};
 use crate::error::Fault;
+use crate::words::{Meaning, meaning};
 use serde_json::{Map, Value};
 
-pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
+pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Fault> {
     let what = "JSON file";
     let expected =
         "expected an object a line such as {\"t\": 0.01, \"theta\": 0.5}, an array of them, or an object of arrays";
     let mut values = serde_json::Deserializer::from_slice(bytes).into_iter::<Value>();
     let (mut names, mut columns): (Vec<String>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
-    let mut n_rows = 0;
+    let (mut n_rows, mut numbers) = (0, Vec::new());
     for value in values.by_ref() {
         let value = match value {
             Ok(value) => value,
@@ -23,9 +25,16 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
         match value {
             Value::Object(object) if is_of_arrays(&object, DEEPEST) => {
                 add_arrays("", &object, &mut names, &mut columns, DEEPEST);
+                add_numbers(&object, &mut numbers, DEEPEST);
+                if is_lone_matrix(&names) {
+                    names.clear();
+                }
             }
             Value::Object(object) => take(&object, &mut names, &mut columns, &mut n_rows),
             Value::Array(rows) if rows.iter().any(Value::is_array) => add_rows("", &rows, &mut names, &mut columns),
+            Value::Array(rows) if rows.iter().any(holds_recording) => {
+                add_recordings("", &rows, &mut names, &mut columns, DEEPEST);
+            }
             Value::Array(rows) => {
                 rows.iter()
                     .filter_map(Value::as_object)
@@ -37,7 +46,10 @@ pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
     if columns.is_empty() {
         return Err(refused(what, expected));
     }
-    Ok(text_of(if names.len() == columns.len() { &names } else { &[] }, &columns))
+    let numbers = numbers.iter().map(|(name, number)| (name.as_str(), *number));
+    let rate = rate_beside::line_above(numbers, &names, &columns, notes);
+    let names = if names.len() == columns.len() { &names[..] } else { &[] };
+    Ok([rate.into_bytes(), text_of(names, &columns)].concat())
 }
 
 /// Objects within objects, so deep.
@@ -59,6 +71,38 @@ fn is_of_arrays(object: &Map<String, Value>, deepest: usize) -> bool {
     })
 }
 
+/// Is it an object with an array that is longer than a row is wide?
+fn holds_recording(value: &Value) -> bool {
+    let is_long = |value: &Value| value.as_array().is_some_and(|cells| cells.len() > MOST_AXES);
+    value.as_object().is_some_and(|object| object.values().any(is_long))
+}
+
+/// Is it a matrix that stands alone? What it is called after says nothing of its columns, unless it names what is read.
+fn is_lone_matrix(names: &[String]) -> bool {
+    let Some((matrix, "1")) = names.first().and_then(|name| name.rsplit_once(' ')) else { return false };
+    let is_of_it = |(idx, name): (usize, &String)| *name == format!("{matrix} {}", idx + 1);
+    names.len() > 1 && names.iter().enumerate().all(is_of_it) && meaning(matrix) == Meaning::Other
+}
+
+/// Numbers that stand alone, by the last of their names.
+fn add_numbers(object: &Map<String, Value>, numbers: &mut Vec<(String, f64)>, deepest: usize) {
+    for (name, value) in object {
+        match value {
+            Value::Object(inner) if deepest > 0 => add_numbers(inner, numbers, deepest - 1),
+            Value::Number(number) => numbers.extend(number.as_f64().map(|number| (name.clone(), number))),
+            _ => {}
+        }
+    }
+}
+
+/// The arrays of each; of several with their places in their names.
+fn add_recordings(outer: &str, all: &[Value], names: &mut Vec<String>, columns: &mut Vec<Vec<f64>>, deepest: usize) {
+    for (idx, recording) in all.iter().filter_map(Value::as_object).enumerate() {
+        let outer = if all.len() == 1 { outer.to_owned() } else { format!("{outer}{}.", idx + 1) };
+        add_arrays(&outer, recording, names, columns, deepest);
+    }
+}
+
 /// Arrays of numbers, of arrays, or of objects, wherever they lie.
 fn add_arrays(
     outer: &str,
@@ -70,6 +114,9 @@ fn add_arrays(
     for (name, value) in object {
         let name = format!("{outer}{name}");
         match value {
+            Value::Array(rows) if deepest > 0 && rows.iter().any(holds_recording) => {
+                add_recordings(&format!("{name}."), rows, names, columns, deepest - 1);
+            }
             Value::Array(rows) if rows.iter().any(Value::is_object) => {
                 let (mut own_names, mut own_columns, mut n_rows) = (Vec::new(), Vec::new(), 0);
                 let rows = rows.iter().filter_map(Value::as_object);
@@ -170,5 +217,46 @@ mod tests {
         let cells = cells("", row.as_object().unwrap(), DEEPEST);
         let found: Vec<(&str, f64)> = cells.iter().map(|(name, value)| (name.as_str(), number(value))).collect();
         assert_eq!(found, [("t", 1.0), ("a.d", 5.0), ("a.b.c", 2.0), ("a.b.list 1", 3.0), ("a.b.list 2", 4.0)]);
+    }
+
+    fn angle_at(time_s: f64) -> f64 {
+        0.4 * (-0.05 * time_s).exp() * (5.0 * time_s).cos()
+    }
+
+    fn read(json: &str) -> crate::Recording {
+        crate::read_bytes("swing.json", json.as_bytes(), &crate::ReadOptions::default()).unwrap()
+    }
+
+    /// The value first, then when it was: no names tell, but one goes on evenly.
+    #[test]
+    fn pairs_under_a_name_that_says_nothing_are_a_table_without_names() {
+        let pairs = (0..200).map(|idx| 10.0 + 0.1 * f64::from(idx)).map(|time_s| [angle_at(time_s - 10.0), time_s]);
+        let pairs: Vec<[f64; 2]> = pairs.collect();
+        let recording =
+            read(&format!(r#"{{"name": "fading", "timestamp": "2026-03-01 12:00:00", "records": {pairs:?}}}"#));
+        assert!((recording.step_s() - 0.1).abs() < 1e-9, "{}", recording.step_s());
+        assert!((recording.angles_rad()[0] - 0.4).abs() < 1e-9);
+    }
+
+    #[test]
+    fn pairs_under_the_name_of_what_is_read_keep_it() {
+        assert!(is_lone_matrix(&["records 1".to_owned(), "records 2".to_owned()]));
+        for names in [["theta 1", "theta 2"], ["t", "records 1"], ["gyro 1", "gyro 2"]] {
+            assert!(!is_lone_matrix(&names.map(str::to_owned)), "{names:?}");
+        }
+    }
+
+    #[test]
+    fn a_recording_that_lies_in_an_array_is_read_by_the_rate_that_stands_beside_it() {
+        let angles: Vec<f64> = (0..400).map(|idx| angle_at(f64::from(idx) / 50.0)).collect();
+        let row = format!(r#"{{"type": "drop", "targets": ["friction"], "angle": {angles:?}}}"#);
+        let recording =
+            read(&format!(r#"{{"config": {{"sampling_rate_hz": 50, "limits": [-1, 1]}}, "data": [{row}]}}"#));
+        assert_eq!((recording.len(), recording.rate_hz().round()), (400, 50.0));
+        let alone = format!(
+            r#"[{{"t": {:?}, "angle": {angles:?}}}]"#,
+            (0..400).map(|idx| f64::from(idx) / 50.0).collect::<Vec<_>>()
+        );
+        assert_eq!(read(&alone).len(), 400);
     }
 }

@@ -23,8 +23,8 @@ fn opens_list(text: &str) -> bool {
     ["[", "(", "np.array(", "numpy.array("].iter().any(|begin| text.starts_with(begin))
 }
 
-pub(super) fn table(bytes: &[u8]) -> Result<Vec<u8>, Fault> {
-    json::table(as_json(&String::from_utf8_lossy(bytes)).as_bytes()).map_err(|fault| match fault {
+pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Fault> {
+    json::table(as_json(&String::from_utf8_lossy(bytes)).as_bytes(), notes).map_err(|fault| match fault {
         Fault::Foreign { problem, .. } => {
             let problem = problem.split("; ").next().unwrap_or_default();
             let expected = "expected t = [0.0, 0.01, …] and theta = [1.2, 1.1, …], or [(0.0, 1.2), (0.01, 1.1), …]";
@@ -88,6 +88,6 @@ mod tests {
         {
             assert!(!begins(other.as_bytes()), "{other}");
         }
-        assert!(table(b"t = [0 1 2]").unwrap_err().to_string().contains("file of lists"));
+        assert!(table(b"t = [0 1 2]", &mut Vec::new()).unwrap_err().to_string().contains("file of lists"));
     }
 }

@@ -7,10 +7,10 @@
 
 use super::as_text::{refused, text_of};
 use super::mat5::{Problem, Variable};
+use super::rate_beside::{self, rises};
 use super::{mat4, mat5, matlab_runs};
 use crate::error::Fault;
-use crate::header::said_rate_hz;
-use crate::limits::{LONGEST_STEP_S, MIN_SAMPLES};
+use crate::limits::MIN_SAMPLES;
 use crate::words::{Meaning, meaning};
 
 /// A matrix with more columns, and more rows, is a picture, not a table.
@@ -43,7 +43,7 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Fa
     }
     let Some((first, matrix)) = columns.lone_matrix() else {
         columns.name_times();
-        let rate = rate_beside(&variables, &columns, notes);
+        let rate = rate_beside::line_above(scalars(&variables), &columns.names, &columns.numbers, notes);
         return Ok([rate.into_bytes(), text_of(&columns.names, &columns.numbers)].concat());
     };
     let named = names_of(&variables, matrix.len());
@@ -52,30 +52,12 @@ pub(super) fn table(bytes: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Fa
     Ok(text_of(names, matrix))
 }
 
-/// A line above the table, of a scalar that says how many samples a second there are; none where something may be the time, or
-/// two say otherwise.
-fn rate_beside(variables: &[(String, Variable)], columns: &Columns, notes: &mut Vec<String>) -> String {
-    let is_time = |name: &String| matches!(meaning(name), Meaning::Time { .. });
-    if columns.names.iter().any(is_time) || columns.numbers.iter().any(|column| rises(column)) {
-        return String::new();
-    }
-    let said = |(name, variable): &(String, Variable)| match variable {
-        Variable::Numbers { values, .. } if values.len() == 1 => {
-            let rate_hz = said_rate_hz(&name.to_lowercase(), &values[0].to_string())?;
-            (rate_hz * LONGEST_STEP_S > 1.0).then(|| (format!("{name} = {}", values[0]), rate_hz))
-        }
+/// Numbers that stand alone.
+fn scalars(variables: &[(String, Variable)]) -> impl Iterator<Item = (&str, f64)> {
+    variables.iter().filter_map(|(name, variable)| match variable {
+        Variable::Numbers { values, .. } if values.len() == 1 => Some((name.as_str(), values[0])),
         _ => None,
-    };
-    let all: Vec<(String, f64)> = variables.iter().filter_map(said).collect();
-    let Some((scalar, rate_hz)) = all.first().filter(|(_, rate_hz)| all.iter().all(|other| other.1 == *rate_hz)) else {
-        return String::new();
-    };
-    notes.push(format!("{scalar} beside the data is read like a line above the table, Sampling rate: {rate_hz} Hz"));
-    format!("# Sampling rate: {rate_hz} Hz\n")
-}
-
-fn rises(column: &[f64]) -> bool {
-    column.windows(2).all(|pair| pair[1] > pair[0])
+    })
 }
 
 /// The names of a time and an angle or a rate, where the variable is called after one and only the first column rises
@@ -292,10 +274,10 @@ mod tests {
     #[test]
     fn a_scalar_tells_the_rate_of_data_without_a_time() {
         let scalar = |name: &str, value: f64| (name.to_owned(), numbers(&[value]));
-        let line = |scalars: &[(String, Variable)], column: &[f64]| {
+        let line = |variables: &[(String, Variable)], column: &[f64]| {
             let mut columns = Columns::default();
             columns.add("data", &numbers(column));
-            rate_beside(scalars, &columns, &mut Vec::new())
+            rate_beside::line_above(scalars(variables), &columns.names, &columns.numbers, &mut Vec::new())
         };
         let swung = [0.3, -0.1, 0.2];
         for it in

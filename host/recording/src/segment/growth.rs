@@ -27,7 +27,7 @@ const FADES_SPREADS: f64 = 3.0;
 const OUTLIER: f64 = 9.0;
 
 /// The median of a Gaussian sample scatters more than its mean by this factor.
-const MEDIAN_SCATTER: f64 = 1.25;
+pub(super) const MEDIAN_SCATTER: f64 = 1.25;
 
 /// A swing that is seen well does not grow by more than this share.
 const SEEN_SHARE: f64 = 0.02;
@@ -150,7 +150,7 @@ impl Thirds {
 
 /// The standard deviation of each size as a share of it, which does not mind that all of them lose the same share, nor holes in the
 /// rows that hide some turns.
-fn scatter(sizes: &[f64]) -> f64 {
+pub(super) fn scatter(sizes: &[f64]) -> f64 {
     let mut steps: Vec<f64> =
         sizes.windows(2).map(|pair| (pair[1] / pair[0]).ln()).filter(|step| step.is_finite()).collect();
     if steps.is_empty() {

@@ -60,7 +60,8 @@ pub(super) fn notes(
     }));
     notes.extend(as_quick_as_noise(cut));
     notes.extend(whole.driven_in_words(&swing));
-    notes.extend(no_fading(whole, &swing).or_else(|| goes_on(whole, options, &swing)));
+    let does_not_end = no_fading(whole, &swing).or_else(|| held(whole, &swing));
+    notes.extend(does_not_end.or_else(|| goes_on(whole, options, &swing)));
     notes.extend(disorder(cut, free));
     notes.extend(interruptions(recording, interrupted));
     notes.extend(carried(cut, bounds));
@@ -177,6 +178,17 @@ fn no_fading(cut: &Cut, free: &Range<usize>) -> Option<String> {
     Some(format!(
         "doubtful: its swings don't become smaller, as free ones do{}; does a motor or a hand drive it?",
         grown.unwrap_or_default()
+    ))
+}
+
+/// That something holds its last swings, which would become smaller as those before did.
+fn held(cut: &Cut, free: &Range<usize>) -> Option<String> {
+    let (from_s, rad) = cut.held(free)?;
+    Some(format!(
+        "doubtful: its swings become smaller at first, but from {from_s:.2} s on stay as large, {} {} to either side, where any friction \
+         would go on to take of them; does a motor, a hand or what carries it keep it going? --to {from_s:.2} ends before",
+        significant(rad, 2),
+        cut.recording.measured().unit()
     ))
 }
 

@@ -359,6 +359,7 @@ mod tests {
             ("ω (rad·s⁻¹)", rate(AngleUnit::Radians)),
             ("ω [rad s^{-1}]", rate(AngleUnit::Radians)),
             ("wz_deg_s", rate(AngleUnit::Degrees)),
+            ("pink_s0.05", Meaning::Other),
             ("x (rad/s²)", Meaning::Other),
             ("x-axis (g)", Meaning::Other),
             ("y (m/s²)", Meaning::Other),

@@ -98,35 +98,37 @@ const DURATION: &[&str] = &[
 /// Is it what a converter or a counter gives? `CH1(V)`, `Channel A (mV)`, `encoder`, `raw_angle`.
 pub(crate) fn is_raw(name: &str) -> bool {
     let in_volts = name.split(|letter: char| !letter.is_alphanumeric()).any(|word| matches!(word, "V" | "mV" | "uV"));
-    in_volts || words(name).iter().any(|word| RAW.contains(&word.as_str()))
+    in_volts || is_turn_sensor(name) || words(name).iter().any(|word| RAW.contains(&word.as_str()))
 }
 
-/// Words of volts and counts.
-const RAW: &[&str] = &[
-    "code",
-    "codes",
-    "volt",
-    "volts",
-    "voltage",
-    "spannung",
-    "tension",
-    "voltaje",
-    "tensione",
-    "ch",
-    "channel",
-    "kanal",
-    "canal",
-    "adc",
-    "analog",
-    "count",
-    "counts",
-    "ticks",
-    "pulses",
-    "raw",
+/// Is it named after a sensor of a turn? `Pot (V)`, `encoder`, `Drehgeber`.
+pub(crate) fn is_turn_sensor(name: &str) -> bool {
+    words(name).iter().any(|word| TURN_SENSORS.contains(&word.as_str()))
+}
+
+/// Words of such sensors.
+const TURN_SENSORS: &[&str] = &[
     "encoder",
     "enc",
     "pot",
+    "poti",
     "potentiometer",
+    "potenziometer",
+    "potentiomètre",
+    "potentiometre",
+    "potenciómetro",
+    "potenciometro",
+    "potenciômetro",
+    "potenziometro",
+    "drehgeber",
+    "codeur",
+    "encodeur",
+];
+
+/// Words of volts and counts.
+const RAW: &[&str] = &[
+    "code", "codes", "volt", "volts", "voltage", "spannung", "tension", "voltaje", "tensione", "ch", "channel",
+    "kanal", "canal", "adc", "analog", "count", "counts", "ticks", "pulses", "raw",
 ];
 
 /// Is it a part of a quaternion? `qw`, `quaternion_x`, `orientation.w`.

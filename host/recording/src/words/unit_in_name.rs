@@ -20,10 +20,17 @@ impl<T> InName<T> {
 /// The unit of one kind that may be the column's.
 pub(super) fn unit_in<T>(pieces: &[Piece], of: impl Fn(&str) -> Option<T>) -> Option<InName<T>> {
     let found = pieces.iter().enumerate().filter_map(|(place, piece)| {
-        let unit = of(piece.word.trim_end_matches(|letter: char| letter.is_ascii_digit()))?;
+        let unit = of(piece.word.trim_end_matches(|letter: char| letter.is_ascii_digit()))
+            .filter(|_| !is_value(piece, pieces.get(place + 1)))?;
         Some(InName { unit, is_amount: is_amount(&pieces[..=place]), place })
     });
     found.max_by_key(InName::rank)
+}
+
+/// Does a number with decimals begin at the end of a word? `pink_s0.05` is noise of that strength and counts no seconds.
+fn is_value(piece: &Piece, behind: Option<&Piece>) -> bool {
+    let is_digit = |letter: char| letter.is_ascii_digit();
+    piece.word.ends_with(is_digit) && behind.is_some_and(|next| next.gap == "." && next.word.starts_with(is_digit))
 }
 
 /// Does a number stand right before the last word?
