@@ -13,7 +13,7 @@ pub mod blocks;
 pub mod by_least_squares;
 mod by_surfaces;
 mod clock_knots;
-mod closer;
+pub(crate) mod closer;
 pub mod clusters;
 pub mod covariance;
 pub mod curve;

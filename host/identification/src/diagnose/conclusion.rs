@@ -8,9 +8,10 @@ use super::levels;
 use super::models::is_explained;
 use super::physical::is_sound;
 use super::rests::Rests;
-use super::search::{Found, search};
+use super::search::{Found, search, without_band};
 use super::summary::SpecialCase;
 use super::verdict::{INDISTINGUISHABLE, Judge};
+use super::widening::most_promising_wider_form;
 use super::zero::{self, Zero};
 use crate::cores::on_all_cores;
 use crate::fit::fitted::Fitted;
@@ -76,7 +77,17 @@ impl<'a, 'b> Bench<'a, 'b> {
     /// Every effect is tried beside a base model, and judged.
     pub(super) fn concluded(&self, base: &Fitted) -> Conclusion {
         let Self { problem, rough, candidates, budget, .. } = *self;
-        self.judged(search(problem, rough, base, candidates, budget))
+        let first = self.judged(search(problem, rough, base, candidates, budget));
+        let is_open = first.claimed.effects.is_empty() && !is_explained(problem, &first.claimed);
+        if !is_open || !budget.allows_more() {
+            return first;
+        }
+        let bare = without_band(problem, base);
+        let tried = first.found.levels.first().map_or(&[][..], |level| level);
+        let Some(wider) = most_promising_wider_form(problem, rough, &bare, candidates, tried) else { return first };
+        let mut found = Found { levels: first.found.levels.into_iter().take(1).collect(), ..first.found };
+        found.add(wider);
+        self.judged(found)
     }
 
     /// What a search found, judged.

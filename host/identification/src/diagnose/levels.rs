@@ -8,7 +8,7 @@
 use super::holds::{Holding, Standing, tested_columns};
 use super::models::{MOST_LEFT_UNEXPLAINED, excess, is_explained};
 use crate::fit::clusters::{RELEASES, clusters};
-use crate::fit::descent::Tolerance;
+use crate::fit::descent::{Termination, Tolerance};
 use crate::fit::fitted::Fitted;
 use crate::fit::levels::{NAME, share};
 use crate::fit::problem::{Part, Problem, Quantity};
@@ -75,7 +75,11 @@ pub(super) fn may_differ(problem: &Problem) -> bool {
 /// A model with the friction level of each swing fitted too.
 pub(super) fn fitted(problem: &Problem, model: &Fitted) -> Fitted {
     let begun = model.with_levels().refined(problem, Band::Held, Tolerance::LONG);
-    begun.refined(problem, Band::Level, Tolerance::JUDGE)
+    let judged = begun.refined(problem, Band::Level, Tolerance::JUDGE);
+    if judged.termination != Some(Termination::LostPatience) {
+        return judged;
+    }
+    judged.refined(problem, Band::Held, Tolerance::LAST).better(judged)
 }
 
 /// Is it friction that changes with time alone? Releases from different heights pass the same amplitudes at other times,
@@ -192,7 +196,12 @@ fn of_release(level: &Level) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::tests::rig;
+    use crate::fit::by_least_squares::fitted_as_it_is;
+    use crate::fit::identify::problem_of;
+    use crate::fit::own_swing::swing;
     use crate::fit::problem::Unknown;
+    use crate::fit::tally::Tally;
     use crate::fit::uncertainty::Status;
 
     #[test]
@@ -243,5 +252,20 @@ mod tests {
         assert!(is_another_shape(&of(0.13, -0.2)) && is_another_shape(&of(-0.04, 0.04)));
         assert!(!is_another_shape(&of(0.13, 0.2)) && !is_another_shape(&of(0.13, -0.02)));
         assert!(!is_another_shape(&of(0.2, -0.05)) && !is_another_shape(&of(0.0, -0.2)) && !is_another_shape(&[]));
+    }
+
+    /// Levels are factors of friction, so that their valley is curved: what one that ended on the way leaves is taken for a law.
+    #[test]
+    fn friction_that_falls_from_release_to_release_is_followed_to_the_end() {
+        let released = |(release_rad, share): (f64, f64)| {
+            swing(release_rad, move |_, velocity| (1.0 - share) * (4e-4 * velocity + 3e-4 * velocity.signum()))
+        };
+        let swings = [(1.1, 1.0), (0.8, 0.88), (1.0, 0.79), (0.9, 0.72)].map(released);
+        let count = Tally::default();
+        let problem = problem_of(&swings, &rig(), &count);
+        let found = fitted(&problem, &fitted_as_it_is(&problem));
+        let further = found.refined(&problem, Band::Held, Tolerance::LAST);
+        let left = (found.cost - further.cost) / problem.least_variance();
+        assert!(left < 0.5, "{left}");
     }
 }

@@ -2,27 +2,32 @@
 //! is easily taken for an effect that is not there.
 
 use super::extension::grown;
-use super::models::{NEAR, is_explained, near_the_best};
+use super::models::{NEAR, PROMISING, is_explained, near_the_best};
 use super::physical::is_sound;
 use super::strength::is_as_strong_as_can_be;
 use crate::cores::on_all_cores;
 use crate::fit::added;
+use crate::fit::closer::reach_rad;
 use crate::fit::descent::Tolerance;
 use crate::fit::fitted::Fitted;
 use crate::fit::prediction::{Prediction, predictions};
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels};
 use crate::fit::stiction::FAR_FROM_NOISE;
-use shared::effect::{Effect, MAX_VALUES};
+use shared::effect::{Effect, MAX_VALUES, Pattern};
+use std::f64::consts::TAU;
 
 /// The models of a sorted level that come near the best, each of their laws in its wider form where there is one, fitted
 /// on decimated swings; and in its usual form again, where the way through the wider one led to a better minimum. None
 /// where the best leaves no more than the noise.
 pub(super) fn widened(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
-    if level.first().is_none_or(|best| is_explained(rough, best)) {
+    let Some(best) = level.first() else { return Vec::new() };
+    let is_told = is_explained(rough, best);
+    if is_told && !repeats_unseen(rough, best) {
         return Vec::new();
     }
-    let all: Vec<Widening> = near_the_best(level).iter().flat_map(widenings).collect();
+    let is_asked = |widening: &Widening| !is_told || widening.usual.rules.relaxes_at.is_some();
+    let all: Vec<Widening> = near_the_best(level).iter().flat_map(widenings).filter(is_asked).collect();
     let fitted = on_all_cores(&all, |widening| widening.fitted(rough));
     fitted.into_iter().flatten().flatten().filter(|model| is_sound(rough, model)).collect()
 }
@@ -83,6 +88,17 @@ fn at_special_cases(level: &[Fitted], is_asked: fn(&Effect<f64>) -> bool) -> Vec
 /// for the time it takes. Half and twice were not tried.
 const LOST_SHARE: f64 = 0.1;
 
+/// Has a model a torque that repeats along the way, of which the swings pass less than a period? Then nobody has seen it repeat, and
+/// a spring that grows stiffer or softer has the same shape.
+fn repeats_unseen(problem: &Problem, model: &Fitted) -> bool {
+    let amplitude_rad = reach_rad(problem);
+    model.effects.iter().any(|effect| {
+        let Some(Pattern::Periods(index)) = effect.rules.pattern else { return false };
+        let n_a_turn = model.parameters.values(effect.id).map_or(0.0, |values| values[usize::from(index)]);
+        2.0 * amplitude_rad * n_a_turn < TAU
+    })
+}
+
 /// A law of a model, and its wider form.
 struct Widening<'a> {
     model: &'a Fitted,
@@ -140,11 +156,44 @@ pub(super) fn alone_in_wider_form(
 ) -> Option<Fitted> {
     let is_tried = |wide: &Effect<f64>| tried.iter().any(|model| model.has(wide.name));
     let wide = pair.effects.iter().filter_map(|law| law.wider_form()).find(|wide| !is_tried(wide))?;
+    explained_by(problem, rough, bare, wide)
+}
+
+/// The law in its wider form that promises most, where no law that was tried may be claimed: alone, if that explains the swings. Far
+/// from its usual form nothing leads to it, as to a disc brake of which the swings pass the falling part.
+pub(super) fn most_promising_wider_form(
+    problem: &Problem,
+    rough: &Problem,
+    bare: &Fitted,
+    candidates: &[&'static Effect<f64>],
+    tried: &[Fitted],
+) -> Option<Fitted> {
+    let is_tried = |wide: &&'static Effect<f64>| tried.iter().any(|model| model.has(wide.name));
+    let wide: Vec<_> = candidates.iter().filter_map(|law| law.wider_form()).filter(|wide| !is_tried(wide)).collect();
+    let bare = bare.evaluated(rough);
+    let best = predictions(rough, &bare, &wide).into_iter().next()?;
+    let is_promising = best.reduction > PROMISING * (bare.cost - rough.noise_cost());
+    is_promising.then(|| explained_by(problem, rough, &bare, best.effect)).flatten()
+}
+
+/// A model with one more law, if that explains the swings. An exponent on its bound is no finding yet: there a fit creeps along a
+/// valley that is not the truth's, which another start may lead into.
+fn explained_by(problem: &Problem, rough: &Problem, bare: &Fitted, wide: &'static Effect<f64>) -> Option<Fitted> {
     let begun = added::begun(rough, bare, wide)?;
     if begun.cost > FAR_FROM_NOISE * rough.noise_cost() {
         return None;
     }
-    let best = begun.refined(rough, Band::Searched, Tolerance::JUDGE).refined(problem, Band::Free, Tolerance::JUDGE);
+    let finished = |model: &Fitted| {
+        model.refined(rough, Band::Searched, Tolerance::JUDGE).refined(problem, Band::Free, Tolerance::JUDGE)
+    };
+    let mut best = finished(&begun);
+    if added::is_at_an_end(&best, wide) {
+        let led = |start: &Prediction| start.fitted(rough).refined(rough, Band::Held, Tolerance::LAST);
+        let all = on_all_cores(&predictions(rough, &bare.evaluated(rough), &[wide]), led);
+        let within = all.into_iter().filter(|other| !added::is_at_an_end(other, wide));
+        best =
+            within.min_by(|a, b| a.cost.total_cmp(&b.cost)).map_or(best.clone(), |other| finished(&other).better(best));
+    }
     (is_explained(problem, &best) && is_sound(problem, &best)).then_some(best)
 }
 
@@ -192,7 +241,9 @@ pub(super) fn exchanged(
 mod tests {
     use super::*;
     use crate::diagnose::tests::{effect, fitted, rig, simulated};
+    use crate::fit::by_least_squares::fitted_as_it_is;
     use crate::fit::identify::problem_of;
+    use crate::fit::own_swing::swing;
     use crate::fit::tally::Tally;
     use shared::parameters::Parameters;
 
@@ -242,5 +293,41 @@ mod tests {
         truth.set(effect("gear-load").id, &[0.02]).unwrap();
         truth.set(effect("torsional-spring").id, &[0.02, 0.1]).unwrap();
         assert_eq!(alone(&truth), [None, None]);
+    }
+
+    /// Beyond its critical speed a disc brakes the less the faster it turns, which grease that thins never does.
+    #[test]
+    fn a_disc_brake_is_found_from_no_law_in_its_usual_form() {
+        let disc = |_: f64, velocity: f64| -2.0 * 4e-3 * 3.0 * velocity / (9.0 + velocity * velocity);
+        let (swings, count) = ([2.6, 1.6].map(|release_rad| swing(release_rad, disc)), Tally::default());
+        let problem = problem_of(&swings, &rig(), &count);
+        let decimated = problem.decimated();
+        let rough = problem.on(&decimated);
+        let bare = fitted_as_it_is(&problem);
+        let laws = ["shear-thinning", "stribeck", "eddy-brake"].map(effect);
+        let found = |tried: &[Fitted]| most_promising_wider_form(&problem, &rough, &bare, &laws, tried);
+        let disc = found(&[]).unwrap();
+        assert!(disc.has("general-thinning") && is_explained(&problem, &disc));
+        // What was tried is not tried again, and nothing else explains them.
+        assert!(found(&[disc]).is_none());
+    }
+
+    /// Half a notch has the shape of a spring that grows softer.
+    #[test]
+    fn a_spring_in_its_wider_form_is_asked_where_nobody_saw_a_notch_repeat() {
+        let spring = |angle: f64, _: f64| -0.015 * ((angle - 0.1) - 0.12 * (angle - 0.1).powi(3));
+        let swings = [swing(1.5, spring), swing(0.8, spring), swing(-1.1, spring)];
+        let count = Tally::default();
+        let problem = problem_of(&swings, &rig(), &count);
+        let bare = fitted(&problem, &rig());
+        let of = |name: &str, values: &[f64]| {
+            bare.with(effect(name), values).unwrap().refined(&problem, Band::Held, Tolerance::JUDGE)
+        };
+        let (notch, usual) = (of("detent", &[1e-3, 0.0, 1.7]), of("torsional-spring", &[0.015, 0.1]));
+        let asked = |level: &[Fitted]| widened(&problem, level).iter().any(|model| model.has("general-spring"));
+        assert!(asked(&[notch.clone(), usual.clone()]));
+        let mut many = notch;
+        many.parameters.set(effect("detent").id, &[1e-3, 0.0, 12.0]).unwrap();
+        assert!(!asked(&[many, usual]));
     }
 }

@@ -70,7 +70,7 @@ pub(super) fn or_added_anew(problem: &Problem, found: Fitted) -> Fitted {
 }
 
 /// Did a number of an effect end at the end of its range?
-fn is_at_an_end(model: &Fitted, effect: &Effect<f64>) -> bool {
+pub(crate) fn is_at_an_end(model: &Fitted, effect: &Effect<f64>) -> bool {
     let is_its = |unknown: &&Unknown| matches!(unknown.quantity, Quantity::Effect { id, .. } if id == effect.id);
     model.unknowns.iter().filter(is_its).any(|unknown| {
         let value = unknown.get(&model.parameters);

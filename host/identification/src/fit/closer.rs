@@ -39,7 +39,7 @@ pub(super) fn rows(effect: &Effect<f64>, on: &Problem) -> Vec<Row> {
 }
 
 /// How far the widest swing goes, rad; no more than half a turn, beyond which all repeats.
-fn reach_rad(on: &Problem) -> f64 {
+pub(crate) fn reach_rad(on: &Problem) -> f64 {
     on.swings.iter().flat_map(Swing::sizes_rad).fold(0.0_f64, |largest, size| largest.max(size.abs())).min(PI)
 }
 

@@ -47,6 +47,9 @@ impl Tolerance {
     /// another shape 127 end after one iteration and 28 after two to nineteen; six, of springs that harden, use all.
     /// Half of it would cut three more short; with twice those six go on.
     pub const LAST: Self = Self { max_iterations: 30, least_gain: 1e-2, follows_valleys: true, ..Self::JUDGE };
+    /// The same for one that explains the swings: what is left beyond the noise that neighbouring readings tell is noise too,
+    /// and no reason to end.
+    pub const EXPLAINED: Self = Self { least_share_of_excess: 0.0, ..Self::LAST };
 }
 
 /// Why a descent ended.
