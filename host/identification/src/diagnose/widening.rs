@@ -53,20 +53,21 @@ pub(super) fn narrowed(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
 /// numbers of that: from its own starts a wider law may end in a side valley, and would be told as one that explains less. Those
 /// that follow their special case were begun from it.
 pub(super) fn begun_from_special_cases(rough: &Problem, level: &[Fitted]) -> Vec<Fitted> {
-    let begun = at_special_cases(level, |wide| !wide.rules.follows_special_case);
+    let begun = at_special_cases(level, level, |wide| !wide.rules.follows_special_case);
     let begun = on_all_cores(&begun, |model| model.refined(rough, Band::Held, Tolerance::SCREEN));
     begun.into_iter().filter(|model| is_sound(rough, model)).collect()
 }
 
-/// The same of those that follow their special case, on all samples: that may have come further since they were begun from it.
+/// The same of those that follow their special case, on all samples, where that is near the best: it may have come further since
+/// they were begun from it.
 pub(super) fn begun_from_last_digits(problem: &Problem, level: &[Fitted]) -> Vec<Fitted> {
-    let begun = at_special_cases(near_the_best(level), |wide| wide.rules.follows_special_case);
+    let begun = at_special_cases(level, near_the_best(level), |wide| wide.rules.follows_special_case);
     let begun = on_all_cores(&begun, |model| model.refined(problem, Band::Free, Tolerance::JUDGE));
     begun.into_iter().filter(|model| is_sound(problem, model)).collect()
 }
 
 /// Models of a level that cost more than the same with the special case of a law, with the numbers of that.
-fn at_special_cases(level: &[Fitted], is_asked: fn(&Effect<f64>) -> bool) -> Vec<Fitted> {
+fn at_special_cases(level: &[Fitted], special_cases: &[Fitted], is_asked: fn(&Effect<f64>) -> bool) -> Vec<Fitted> {
     let of_law = |model: &Fitted, wide: &'static Effect<f64>| -> Option<Fitted> {
         let (at, value) = wide.rules.special_case_at.filter(|_| is_asked(wide))?;
         let special = Effect::by_name(wide.generalises?).filter(|special| !model.has(special.name))?;
@@ -75,7 +76,7 @@ fn at_special_cases(level: &[Fitted], is_asked: fn(&Effect<f64>) -> bool) -> Vec
                 && known.has(special.name)
                 && model.effects.iter().all(|other| other.id == wide.id || known.has(other.name))
         };
-        let best = level.iter().filter(is_it).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let best = special_cases.iter().filter(is_it).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
         let mut values = wide.starts[0];
         values[usize::from(at)] = value;
         exchanged(best, special, wide, values).filter(|_| best.cost < model.cost)
@@ -285,6 +286,22 @@ mod tests {
     fn a_law_that_explains_the_swings_beside_one_that_does_nothing_is_told_alone() {
         assert_eq!(beside(0.0), Some(vec!["quadratic-drag"]));
         assert_eq!(beside(0.02), None);
+    }
+
+    #[test]
+    fn a_wider_law_ends_no_higher_than_its_special_case() {
+        let mut truth = rig();
+        let (usual, wide) = (effect("shear-thinning"), effect("general-thinning"));
+        truth.set(usual.id, &[4e-4, 1.0]).unwrap();
+        let (swings, count) = ([simulated("grease", &truth, 20.0, 7)], Tally::default());
+        let problem = problem_of(&swings, &rig(), &count);
+        let special = fitted(&problem, &truth);
+        let astray = special.without(usual.id).with(wide, &[4e-4, 3.0, 1.2]).unwrap().evaluated(&problem);
+        let level = [special.clone(), astray];
+        assert!(level[1].cost > level[0].cost && is_explained(&problem, &special));
+        let begun = begun_from_last_digits(&problem, &level);
+        assert!(begun.len() == 1 && begun[0].has("general-thinning") && begun[0].cost <= special.cost, "{begun:?}");
+        assert!(begun_from_last_digits(&problem, &[special, begun[0].clone()]).is_empty());
     }
 
     #[test]
