@@ -376,6 +376,7 @@ mod tests {
         refused(&[code::CONSTANT], &[f32::INFINITY], 0);
         refused(&[code::THETA, code::WHOLE_POWER + 1], &[], 0);
         refused(&[code::THETA, code::THETA, code::POWER + 1], &[], 0);
+        refused(&[code::THETA, code::ROOT + 1], &[], 0);
         refused(&[0xff], &[], 0);
         refused(&[code::THETA; MAX_CODE + 1], &[], 0);
         let too_high = [[code::THETA; STACK + 1].as_slice(), &[code::ADD; STACK]].concat();

@@ -411,12 +411,12 @@ mod tests {
         Suspect { effect, values, strengths, evidence, chi_square, p: 0.0, rank: chi_square, is_tied: false }
     }
 
-    /// Ten parts whose gains differ by `mean ± 1` in turn are at 3·mean of the standard deviations of their mean.
+    /// Ten parts whose gains differ by `mean ± 2` in turn are at 1.5·mean of the standard deviations of their mean.
     #[test]
     fn parts_prefer_a_law_whose_mean_gain_stands_out_of_their_scatter() {
         let none = suspect(0.0).evidence;
-        for (mean, is_preferred) in [(0.3, false), (0.37, true)] {
-            let gains = (0..10).map(|n| 7.0 + mean + if n % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        for (mean, is_preferred) in [(0.6, false), (0.74, true)] {
+            let gains = (0..10).map(|n| 7.0 + mean + if n % 2 == 0 { 2.0 } else { -2.0 }).collect();
             let other = Evidence { gains: [7.0; 10].into_iter().collect(), ..none.clone() };
             assert_eq!(prefers(&Evidence { gains, ..none.clone() }, &other), is_preferred, "{mean}");
         }
