@@ -7,6 +7,7 @@ mod archive;
 mod as_text;
 mod biff;
 mod cassy;
+mod cassy1;
 mod compound;
 mod json;
 mod kind;
@@ -44,6 +45,7 @@ impl Kind {
             Self::OldWorkbook => return biff::table(bytes, notes).map(|(text, name)| (text, Some(name))),
             Self::LabView => labview::table(bytes),
             Self::Json => json::table(bytes, notes),
+            Self::Cassy1 => cassy1::table(bytes),
             Self::Lists => lists::table(bytes, notes),
             Self::Markup => markup(bytes, notes),
             Self::Unread(place) => {

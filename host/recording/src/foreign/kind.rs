@@ -15,6 +15,8 @@ pub(crate) enum Kind {
     Hdf5,
     /// OLE2, in which older spreadsheets keep their workbooks.
     OldWorkbook,
+    /// Project of CASSY Lab 1, text.
+    Cassy1,
     /// LabVIEW measurement file, text.
     LabView,
     /// JSON: an object a line, or one array or object.
@@ -28,7 +30,7 @@ pub(crate) enum Kind {
 }
 
 /// What begins a file that is not read, what it is, and what to do.
-pub(super) const UNREAD: [(&[u8], &str, &str); 19] = [
+pub(super) const UNREAD: [(&[u8], &str, &str); 18] = [
     (b"\x80\x02", PICKLE, PICKLE_CURE),
     (b"\x80\x03", PICKLE, PICKLE_CURE),
     (b"\x80\x04", PICKLE, PICKLE_CURE),
@@ -40,7 +42,6 @@ pub(super) const UNREAD: [(&[u8], &str, &str); 19] = [
     (b"\x89MCAP", "bag of ROS 2", BAG_CURE),
     (b"SQLite format 3", "database, as bags of ROS 2 are", BAG_CURE),
     (b"TDSm", "TDMS file", "in LabVIEW write a measurement file as text (.lvm), or export it as CSV"),
-    (b"CL4\r\n", "project of CASSY Lab 1 (.lab)", "open it there, and export the table with time and angle as text"),
     (b"\x1f\x8b", "packed file (gzip)", UNPACK),
     (b"BZh", "packed file (bzip2)", UNPACK),
     (b"\xfd7zXZ", "packed file (xz)", UNPACK),
@@ -73,6 +74,7 @@ impl Kind {
             () if head.starts_with(b"\xd0\xcf\x11\xe0") => Some(Self::OldWorkbook),
             () if begins("MATLAB 7.3") || head.starts_with(b"\x89HDF") => Some(Self::Hdf5),
             () if begins("MATLAB 5.0") || mat5::begins(head) || mat4::begins(head) => Some(Self::Matlab),
+            () if begins("CL4\r\n") || begins("CL4\n") => Some(Self::Cassy1),
             () if begins("LabVIEW Measurement") => Some(Self::LabView),
             () if lists::begins(head) => Some(Self::Lists),
             () if is_json => Some(Self::Json),
