@@ -1,5 +1,5 @@
 //! The names of the columns in the lines above the rows: plain lines or comments, parted like the rows or otherwise, with
-//! units in a line of their own or without.
+//! units in a line of their own or without, and below those of bodies.
 
 use super::cell::is_missing;
 use super::row::{SEPARATORS, Separator, is_comment, looks_like_number, n_numbers, split};
@@ -124,11 +124,36 @@ fn is_known(names: &[String]) -> bool {
 
 /// The cells of the last line, behind those of the line above where the last has units.
 fn with_units(lines: &[&str], separator: Separator, last: Vec<String>) -> Vec<String> {
-    let above = lines.len().checked_sub(2).map(|idx| cells(lines[idx], separator));
-    match above.filter(|above| above.len() == last.len() && are_units(&last, above)) {
-        Some(above) => above.iter().zip(&last).map(|(name, unit)| format!("{name} {unit}")).collect(),
-        None => last,
+    let Some(above) = lines.len().checked_sub(2).map(|idx| cells(lines[idx], separator)) else { return last };
+    if above.len() == last.len() && are_units(&last, &above) {
+        return above.iter().zip(&last).map(|(name, unit)| format!("{name} {unit}")).collect();
     }
+    if are_groups(&above, &last) { behind_groups(&above, &last) } else { last }
+}
+
+/// Bodies, each above the first of its columns: Tracker's `,mass A,,mass B,,` above `t,x,y,x,y,`, where nothing else tells
+/// one body's `x` from the other's.
+fn are_groups(above: &[String], names: &[String]) -> bool {
+    let places: Vec<usize> = (0..above.len()).filter(|idx| !above[*idx].is_empty()).collect();
+    let is_word = |idx: &usize| above[*idx].chars().any(char::is_alphabetic) && meaning(&above[*idx]) == Meaning::Other;
+    // Empty cells at the end of the line may be missing.
+    if above.len() > names.len() || places.len() < 2 || places[0] == 0 || !places.iter().all(is_word) {
+        return false;
+    }
+    let ends = places.iter().skip(1).copied().chain([names.len()]);
+    let filled = |group: &[String]| group.iter().filter(|name| !name.is_empty()).cloned().collect::<Vec<_>>();
+    let groups: Vec<Vec<String>> =
+        places.iter().copied().zip(ends).map(|(begin, end)| filled(&names[begin..end])).collect();
+    groups[0].len() > 1 && groups.iter().all(|group| *group == groups[0])
+}
+
+/// The names with those of their groups, as long as they still say what they are.
+fn behind_groups(above: &[String], names: &[String]) -> Vec<String> {
+    let group = |idx: usize| above[..above.len().min(idx + 1)].iter().rfind(|group| !group.is_empty());
+    let joined = |idx: usize| group(idx).map(|group| format!("{group} {}", names[idx]));
+    let says_the_same = |idx: usize, joined: &String| !names[idx].is_empty() && meaning(joined) == meaning(&names[idx]);
+    let named = |idx: usize| joined(idx).filter(|joined| says_the_same(idx, joined));
+    (0..names.len()).map(|idx| named(idx).unwrap_or_else(|| names[idx].clone())).collect()
 }
 
 /// All are units; or at least half of them, below a name that is known, and the others have no word that is known.
@@ -197,6 +222,19 @@ mod tests {
         // A half is enough, a third is not.
         check(&["time,a,b,c", "s,foo,bar,deg"], Comma, 4, &["time s", "a foo", "b bar", "c deg"]);
         check(&["time,a,b", "s,foo,bar"], Comma, 3, &["s", "foo", "bar"]);
+    }
+
+    #[test]
+    fn columns_have_the_names_of_the_bodies_above_them() {
+        use Separator::Comma;
+        let tracker = ["#multi:", ",mass A,,mass B,,", "t,x,y,x,y,"];
+        check(&tracker, Comma, 6, &["t", "mass A x", "mass A y", "mass B x", "mass B y", ""]);
+        let three = [",mass A,,,mass B", "t,x,y,v,x,y,v"];
+        check(&three, Comma, 7, &["t", "mass A x", "mass A y", "mass A v", "mass B x", "mass B y", "mass B v"]);
+        // One body tells nothing, a title is none, and columns that differ have names of their own.
+        check(&[",mass A,", "t,x,y"], Comma, 3, &["t", "x", "y"]);
+        check(&["run,of,may,9,", "t,x,y,x,y"], Comma, 5, &["t", "x", "y", "x", "y"]);
+        check(&[",mass A,,mass B,", "t,x,y,u,v"], Comma, 5, &["t", "x", "y", "u", "v"]);
     }
 
     #[test]
