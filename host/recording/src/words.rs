@@ -23,6 +23,6 @@ pub(super) use hints::{
 pub(super) use meaning::{Meaning, is_named_angle, is_other_quantity, is_unit, meaning};
 pub(super) use rotary::{beside_alpha, beside_theta, is_rate_of_alpha, is_speed};
 pub(super) use sensors::{
-    is_acceleration, is_distance, is_duration, is_gyroscope, is_length, is_orientation, is_quaternion, is_raw,
-    is_turn_of_body, is_turn_sensor, may_be_acceleration, says_angles, says_turns, w_x_y_z,
+    is_acceleration, is_any_acceleration, is_distance, is_duration, is_gyroscope, is_length, is_orientation,
+    is_quaternion, is_raw, is_turn_of_body, is_turn_sensor, may_be_acceleration, says_angles, says_turns, w_x_y_z,
 };

@@ -93,6 +93,19 @@ fn what_is_known_and_not_read_is_named_with_the_cure() {
 }
 
 #[test]
+fn where_no_name_is_known_columns_that_move_are_shown_as_examples() {
+    let refused = |heading: &str| {
+        let text = table(heading, |(t, a, w)| format!("{t:.3},{a:.4},{w:.4},7"));
+        open(text.as_bytes(), &ReadOptions::default()).unwrap_err()
+    };
+    let none = refused("t,original,noisy,trial");
+    assert!(none.contains("no angle column") && none.ends_with("theta=..., e.g. t=0,theta=1 or t=0,theta=2"), "{none}");
+    // By its unit the one is something else, and by its words the other.
+    let other = refused("t,Brightness (W/m^2),Angular acceleration X,n");
+    assert!(other.contains("no angle column") && other.ends_with("theta=..."), "{other}");
+}
+
+#[test]
 fn periods_of_a_light_gate_are_named_as_such() {
     let text: String = (1..40).map(|idx| format!("{:.6}\t2.133149\t0.031032\n", f64::from(idx) * 1.0665)).collect();
     let text = format!("#Time\tPeriod\tTransit time\n#[s]\t[s]\t[s]\n{text}");

@@ -6,8 +6,8 @@ use super::super::plausible::SHORTEST_PERIOD_S;
 use super::super::runs::is_one_of_several;
 use super::super::table::Table;
 use super::super::words::{
-    Meaning, is_acceleration, is_distance, is_duration, is_estimate, is_estimate_of, is_length, is_of_carrier,
-    is_of_drive, is_of_pendulum, is_other_quantity, is_raw, is_turn_sensor, meaning, says_nothing_else,
+    Meaning, is_acceleration, is_any_acceleration, is_distance, is_duration, is_estimate, is_estimate_of, is_length,
+    is_of_carrier, is_of_drive, is_of_pendulum, is_other_quantity, is_raw, is_turn_sensor, meaning, says_nothing_else,
 };
 use super::parted::parted;
 use super::quaternion::quaternion;
@@ -72,7 +72,8 @@ pub(super) fn no_angle(table: &Table) -> Fault {
         (.., Some(_)) => NoAngle::OnlyQuaternions { available }.into(),
         _ => {
             let one = || x_alone(table).or_else(|| distance_alone(table));
-            several_points(table).or_else(one).unwrap_or(NoAngle::NoColumn { available }.into())
+            let none = || NoAngle::NoColumn { available, example: unknown_that_moves(table) }.into();
+            several_points(table).or_else(one).unwrap_or_else(none)
         }
     }
 }
@@ -90,14 +91,29 @@ fn the_raw(table: &Table) -> Option<usize> {
 
 /// The first column that this one may move by its name, where that is the voltage or the current of a motor.
 fn moved_by(table: &Table, drive: usize) -> Option<usize> {
+    table.says(drive, is_of_drive).then(|| moving(table).next())?
+}
+
+/// An example with columns that move and whose names nobody knows, beside a time that goes on; a unit would be of something
+/// else.
+fn unknown_that_moves(table: &Table) -> Option<String> {
+    let time = named_times(table).first().map(|time| table.first_numbers(*time))?;
+    let goes_on = time.windows(2).all(|pair| pair[0] <= pair[1]);
+    let is_else = |name: &str| is_any_acceleration(name) || name.contains(['(', '[']);
+    let shown: Vec<usize> = moving(table).filter(|idx| !table.says(*idx, is_else)).take(SHOWN).collect();
+    (goes_on && !shown.is_empty()).then(|| example(table, "angle", &shown, None))
+}
+
+/// Columns that move, and are no time and no other quantity by their names.
+fn moving(table: &Table) -> impl Iterator<Item = usize> {
     let times = named_times(table);
     let is_else = |name: &str| is_of_drive(name) || is_raw(name) || is_acceleration(name) || is_other_quantity(name);
-    let may_be = |idx: &usize| {
+    let may_be = move |idx: &usize| {
         let numbers = table.first_numbers(*idx);
         let is_free = !times.contains(idx) && !table.says(*idx, |name| is_else(name) || is_time(name));
         is_free && table.is_of_numbers(*idx) && table.moves(*idx) && !rises_evenly(&numbers)
     };
-    table.says(drive, is_of_drive).then(|| (0..table.n_columns).find(may_be))?
+    (0..table.n_columns).filter(may_be)
 }
 
 /// The column of periods, where there is one: named so, or `T` beside a length or above numbers that stay about the same.

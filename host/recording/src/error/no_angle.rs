@@ -6,10 +6,12 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum NoAngle {
     /// No angle.
-    #[error("no angle column among {available}; name it with --columns theta=...")]
+    #[error("no angle column among {available}; name it with --columns theta=...{}", such_as(example.as_deref()))]
     NoColumn {
         /// Names or count of what there is.
         available: String,
+        /// What could be told of this file, where a column moves.
+        example: Option<String>,
     },
     /// Nothing but accelerations.
     #[error(
@@ -128,4 +130,8 @@ pub enum NoAngle {
         /// What could be told of this file.
         example: String,
     },
+}
+
+fn such_as(example: Option<&str>) -> String {
+    example.map_or(String::new(), |example| format!(", e.g. {example}"))
 }

@@ -205,6 +205,11 @@ pub(crate) fn may_be_acceleration(name: &str) -> bool {
     is_acceleration(name) || matches!(words(name).as_slice(), [word] if ["ax", "ay", "az"].contains(&word.as_str()))
 }
 
+/// Is it an acceleration along an axis or of an angle?
+pub(crate) fn is_any_acceleration(name: &str) -> bool {
+    may_be_acceleration(name) || says_acceleration(&words(name))
+}
+
 /// Is it an acceleration of whatever kind by its words? `Winkelbeschleunigung`, `Accélération angulaire`.
 pub(super) fn says_acceleration(words: &[String]) -> bool {
     let is_one =
