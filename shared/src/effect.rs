@@ -53,6 +53,7 @@ effects! {
     gear_load,
     general_gear_load,
     asymmetric_coulomb,
+    asymmetric_viscous,
     angle_dependent_friction,
     eddy_brake,
     general_brake,

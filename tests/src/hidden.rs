@@ -161,6 +161,8 @@ impl Hidden {
             "load-dependent-coulomb" => (8e-4, [0.0; 2], 3e-3),
             "gear-load" => (0.01, [0.0; 2], 0.3),
             "asymmetric-coulomb" => (sign * 2e-4, [0.0; 2], 0.7 * coulomb_nm),
+            // No rig has less viscous friction than 3e-4.
+            "asymmetric-viscous" => (sign * 1e-4, [0.0; 2], 2.5e-4),
             "angle-dependent-friction" => (2e-4, [random.pick(&[1.0, 2.0, 3.0, 4.0]), phase], 0.8 * coulomb_nm),
             "eddy-brake" => (5e-4, [side, random.log_between(0.08, 0.3)], 2e-2),
             "drifting-friction" => (

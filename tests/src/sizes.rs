@@ -89,3 +89,8 @@ impl Sizes {
         })
     }
 }
+
+/// A seed of the name alone, so that an effect that is added to the list changes no other rig.
+pub fn seed_of(name: &str) -> u64 {
+    name.bytes().fold(0, |seed, letter| (31 * seed + u64::from(letter)) % 500)
+}

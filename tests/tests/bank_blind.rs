@@ -18,7 +18,7 @@ use shared::units::{Code, Radian};
 use shared::wire::Suspects;
 use tests::hidden::{LSB_RAD, Random, Rig};
 use tests::rates::fewest_hits;
-use tests::sizes::Sizes;
+use tests::sizes::{Sizes, seed_of};
 
 /// So far are friction and inertia of the given model off.
 const FRICTION_OFF: f64 = 0.3;
@@ -56,8 +56,8 @@ const RIGHT: f64 = 0.99;
 const WITHIN: f64 = 0.88;
 
 /// The law hidden in the plant is the very law of the list, in one number that can be compared.
-const SAME_LAW: [&str; 5] =
-    ["quadratic-drag", "load-dependent-coulomb", "asymmetric-coulomb", "sensor-gain", "backlash"];
+const SAME_LAW: [&str; 6] =
+    ["quadratic-drag", "load-dependent-coulomb", "asymmetric-coulomb", "asymmetric-viscous", "sensor-gain", "backlash"];
 
 /// How large what is hidden has to be, for the rigs of the usual run.
 const SIZES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/bank_blind/sizes.txt");
@@ -101,12 +101,11 @@ fn innocent(round: u64, place: usize) -> Rig {
     rig
 }
 
-/// And what a base model leaves. The seed in the label is another one where the effect has another place in the list.
-fn one(round: u64, place: usize, name: &'static str, kept: &Sizes) -> (Rig, f64) {
-    let ratio = ONE_LEAVES[(round as usize + place) % ONE_LEAVES.len()];
-    let seed = 7000 * round + 400 + place as u64;
-    let rig = three_releases(Rig::random(seed)).with(name);
-    kept.leaving(&format!("{name}-{seed}"), rig, |rig| rig.scaled_to(ratio))
+/// And what a base model leaves.
+fn one(round: u64, name: &'static str, kept: &Sizes) -> (Rig, f64) {
+    let ratio = ONE_LEAVES[(round + seed_of(name)) as usize % ONE_LEAVES.len()];
+    let rig = three_releases(Rig::random(7000 * round + 400 + seed_of(name))).with(name);
+    kept.leaving(&format!("{name}-{round}"), rig, |rig| rig.scaled_to(ratio))
 }
 
 fn two(round: u64, place: usize, kept: &Sizes) -> Rig {
@@ -201,8 +200,8 @@ fn round(round: u64, n_innocent: usize) -> Vec<Outcome> {
     let mut outcomes: Vec<Outcome> = (0..n_innocent)
         .map(|place| judged(&format!("{round} innocent {place}"), &innocent(round, place), 1.0))
         .collect();
-    for (place, name) in effects().into_iter().enumerate() {
-        let (rig, left) = one(round, place, name, &kept);
+    for name in effects() {
+        let (rig, left) = one(round, name, &kept);
         outcomes.push(judged(&format!("{round} {name}"), &rig, left));
     }
     let pairs = (0..PAIRS.len()).map(|place| judged(&format!("{round} two {place}"), &two(round, place, &kept), 3.0));
@@ -242,22 +241,25 @@ fn innocents_are_not_accused_and_what_is_missing_is_named() {
 }
 
 /// Rounds, and what is hidden: a torque or a lag that one linear step takes for a gain of the sensor.
-const TIED: [(u64, &str); 4] = [(3, "torsional-spring"), (7, "torsional-spring"), (1, "sensor-lag"), (3, "sensor-lag")];
+const TIED: [(u64, &str); 6] = [
+    (0, "torsional-spring"),
+    (2, "torsional-spring"),
+    (3, "torsional-spring"),
+    (0, "sensor-lag"),
+    (2, "sensor-lag"),
+    (4, "sensor-lag"),
+];
 
 /// Only in the model they explain more than a gain.
 #[test]
 fn of_those_that_are_tied_the_one_that_explains_most_in_the_model_comes_first() {
     let kept = Sizes::kept(SIZES);
     for (index, name) in TIED {
-        let said = found(&one(index, place_of(name), name, &kept).0);
+        let said = found(&one(index, name, &kept).0);
         let named = named(&said);
         assert_eq!(named.first(), Some(&name), "round {index}: {named:?}");
         assert!(named.contains(&"sensor-gain") && !said.suspects[0].is_tied, "round {index}: {said:?}");
     }
-}
-
-fn place_of(name: &str) -> usize {
-    effects().iter().position(|effect| *effect == name).unwrap()
 }
 
 /// A rig that is not kept is made as the long form makes it.
@@ -265,9 +267,9 @@ fn place_of(name: &str) -> usize {
 #[ignore = "takes half a minute: tests/more bank-blind"]
 fn the_kept_sizes_are_those_that_are_found() {
     let found = Sizes::unknown();
-    effects().into_iter().enumerate().for_each(|(place, name)| drop(one(0, place, name, &found)));
+    effects().into_iter().for_each(|name| drop(one(0, name, &found)));
     (0..PAIRS.len()).for_each(|place| drop(two(0, place, &found)));
-    TIED.into_iter().for_each(|(index, name)| drop(one(index, place_of(name), name, &found)));
+    TIED.into_iter().for_each(|(index, name)| drop(one(index, name, &found)));
     found.check_kept_in(SIZES);
 }
 

@@ -7,7 +7,7 @@
 use host::diagnose::diagnose;
 use shared::effect::Effect;
 use tests::hidden::{Random, Rig};
-use tests::sizes::Sizes;
+use tests::sizes::{Sizes, seed_of};
 use tests::verdicts::{NAMED_FIRST, NOISES_LEFT, Outcome, check_in_full, check_within_chance};
 
 /// So many noises a base model leaves without the one effect that is hidden …
@@ -73,11 +73,6 @@ fn innocent(round: u64, place: usize) -> Case {
         rig
     };
     Case { label: format!("innocent-{kind}-{round}-{place}"), make: Box::new(make) }
-}
-
-/// Of the name alone, so that an effect that is added to the list changes no other rig.
-fn seed_of(name: &str) -> u64 {
-    name.bytes().fold(0, |seed, letter| (31 * seed + u64::from(letter)) % 500)
 }
 
 fn one(round: u64, name: &'static str) -> Case {

@@ -15,12 +15,13 @@ const STEP_S: f64 = 2e-4;
 /// Hidden torques that change no faster than the pendulum swings, and sensors that only scale: with these, and with
 /// nothing hidden, so many steps a period are enough. They are 1e-9 rad off; 2e-7 with a load that turns round where the
 /// pendulum hangs (gear-load).
-const SMOOTH: [&str; 11] = [
+const SMOOTH: [&str; 12] = [
     "quadratic-drag",
     "power-law-drag",
     "stribeck",
     "load-dependent-coulomb",
     "asymmetric-coulomb",
+    "asymmetric-viscous",
     "angle-dependent-friction",
     "eddy-brake",
     "drifting-friction",
@@ -91,6 +92,7 @@ struct Laws {
     load: f64,
     gears: f64,
     asymmetric: f64,
+    asymmetric_viscous: f64,
     angle_friction: [f64; 3],
     brake: [f64; 3],
     outside: [f64; 3],
@@ -114,6 +116,7 @@ impl Laws {
             load: one("load-dependent-coulomb"),
             gears: one("gear-load"),
             asymmetric: one("asymmetric-coulomb"),
+            asymmetric_viscous: one("asymmetric-viscous"),
             angle_friction: three("angle-dependent-friction"),
             brake: three("eddy-brake"),
             outside: three("outside"),
@@ -296,7 +299,7 @@ impl<'a> Plant<'a> {
         }
         dry += law.asymmetric * direction;
         let mut smooth = rig.viscous * (1.0 + law.drift[2] * drift) * velocity;
-        smooth += law.quadratic * velocity * velocity.abs();
+        smooth += law.quadratic * velocity * velocity.abs() + law.asymmetric_viscous * velocity.abs();
         if law.power[0] != 0.0 {
             smooth += law.power[0] * velocity.abs().powf(law.power[1]) * velocity.signum();
         }
