@@ -46,6 +46,7 @@ pub mod ranges;
 pub mod refine;
 pub mod region;
 mod report;
+pub(crate) use report::LARGE_RELEASE_RAD;
 pub mod response;
 pub mod ridge;
 mod rounded_stop;

@@ -199,12 +199,25 @@ impl Swing {
         swings.iter().filter(|swing| swing.is_driven).map(|swing| swing.name.clone()).collect()
     }
 
-    /// The readings as sizes of the motion, rad: angles as they are, rates as the amplitude that would make them.
+    /// The readings as sizes of the motion about the zero with which a search begins, rad: angles as they are, rates as the
+    /// amplitude that would make them.
     pub fn sizes_rad(&self) -> impl Iterator<Item = f64> {
-        self.angles_rad.iter().map(|reading| self.size_rad(*reading))
+        let zero = self.first_zero();
+        self.angles_rad.iter().map(move |reading| self.size_rad(reading - zero))
     }
 
-    /// The same of one reading.
+    /// How far it goes from there, rad.
+    pub fn largest_rad(&self) -> f64 {
+        self.sizes_rad().fold(0.0, |largest, size| largest.max(size.abs()))
+    }
+
+    /// The sum of the squares of its readings about that zero: what a model loses that hangs still.
+    pub fn motion(&self) -> f64 {
+        let zero = self.first_zero();
+        self.angles_rad.iter().map(|reading| (reading - zero).powi(2)).sum()
+    }
+
+    /// A difference of readings as a size of the motion, rad.
     pub fn size_rad(&self, reading: f64) -> f64 {
         reading / self.reading_per_rad
     }

@@ -34,6 +34,9 @@ pub const CHANCE_STDS: f64 = 2.0;
 /// … and beyond so many it is none, however often one looks: 99.7 % lie within.
 pub const NO_CHANCE_STDS: f64 = 3.0;
 
+/// A single reading that is off by more than so many noises is seen to be.
+pub const SEEN_NOISES: f64 = 4.0;
+
 /// A remainder of more than this share of the noise's variance is called missing physics: 1.1 times the rms.
 const MISSING: f64 = 0.21;
 

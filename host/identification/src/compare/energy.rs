@@ -5,8 +5,8 @@ use super::binned::{Mean, Sample, binned, mean};
 use super::halves::{Halves, Period, read_off};
 use serde::Serialize;
 
-/// A difference this many standard errors from zero is a finding …
-const SIGNIFICANT: f64 = 4.5;
+/// A difference or a torque this many standard errors from zero is a finding …
+pub(super) const SIGNIFICANT: f64 = 4.5;
 
 /// … if it is more than this share of the modelled loss …
 const LOSS_SHARE: f64 = 0.04;
@@ -30,7 +30,7 @@ pub struct Energy {
     pub side_difference: Option<Mean>,
     /// Amplitude at which the measured loss has a bump, rad.
     pub bump_rad: Option<f64>,
-    /// Modelled loss at mid amplitude, to compare with, N·m.
+    /// Mean of the modelled losses, to compare with, N·m.
     pub usual_loss_nm: f64,
 }
 

@@ -71,8 +71,7 @@ pub fn follow_from(swing: &Swing, parameters: &Parameters<f64>, start: Start) ->
 pub fn follow_of_another_pendulum(swing: &Swing, parameters: &Parameters<f64>) -> Followed {
     let followed = follow(swing, parameters);
     let beginning = swing.samples_within(beginning_of(parameters)).max(1);
-    let size_rad = swing.sizes_rad().fold(0.0_f64, |largest, size| largest.max(size.abs()));
-    let is_elsewhere = rms(&followed.residuals_rad[..beginning]) > ELSEWHERE * size_rad;
+    let is_elsewhere = rms(&followed.residuals_rad[..beginning]) > ELSEWHERE * swing.largest_rad();
     if is_elsewhere { follow_from_the_beginning(swing, parameters, followed.start.offset_rad) } else { followed }
 }
 

@@ -100,9 +100,9 @@ pub struct Known {
 }
 
 impl Known {
-    /// Is it zero, or nearer to it than one standard deviation?
+    /// Is it zero, below which it can't be? One that is smaller than its error may be anything.
     pub fn is_zero(&self) -> bool {
-        self.verdict == Identifiability::Zero || self.chosen.std.is_some_and(|std| self.chosen.value.abs() < std)
+        self.verdict == Identifiability::Zero
     }
 
     /// Do the recordings contradict each other?

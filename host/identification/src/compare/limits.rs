@@ -3,14 +3,12 @@
 use super::measurement::Measurement;
 use super::pictures::short_name;
 use super::recording::Judged;
+use crate::fit::LARGE_RELEASE_RAD;
 use crate::number::angle;
 use crate::recording::Measured;
 
 /// Swings that a friction law needs to show.
 const FEW_SWINGS: usize = 6;
-
-/// Releases below this leave gain, spring, drag and Stribeck friction alike, rad.
-const LARGE_RELEASE_RAD: f64 = 1.2;
 
 /// What can't be judged with these recordings, and what to do about it.
 pub fn limits(measurements: &[Measurement], recordings: &[Judged]) -> Vec<String> {
@@ -30,7 +28,7 @@ pub fn limits(measurements: &[Measurement], recordings: &[Judged]) -> Vec<String
                 .to_owned(),
         );
     }
-    let largest = measurements.iter().flat_map(|m| m.swing.sizes_rad()).fold(0.0_f64, |l, a| l.max(a.abs()));
+    let largest = measurements.iter().map(|m| m.swing.largest_rad()).fold(0.0, f64::max);
     if largest < LARGE_RELEASE_RAD {
         limits.push(format!(
             "No angle exceeds {} rad: effects that show at large amplitude (drag, gain, spring) can't be told apart; \
@@ -52,7 +50,7 @@ fn of_recording(measurement: &Measurement, judged: &Judged) -> Vec<String> {
     }
     if measurement.is_told_by_model {
         limits.push(format!(
-            "{name}: neighbouring readings are alike, and what the model leaves is forgotten within a tenth of a period, where a              missing law is remembered for many: it counts as noise; a rest at the end would tell it for sure."
+            "{name}: neighbouring readings are alike, and what the model leaves is forgotten within a tenth of a period, where a missing law is remembered for many: it counts as noise; a rest at the end would tell it for sure."
         ));
     } else if !measurement.has_lead_in && !measurement.has_rest {
         limits.push(format!(

@@ -23,7 +23,7 @@ pub struct Refit {
 }
 
 impl Refit {
-    /// Fits the model to the swings and looks at what is left beside this noise (rad); `None` if no fit succeeds.
+    /// What a fit to the swings leaves beside this noise, rad.
     pub fn of(swings: &[Swing], fit: &identify::Fit, noise_rad: f64) -> Self {
         let n_samples = swings.iter().map(Swing::len).sum::<usize>() as f64;
         let colours = swings.iter().filter_map(|swing| swing.colour);

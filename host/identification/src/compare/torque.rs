@@ -7,6 +7,7 @@
 //! of ω = 0, have prior spreads that are chosen by the evidence (D. J. C. MacKay, Neural Comput. 4 (1992) 415).
 //! Standard errors are the larger of the posterior's and the scatter between swings.
 
+use super::energy::SIGNIFICANT;
 use super::grid::{Grid, HALF_BINS, N_BINS};
 use super::weak::Windows;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -27,10 +28,7 @@ const MIN_VISITS: usize = 2;
 /// Fewer visits give no standard error that a claim could rest on.
 const VISITS_TO_CLAIM: usize = 5;
 
-/// A torque this many standard errors from zero is a finding …
-const SIGNIFICANT: f64 = 4.5;
-
-/// … if the map is this much (in nats) more likely than no torque at all …
+/// A torque that is significant is a finding if the map is this much (in nats) more likely than no torque at all …
 const EVIDENT: f64 = 10.0;
 
 /// … and explains this share of what is more than noise.

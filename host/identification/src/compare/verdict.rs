@@ -113,7 +113,7 @@ pub struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    /// The answer to a seen.
+    /// What there is to be said first.
     pub fn answer(&self) -> Answer {
         if self.numbers_are_to_blame() {
             return Answer::NumbersDoNotFit;

@@ -11,6 +11,7 @@
 
 use super::grid::Grid;
 use super::restart::Restart;
+use crate::verdict::NO_CHANCE_STDS;
 use nalgebra::{DMatrix, DVector};
 use shared::motion::Pendulum;
 use std::f64::consts::SQRT_2;
@@ -24,9 +25,6 @@ const MIN_BESIDE: f64 = 4.0;
 
 /// Windows follow each other by this share of their half width.
 const STRIDE: f64 = 0.5;
-
-/// A deviation's slope must be this many standard errors from zero to shift a turn.
-const SURE: f64 = 3.0;
 
 /// Added to the diagonal of the noise covariance, as a share: rounding must not make it indefinite.
 const RIDGE: f64 = 1e-6;
@@ -132,7 +130,8 @@ fn measured(times_s: &[f64], restart: &Restart, coulomb_nm: f64, noise_rad: f64,
         let (length_s, rise) = (times_s[to] - times_s[from], residuals_rad[to] - residuals_rad[from]);
         let modelled = restart.velocities_rad_s[i];
         let velocity_rad_s = modelled + if length_s > 0.0 { rise / length_s } else { 0.0 };
-        let is_sure = rise.abs() > SURE * SQRT_2 * noise_rad;
+        // What may be chance shifts no turn.
+        let is_sure = rise.abs() > NO_CHANCE_STDS * SQRT_2 * noise_rad;
         let turned = if is_sure { velocity_rad_s.signum() - modelled.signum() } else { 0.0 };
         Measured { angle_rad: restart.angles_rad[i] + residuals_rad[i], velocity_rad_s, dry_nm: coulomb_nm * turned }
     };

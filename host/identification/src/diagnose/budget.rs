@@ -9,8 +9,7 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Million steps after which no stage of the search begins that can be left out: two cores take about three seconds. Forty
-/// simulated rigs are told exactly what they lack, as without it. With 280 one
-/// pair of them is told nothing. Twice: dynamicslab_single_arm takes twice as long, for the same verdict.
+/// simulated rigs are told exactly what they lack, as without it. With 280 one pair of them is told nothing. Twice: dynamicslab_single_arm takes twice as long, for the same verdict.
 const MOST_OF_THE_SEARCH: u64 = 400;
 
 /// … or so many steps of whatever models, which long recordings take first: the one of 371 s takes 14 s of a core without

@@ -7,7 +7,7 @@ use crate::fit::problem::Problem;
 use crate::formula::effect_of;
 use crate::number::angle;
 use crate::recording::Measured;
-use crate::swing::{Swing, kind};
+use crate::swing::kind;
 use serde::Serialize;
 use shared::effect::{Action, Effect, Family};
 use shared::model::Model;
@@ -65,8 +65,7 @@ struct Period {
 
 /// Evidence for each added effect of a fitted model.
 pub fn evidence(problem: &Problem, parameters: &Parameters<f64>) -> Vec<Evidence> {
-    let angles = problem.swings.iter().flat_map(Swing::sizes_rad);
-    let reached_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+    let reached_rad = problem.largest_rad();
     let amplitude_rad = AMPLITUDE_RAD.min(0.9 * reached_rad);
     let added = parameters.effects.iter().filter_map(|present| effect_of(parameters, present.id));
     let (longest_s, measured) = (problem.longest_s(), kind(problem.swings));
@@ -157,7 +156,7 @@ fn is_of_the_sensor(effect: &Effect<f64>) -> bool {
 }
 
 fn compared(effect: &Effect<f64>, measured: Measured, amplitude_rad: f64, with: &Period, without: &Period) -> Evidence {
-    let loss_share = 1.0 - without.lost_j / with.lost_j;
+    let loss_share = if with.lost_j > 0.0 { 1.0 - without.lost_j / with.lost_j } else { 0.0 };
     let period_share = with.period_s / without.period_s - 1.0;
     let apart = with.readings_rad.iter().zip(&without.readings_rad).map(|(a, b)| (a - b).abs());
     let reading_rad = if is_of_the_sensor(effect) { apart.fold(0.0, f64::max) } else { 0.0 };

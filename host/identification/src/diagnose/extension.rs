@@ -22,7 +22,7 @@ const SHARE_OF_SUPPORTS: f64 = 0.9;
 /// At most so many effects are fitted on top of one model.
 const MAX_FITTED: usize = 12;
 
-/// A generalisation is fitted at once if it predictions so many times the gain of its special case.
+/// A generalisation is fitted at once if it promises so many times the gain of its special case.
 const GENERALISATION_GAIN: f64 = 1.05;
 
 /// A prediction is large from this share of the best one on …
@@ -142,7 +142,7 @@ fn keep_first_of_each_but(predictions: &mut Vec<Prediction>, leading: &[&str]) {
     });
 }
 
-/// A wider form of an effect is at first only worth its numbers if it predictions visibly more.
+/// A wider form of an effect is at first only worth its numbers if it promises visibly more.
 fn needless_generalisations(predictions: &[Prediction]) -> Vec<u16> {
     let gain_of = |name: &str| {
         predictions

@@ -54,7 +54,10 @@ fn parts(swing: &Swing) -> Option<Vec<(f64, Vec<f64>)>> {
     for end in ends {
         let means =
             swing.angles_rad[begin..end].chunks_exact(every).map(|chunk| chunk.iter().sum::<f64>() / every as f64);
-        parts.push((interval_s, means.collect()));
+        let means: Vec<f64> = means.collect();
+        if !means.is_empty() {
+            parts.push((interval_s, means));
+        }
         begin = end;
     }
     Some(parts)

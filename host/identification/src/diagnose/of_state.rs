@@ -162,8 +162,7 @@ pub(super) fn removes_as_much(share: f64, as_torque: f64) -> bool {
 
 /// Are there two of sizes that differ enough, and not too much?
 fn sizes_differ(swings: &[Swing]) -> bool {
-    let size = |swing: &Swing| swing.sizes_rad().fold(0.0_f64, |largest, size| largest.max(size.abs()));
-    let sizes: Vec<f64> = swings.iter().map(size).collect();
+    let sizes: Vec<f64> = swings.iter().map(Swing::largest_rad).collect();
     sizes.iter().any(|one| sizes.iter().any(|other| SIZES_DIFFER.contains(&(one / other))))
 }
 

@@ -11,7 +11,6 @@ use crate::fit::covariance::covariance;
 use crate::fit::fitted::Fitted;
 use crate::fit::problem::{Problem, Quantity, Unknown};
 use crate::formula::effect_of;
-use crate::swing::Swing;
 use crate::verdict::NO_CHANCE_STDS;
 use shared::effect::{Action, Effect, MAX_VALUES, Memory};
 use shared::formula::Program;
@@ -27,8 +26,7 @@ const N_GRID: i32 = 6;
 
 /// Does friction brake everywhere on the way, and does a spring relax somewhere?
 pub fn is_sound(problem: &Problem, model: &Fitted) -> bool {
-    let angles = problem.swings.iter().flat_map(Swing::sizes_rad);
-    let amplitude_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+    let amplitude_rad = problem.largest_rad();
     relaxes(problem, model, amplitude_rad) && brakes_everywhere(problem, model, amplitude_rad)
 }
 
@@ -119,6 +117,7 @@ mod tests {
     use crate::fit::start;
     use crate::fit::tally::Tally;
     use crate::formula;
+    use crate::swing::Swing;
 
     /// The frictionless rig with a drag on a swing of 1 rad.
     fn with_drag(strength: f64, ask: impl Fn(&Problem, &Fitted) -> bool) -> bool {

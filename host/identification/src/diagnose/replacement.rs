@@ -12,7 +12,7 @@ use crate::fit::problem::Problem;
 use crate::fit::refine::{levels, on_all};
 use shared::effect::Effect;
 
-/// A replacement must promise this share of what the effect itself is worth; a linearised step predictions too little.
+/// A replacement must promise this share of what the effect itself is worth; a linearised step promises too little.
 const SHARE_OF_WORTH: f64 = 0.5;
 
 /// Replacements fitted for each effect, at most.

@@ -15,7 +15,7 @@ use crate::fit::descent::{Termination, Tolerance};
 use crate::fit::fitted::{Fitted, Stiction};
 use crate::fit::problem::Problem;
 use crate::fit::refine::{Band, levels, on_all};
-use crate::fit::stiction::{GAIN_WORTH_A_BAND, lowest_with_band};
+use crate::fit::stiction::{gain_worth_a_band, lowest_with_band};
 use crate::verdict::Left;
 use shared::effect::{CUSTOM_FORMULA_NAME, Effect};
 
@@ -116,6 +116,7 @@ pub fn search(
             break;
         }
     }
+    budget.keep_for_pairs(false);
     found
 }
 
@@ -195,7 +196,7 @@ fn next_level(
 /// rest, whose period alone shows a band, first-order answers tell too little.
 fn with_the_bands_they_lack(problem: &Problem, rough: &Problem, level: &mut [Fitted]) {
     let Some(n_most) = level.first().filter(|best| is_explained(problem, best)).map(Fitted::n_added) else { return };
-    let least_gain = GAIN_WORTH_A_BAND * problem.noise_rad().powi(2);
+    let least_gain = gain_worth_a_band(rough, problem);
     let never_rests = !problem.comes_to_rest();
     let may_lack = |model: &Fitted| {
         let is_near = problem.chi_square(model.cost).left() != Left::Missing;

@@ -149,7 +149,7 @@ pub struct Diagnosis {
     pub seconds: f64,
     /// Simulated swings.
     pub simulations: usize,
-    /// How many there could be before stages were left out.
+    /// What that took, and what it may take before stages are left out.
     pub effort: Effort,
     /// Everything that was fitted, best first.
     pub candidates: Vec<Candidate>,
@@ -240,10 +240,10 @@ pub(super) fn is_suspect_enough(problem: &Problem, claimed: &Fitted, unproven: &
 /// can be, or nobody knows how strong it is.
 fn suspect(unproven: &[Holding], rmse_after: f64, noise: f64) -> Option<&'static str> {
     let excess = |rmse: f64| rmse.powi(2) - noise.powi(2);
-    let lowest = unproven.iter().min_by(|a, b| a.rmse.total_cmp(&b.rmse))?;
+    let may_be = |claim: &&Holding| !matches!(claim.standing, Standing::OutOfRange | Standing::Vague);
+    let lowest = unproven.iter().filter(may_be).min_by(|a, b| a.rmse.total_cmp(&b.rmse))?;
     let is_most = excess(lowest.rmse) < (1.0 - SUSPECTED_SHARE) * excess(rmse_after);
-    let may_be = !matches!(lowest.standing, Standing::OutOfRange | Standing::Vague);
-    (is_most && may_be).then_some(lowest.effect)
+    is_most.then_some(lowest.effect)
 }
 
 /// One step of the staircase of errors.
@@ -388,8 +388,7 @@ impl Summary<'_, '_, '_> {
     fn formulas(&self, held_out: &dyn Fn(&Parameters<f64>) -> Option<f64>) -> Vec<Suggestion> {
         let problem = self.judge.problem;
         let weight = (problem.n_samples(Window::Whole) as f64).ln();
-        let angles = problem.swings.iter().flat_map(Swing::sizes_rad);
-        let within_rad = angles.fold(0.0_f64, |largest, angle| largest.max(angle.abs()));
+        let within_rad = problem.largest_rad();
         let before = excess(problem, &self.claimed);
         let suggestion = |found: FoundFormula| {
             let candidate = self.judge.candidate(&found.model);
@@ -488,6 +487,12 @@ mod tests {
         assert_eq!([3.4e-3, 3.6e-3].map(|rmse| told(Standing::Partly, rmse)), [Some("quadratic-drag"), None]);
         assert_eq!([Standing::OutOfRange, Standing::Vague].map(|standing| told(standing, 3.4e-3)), [None, None]);
         assert_eq!(suspect(&[], 5e-3, 3e-3), None);
+        let beside = [claim(Standing::OutOfRange, 3.1e-3), claim(Standing::Partly, 3.4e-3)];
+        assert_eq!(
+            suspect(&beside, 5e-3, 3e-3),
+            Some("quadratic-drag"),
+            "one that can't be is no reason to say nothing"
+        );
         let (swings, count) = ([simulated("one", &rig(), 8.0, 1)], Tally::default());
         let problem = problem_of(&swings, &rig(), &count);
         let model = fitted_as_it_is(&problem);

@@ -75,7 +75,7 @@ impl Judge<'_, '_> {
         let removed = left - self.excess(after);
         let visible = removed * self.problem.n_samples(Window::Whole) as f64 > 2.0 * INDISTINGUISHABLE;
         let most_left = if self.is_unexplained(after) { MOST_LEFT_UNEXPLAINED } else { MOST_LEFT };
-        let n_more = after.effects.len() - before.effects.len();
+        let n_more = after.effects.len().saturating_sub(before.effects.len());
         !is_explained(self.problem, before) && visible && left - removed < most_left.powi(n_more as i32) * left
     }
 

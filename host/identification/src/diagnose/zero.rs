@@ -137,7 +137,9 @@ pub(super) fn value(problem: &Problem, model: &Fitted) -> Option<Value> {
 
 fn mean_offset(model: &Fitted) -> f64 {
     let starts = &model.starts;
-    starts.iter().map(zero_rad).sum::<f64>() / starts.len() as f64
+    let first = zero_rad(&starts[0]);
+    let from_first = |start: &Start| within_half_a_turn(start.offset_rad - first);
+    within_half_a_turn(first + starts.iter().map(from_first).sum::<f64>() / starts.len() as f64)
 }
 
 /// Whole turns are no error of a zero.
@@ -148,7 +150,7 @@ fn zero_rad(start: &Start) -> f64 {
 /// Is the zero off by the same angle in all swings, visibly?
 fn is_off(problem: &Problem, model: &Fitted) -> bool {
     let mean = mean_offset(model);
-    let differ = |offset: f64| (offset - mean).abs() > COMMON * mean.abs();
+    let differ = |offset: f64| within_half_a_turn(offset - mean).abs() > COMMON * mean.abs();
     if mean.abs() < visible_rad(problem) || model.starts.iter().map(zero_rad).any(differ) {
         return false;
     }
@@ -163,7 +165,7 @@ fn std_of_mean(problem: &Problem, model: &Fitted) -> f64 {
 
 fn between_swings(model: &Fitted) -> f64 {
     let (mean, n) = (mean_offset(model), model.starts.len() as f64);
-    let squares: f64 = model.starts.iter().map(|start| (zero_rad(start) - mean).powi(2)).sum();
+    let squares: f64 = model.starts.iter().map(|start| within_half_a_turn(zero_rad(start) - mean).powi(2)).sum();
     if n < 2.0 { 0.0 } else { (squares / (n - 1.0) / n).sqrt() }
 }
 
@@ -171,12 +173,12 @@ fn within_swings(problem: &Problem, model: &Fitted) -> f64 {
     let n_swings = problem.swings.len();
     let column = |swing_idx: usize| model.unknowns.len() + PER_SWING * swing_idx + PER_SWING - 1;
     let linear = model.linearised(problem);
-    let Some(covariance) = with_model_error(problem, &linear, &model.starts) else { return 0.0 };
+    let Some(covariance) = with_model_error(problem, &linear, &model.starts) else { return f64::INFINITY };
     let sum: f64 = (0..n_swings)
         .flat_map(|i| (0..n_swings).map(move |j| (i, j)))
         .map(|(i, j)| covariance.matrix[(column(i), column(j))])
         .sum();
-    sum.max(0.0).sqrt() / n_swings as f64
+    if sum >= 0.0 { sum.sqrt() / n_swings as f64 } else { f64::INFINITY }
 }
 
 #[cfg(test)]
@@ -217,6 +219,18 @@ mod tests {
         let [alike, differing] =
             [true_zeros, moved].map(|model| (std_of_mean(&problem, &model), between_swings(&model)));
         assert!(alike.0 < 1e-3 && differing.0 >= differing.1 && differing.1 > 4e-3, "{alike:?} {differing:?}");
+    }
+
+    #[test]
+    fn zeros_on_either_side_of_half_a_turn_are_next_to_each_other() {
+        let count = Tally::default();
+        let swings = [1, 2].map(|seed| simulated("one", &rig(), 3.0, seed));
+        let problem = base_problem(&swings, (&rig()).into(), &count);
+        let start = |offset_rad| Start { angle_rad: 1.4, velocity_rad_s: 0.0, offset_rad };
+        let starts = [3.13, -3.13].map(start).to_vec();
+        let model = Fitted::at(&problem, &Point { values: problem.template_values(), starts });
+        assert!((mean_offset(&model).abs() - std::f64::consts::PI).abs() < 1e-9, "{}", mean_offset(&model));
+        assert!(between_swings(&model) < 0.012, "{}", between_swings(&model));
     }
 
     #[test]

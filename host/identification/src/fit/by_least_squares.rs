@@ -10,7 +10,7 @@ use super::ranges::{self, largest_coulomb_nm};
 use super::refine::Band;
 use super::scouts::scouted;
 use super::start;
-use super::stiction::{FAR_FROM_NOISE, GAIN_WORTH_A_BAND, LARGEST_LEVEL};
+use super::stiction::{FAR_FROM_NOISE, LARGEST_LEVEL, gain_worth_a_band};
 use crate::swing::Window;
 use crate::verdict::Left;
 use shared::parameters::base;
@@ -119,8 +119,7 @@ const LITTLE: f64 = 0.1;
 
 /// Does a model follow the swings at least roughly?
 fn follows(problem: &Problem, model: &Fitted) -> bool {
-    let squares: f64 = problem.swings.iter().flat_map(|swing| &swing.angles_rad).map(|angle| angle * angle).sum();
-    model.cost < HALF_LOST * squares
+    model.cost < HALF_LOST * problem.motion()
 }
 
 /// A model that leaves this share of the readings' squares has lost them: then the first second is no guide, because noise
@@ -151,8 +150,7 @@ pub(super) fn polish(
     progress(Progress::Stiction);
     let searched = grown.refined(problem, Band::Searched, Tolerance::FINE);
     let refined = ended.refined(problem, Band::Near, Tolerance::FINE);
-    let needless =
-        !searched.has_band() && searched.cost < refined.cost + GAIN_WORTH_A_BAND * problem.noise_rad().powi(2);
+    let needless = !searched.has_band() && searched.cost < refined.cost + gain_worth_a_band(problem, problem);
     if needless { searched } else { searched.better(refined) }
 }
 

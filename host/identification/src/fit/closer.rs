@@ -6,7 +6,6 @@
 //! chooses among them.
 
 use super::problem::Problem;
-use crate::swing::Swing;
 use shared::effect::{Effect, MAX_VALUES, Pattern};
 use std::f64::consts::PI;
 
@@ -40,7 +39,7 @@ pub(super) fn rows(effect: &Effect<f64>, on: &Problem) -> Vec<Row> {
 
 /// How far the widest swing goes, rad; no more than half a turn, beyond which all repeats.
 pub(crate) fn reach_rad(on: &Problem) -> f64 {
-    on.swings.iter().flat_map(Swing::sizes_rad).fold(0.0_f64, |largest, size| largest.max(size.abs())).min(PI)
+    on.largest_rad().min(PI)
 }
 
 /// From the fewest periods that the list begins with to as many as there may be.

@@ -18,6 +18,7 @@ use super::phase;
 use super::problem::{PER_SWING, Problem, Start};
 use super::solve::Factor;
 use crate::cores::on_all_cores;
+use crate::verdict::SEEN_NOISES;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::ops::Range;
@@ -186,9 +187,6 @@ fn predicted(on: &Problem, swing: &SwingLinear, swing_idx: usize, offset_rad: f6
 fn seen_rad(on: &Problem, swing_idx: usize) -> f64 {
     SEEN_NOISES * on.swings[swing_idx].noise_rad
 }
-
-/// The same in noises.
-const SEEN_NOISES: f64 = 4.0;
 
 /// One window: what its own columns explain is taken out of residuals and shared columns, which stand at the given
 /// places.

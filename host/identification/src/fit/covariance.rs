@@ -13,6 +13,7 @@ use super::linear::{Linear, SwingLinear, dot};
 use super::memory::{Again, Residuals};
 use super::problem::{PER_SWING, Problem, Start};
 use super::rounding::{Rounding, rounding};
+use super::solve::RANK;
 use nalgebra::{DMatrix, DVector};
 
 /// Blocks at least this many times longer than the residuals' memory.
@@ -64,10 +65,6 @@ impl Covariance {
     }
 }
 
-/// Two columns of length one that differ by less than this squared are each other's copy: their variance is enormous,
-/// but a number.
-const SINGULAR: f64 = 1e-13;
-
 /// The covariance at a linearisation; a column without effect has an infinite variance. `None` if rounding spoils all.
 pub fn covariance(linear: &Linear) -> Option<Covariance> {
     let memories = linear.each(|_, swing| Residuals::new(&swing.residuals).memory());
@@ -81,8 +78,9 @@ fn with_memory(linear: &Linear, memory: usize) -> Option<Covariance> {
     let normal = equations.normal.dense();
     let scale = DVector::from_fn(size, |i, _| normal[(i, i)].sqrt());
     let has_effect = |i: usize| scale[i].is_normal();
+    // Columns that are each other's copy have a variance that is enormous, but a number.
     let unit = DMatrix::from_fn(size, size, |i, j| match (i == j, has_effect(i) && has_effect(j)) {
-        (true, true) => 1.0 + SINGULAR,
+        (true, true) => 1.0 + RANK,
         (true, false) => 1.0,
         (false, true) => normal[(i, j)] / (scale[i] * scale[j]),
         (false, false) => 0.0,

@@ -85,10 +85,13 @@ pub fn extended(on: &Problem, from: &Curved, effect: &'static Effect<f64>, start
 fn settled(on: &Problem, rough: &Problem, from: &Fitted, first: Begin) -> Option<Curved> {
     let speeds = placed(rough, from)?;
     let mut found = from.evaluated(rough);
-    let mut chosen = None;
+    let mut chosen: Option<Choice> = None;
     for round in 0..MAX_ROUNDS {
         let begin = if round == 0 { first } else { Begin::GoesOn };
         let choice = choice(rough, &finer(&found, &speeds)?, begin)?;
+        if chosen.as_ref().is_some_and(|before| choice.left_out_rad > before.left_out_rad) {
+            break;
+        }
         let next = fitted(rough, &found, &choice)?;
         let before = std::mem::replace(&mut found, next).cost;
         chosen = Some(choice);

@@ -116,8 +116,7 @@ fn large_and_small(on: &Problem, swings: &[Vec<Sums>]) -> (Vec<Sums>, Vec<Sums>)
         let large = swings.iter().flat_map(|own| own[..own.len() / 2].to_vec()).collect();
         return (large, swings.iter().flat_map(|own| own[own.len() / 2..].to_vec()).collect());
     }
-    let largest = |swing: &Swing| swing.sizes_rad().fold(0.0_f64, |largest, size| largest.max(size.abs()));
-    let mut by_size: Vec<(f64, &Vec<Sums>)> = on.swings.iter().map(largest).zip(swings).collect();
+    let mut by_size: Vec<(f64, &Vec<Sums>)> = on.swings.iter().map(Swing::largest_rad).zip(swings).collect();
     by_size.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut all: Vec<Sums> = by_size.into_iter().flat_map(|(_, own)| own.clone()).collect();
     let small = all.split_off(all.len() / 2);

@@ -6,6 +6,7 @@ use super::fitted::Fitted;
 use super::problem::Problem;
 use crate::recording::Measured;
 use crate::swing::Swing;
+use crate::verdict::SEEN_NOISES;
 
 /// The level in the middle of what all swings leave, N·m; `None` where no angle shows a rest, or where they contradict
 /// each other.
@@ -29,9 +30,6 @@ fn held_and_passed_rad(swing: &Swing, offset_rad: f64) -> Option<(f64, f64)> {
     let passed_rad = other_side.fold(0.0, f64::max);
     (passed_rad > 0.0).then_some((rest_rad.abs(), passed_rad))
 }
-
-/// A reading farther from the middle than so many noises is on its side of it.
-const SEEN_NOISES: f64 = 4.0;
 
 #[cfg(test)]
 mod tests {

@@ -432,11 +432,24 @@ impl<'a> Problem<'a> {
         self.share_of_motion(cost) <= HOPELESS_SHARE
     }
 
-    /// The error of a cost as a share of the readings, both root mean square.
+    /// How far the widest swing goes, rad.
+    pub fn largest_rad(&self) -> f64 {
+        self.swings.iter().map(Swing::largest_rad).fold(0.0, f64::max)
+    }
+
+    /// The cost of a model that hangs still.
+    pub fn motion(&self) -> f64 {
+        self.swings.iter().map(Swing::motion).sum()
+    }
+
+    /// The error of a cost as a share of the readings about their zeros, both root mean square.
     pub fn share_of_motion(&self, cost: f64) -> f64 {
-        let readings = || self.swings.iter().flat_map(|swing| &swing.angles_rad);
-        let motion = (readings().map(|angle| angle * angle).sum::<f64>() / readings().count().max(1) as f64).sqrt();
-        self.rmse_rad(cost) / motion
+        (cost / self.motion()).sqrt()
+    }
+
+    /// How many of the samples of another problem this one has, as a share.
+    pub fn share_of_samples(&self, all: &Self) -> f64 {
+        self.n_samples(Window::Whole) as f64 / all.n_samples(Window::Whole).max(1) as f64
     }
 
     /// What a model of this cost leaves beyond the noise, as a share of the readings, both root mean square.

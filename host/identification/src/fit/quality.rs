@@ -5,6 +5,7 @@
 //! are not counted.
 
 use crate::swing::{Swing, Window};
+use crate::verdict::SEEN_NOISES;
 use crate::zero_phase;
 use serde::Serialize;
 use shared::real::Real;
@@ -13,9 +14,6 @@ use simulation::lanes::Lanes;
 
 /// Cut-off for the velocities: far above the swing, far below the noise.
 pub const VELOCITY_CUTOFF_HZ: f64 = 10.0;
-
-/// A crossing counts once the angle is this many noises beyond zero.
-const CROSSING_NOISES: f64 = 4.0;
 
 /// The five responses (paper, section 6).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -91,7 +89,7 @@ impl Measured {
     pub fn new(swing: &Swing, window: Window, offset_rad: f64) -> Self {
         let n_samples = swing.samples_within(window);
         let rate_hz = (swing.len() - 1) as f64 / swing.duration_s();
-        let threshold_rad = CROSSING_NOISES * swing.noise_rad;
+        let threshold_rad = SEEN_NOISES * swing.noise_rad;
         let counts = count_lobes(swing.angles_rad[..n_samples].iter().map(|a| a - offset_rad), threshold_rad);
         Self { rate_hz, threshold_rad, counts }
     }

@@ -120,7 +120,7 @@ fn decay(swing: &Swing) -> Option<Decay> {
     let n_samples = swing.samples_within(Window::Lively);
     let angles: Vec<f64> = swing.sizes_rad().take(n_samples).collect();
     let crossings: Vec<usize> = (1..n_samples).filter(|i| angles[i - 1] * angles[*i] < 0.0).collect();
-    // Noise may cross zero more than once: crossings closer than a tenth of the usual distance are one.
+    // Noise may cross zero more than once; those lobes stay below its peaks.
     let mut lobes: Vec<(usize, f64)> = Vec::new();
     let mut from = 0;
     for to in crossings.into_iter().chain([n_samples]) {

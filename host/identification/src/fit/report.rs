@@ -174,8 +174,7 @@ impl Report<'_, '_> {
                 Some(told.unwrap_or_else(|| unknown_beside_missing_physics(number)))
             }
             (Verdict::Not, _) => {
-                let swings = self.problem.swings.iter().flat_map(Swing::sizes_rad);
-                let more = what_tells_more(swings.fold(0.0_f64, |largest, angle| largest.max(angle.abs())));
+                let more = what_tells_more(self.problem.largest_rad());
                 Some(format!("{symbol} is not identifiable from these swings; {more}"))
             }
             _ => None,
@@ -221,8 +220,9 @@ fn what_tells_more(largest_rad: f64) -> String {
     format!("a release from {} rad or more, if it can go so far, and more of them would tell more", angle(farther_rad))
 }
 
-/// Releases from here on show what depends on the amplitude; a larger one is no help, rad.
-const LARGE_RELEASE_RAD: f64 = 1.2;
+/// Releases from here on show what depends on the amplitude: gain, spring, drag and Stribeck friction. A larger one is no
+/// help, rad.
+pub(crate) const LARGE_RELEASE_RAD: f64 = 1.2;
 
 /// A larger release is one from so many times as far.
 const FARTHER: f64 = 1.5;

@@ -27,8 +27,7 @@ pub(super) fn scouts(swings: &[Swing]) -> Vec<usize> {
     if swings.len() <= SCOUTS {
         return (0..swings.len()).collect();
     }
-    let largest = |swing: &Swing| swing.sizes_rad().fold(0.0_f64, |largest, size| largest.max(size.abs()));
-    let sizes: Vec<f64> = swings.iter().map(largest).collect();
+    let sizes: Vec<f64> = swings.iter().map(Swing::largest_rad).collect();
     let mut by_size: Vec<usize> = (0..swings.len()).collect();
     by_size.sort_by(|a, b| sizes[*a].total_cmp(&sizes[*b]).then_with(|| swings[*a].name.cmp(&swings[*b].name)));
     (0..SCOUTS).map(|k| by_size[k * (swings.len() - 1) / (SCOUTS - 1)]).collect()

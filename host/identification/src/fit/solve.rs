@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 pub const ANSWER_DAMPING: f64 = 1e-6;
 
 /// Squared remainders of columns of length one that are rounding: some hundred times the machine's precision.
-const RANK: f64 = 1e-13;
+pub(super) const RANK: f64 = 1e-13;
 
 /// A factorised matrix, for any number of right-hand sides.
 pub struct Factor {

@@ -36,7 +36,7 @@ pub(super) const LARGEST_LEVEL: f64 = 2.8;
 const EXCESS_WORTH_A_BAND: f64 = 0.005;
 
 /// A band is only kept when it lowers the cost by this many noise variances more than none.
-pub const GAIN_WORTH_A_BAND: f64 = 12.0;
+const GAIN_WORTH_A_BAND: f64 = 12.0;
 
 /// So many times the noise variance is far enough from it to decide for or against a band on decimated swings, and for one that
 /// no rest shows to be an imitation. With the 1.21 from which on physics is missing, a lag of the sensor beside a true band was
@@ -69,25 +69,29 @@ pub(super) fn searched(on: &Problem, from: &Fitted, tolerance: Tolerance) -> Fit
     let levels = stop_level::levels(&rough, from);
     let near = &levels[0];
     let none = || best_on(on, &levels, tolerance);
-    let least_gain = GAIN_WORTH_A_BAND * on.noise_rad().powi(2);
+    let [least_gain, least_of_rough] = [on, &rough].map(|of| gain_worth_a_band(of, on));
     if near.cost > FAR_FROM_NOISE * rough.noise_cost() {
         // Large swings show a band by their period alone, and by little: only where first-order answers promise it.
         if !may_have_a_band(on) {
             return none();
         }
-        let found = with_band(&rough, near, tolerance).filter(|found| near.cost - found.cost > least_gain);
+        let found = with_band(&rough, near, tolerance).filter(|found| near.cost - found.cost > least_of_rough);
         return found.map_or_else(none, |found| found.with_free_band(on, tolerance));
     }
     let none = none();
     // Many samples show a band long before it is a visible share of the noise.
-    let share = rough.n_samples(Window::Whole) as f64 / on.n_samples(Window::Whole).max(1) as f64;
-    let is_promised = || near.cost - lowest_of_bands(&rough, near) > share * least_gain;
+    let is_promised = || near.cost - lowest_of_bands(&rough, near) > least_of_rough;
     let is_near_noise = none.cost < (1.0 + EXCESS_WORTH_A_BAND) * on.noise_cost();
     if (is_near_noise || !may_have_a_band(on)) && !is_promised() {
         return none;
     }
     let band = with_band(&rough, near, tolerance).map(|found| found.with_free_band(on, tolerance));
     band.filter(|band| none.cost - band.cost > least_gain).unwrap_or(none)
+}
+
+/// By so much a band has to lower the cost on some samples of a problem, rad², to be worth it on all of them.
+pub fn gain_worth_a_band(of: &Problem, all: &Problem) -> f64 {
+    GAIN_WORTH_A_BAND * all.noise_rad().powi(2) * of.share_of_samples(all)
 }
 
 fn lowest(costs: &[f64]) -> Option<usize> {

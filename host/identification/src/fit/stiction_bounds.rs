@@ -44,7 +44,7 @@ pub(super) fn bound(on: &Problem, model: &Fitted, smooth: &Smooth, level: &mut N
     let likely_rise = likely_rise(on, linear);
     let decimated = with_all_that_is_left(on, model, linear);
     let rough = on.on(&decimated);
-    let allowed = share_of_samples(&rough, on) * likely_rise;
+    let allowed = rough.share_of_samples(on) * likely_rise;
     let profile = Profile::new(&rough, model, allowed);
     (band.status, band.std) = (Status::UpperBound, None);
     let mut levels_nm = vec![model.stiction().level_nm, profile.coulomb_nm];
@@ -171,11 +171,6 @@ fn mean_square_about(value: f64, (low, high): (f64, f64)) -> f64 {
     ((low + high) / 2.0 - value).powi(2) + (high - low).powi(2) / 12.0
 }
 
-/// How many of the samples of a problem another one has.
-fn share_of_samples(few: &Problem, all: &Problem) -> f64 {
-    few.n_samples(Window::Whole) as f64 / all.n_samples(Window::Whole).max(1) as f64
-}
-
 /// Variance of the torque at which the model stops, (N·m)²: its last angle is known no better than its numbers.
 fn stop_variance(linear: &Linear, covariance: Option<&Covariance>, model: &Fitted) -> f64 {
     let Some(covariance) = covariance else { return 0.0 };
@@ -233,7 +228,7 @@ mod tests {
         let swings = [swing(&Parameters::paper(), 200)];
         let all = problem_of(&swings, &Parameters::paper(), &count);
         let few = [swings[0].thinned(50.0)];
-        assert_eq!(share_of_samples(&all.on(&few), &all), 0.25);
+        assert_eq!(all.on(&few).share_of_samples(&all), 0.25);
     }
 
     /// Without a rest what a level holds over a band shows as one number: a high one over a narrow band is as good as the truth,
@@ -294,7 +289,7 @@ mod tests {
         let profile = Profile::new(&on, &model, allowed);
         let levels_nm: Vec<f64> = profile.levels_nm(LEVEL_GROWTH, f64::INFINITY).collect();
         let all = profile.widest_band(&levels_nm, band.unknown.scale).unwrap();
-        assert!(share_of_samples(&on.on(&on.decimated()), &on) < 0.3);
+        assert!(on.on(&on.decimated()).share_of_samples(&on) < 0.3);
         // Two steps of the profile beside each other are neighbours.
         let ratio = band.upper.unwrap() / all;
         assert!((1.0 / PROFILE_GROWTH - 0.01..PROFILE_GROWTH + 0.01).contains(&ratio), "{ratio} {band:?}");

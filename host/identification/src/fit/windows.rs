@@ -6,7 +6,7 @@ use super::linear::Steps;
 use super::problem::{Point, Problem};
 use crate::swing::{Swing, Window, pace};
 
-/// The first windows of the usual pace, s; then each is twice the one before, up to all of the lively motion.
+/// The first windows of the usual pace, s; then each is about twice the one before, up to all of the lively motion.
 pub(super) const WINDOWS_S: [f64; 6] = [1.2, 2.5, 5.0, 10.0, 20.0, 40.0];
 
 /// The first windows of these swings, s.

@@ -1,8 +1,8 @@
 //! Noise whose neighbouring samples are alike tells its variance as well as fewer samples of white noise would.
 
-/// Within so many standard errors a correlation may be chance, as 99.7 % of those of white noise are. Half of it and twice of
+/// Within so many standard errors a correlation or a scatter may be chance, as 99.7 % of those of white noise are. Half of it and twice of
 /// it were not tried.
-const CORRELATED_STDS: f64 = 3.0;
+pub(super) const CORRELATED_STDS: f64 = 3.0;
 
 /// Samples whose lags are looked at, at most, because the time grows with their square where a zero wanders slowly: a tenth
 /// of a second. Half of it tells slow noise with less certainty, twice of it takes four times as long.

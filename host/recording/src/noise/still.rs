@@ -1,6 +1,7 @@
 //! What still stretches tell of the noise: its whole size and its colour. Neighbours tell only the part of it that changes
 //! from sample to sample; a filter in the sensor, hum or a wandering zero have less of that than of the rest.
 
+use super::colour::CORRELATED_STDS;
 use super::{Noise, of_part, of_still};
 use crate::noise::Colour;
 use crate::{Recording, median_step_s};
@@ -13,11 +14,9 @@ use std::ops::Range;
 /// of it the hum of a rest of a second at 200 Hz is missed.
 const MIN_STILL: usize = 40;
 
-/// Scatter beyond this many times that of neighbours is colour …
+/// Scatter beyond this many times that of neighbours, and beyond what its own error may make of it, is colour: a scatter
+/// of n samples is known to 1/√(2n) of itself.
 const COLOURED_RATIO: f64 = 1.1;
-
-/// … and so many standard errors of itself: a scatter of n samples is known to 1/√(2n) of itself.
-const SURE: f64 = 3.0;
 
 /// Excess beyond this many standard errors is significant.
 const SIGNIFICANT: f64 = 5.0;
@@ -124,7 +123,7 @@ impl Still {
     /// noise.
     fn is_beyond(&self, rms: f64) -> bool {
         // Neighbours that are alike tell it from chance already.
-        let chance = if self.colour.is_seen() { 0.0 } else { SURE * self.chance() };
+        let chance = if self.colour.is_seen() { 0.0 } else { CORRELATED_STDS * self.chance() };
         self.rms > (COLOURED_RATIO + chance) * rms.max(self.step / 2.0)
     }
 
@@ -132,7 +131,7 @@ impl Still {
     /// half the sampling rate does so. Within a step of the sensor it can't be told.
     fn alternates_in(&self, rms: f64) -> bool {
         let is_seen = self.rms > self.step && rms < COLOURED_RATIO * self.of_neighbours_rms;
-        is_seen && (COLOURED_RATIO + SURE * self.chance()) * self.rms < self.of_neighbours_rms
+        is_seen && (COLOURED_RATIO + CORRELATED_STDS * self.chance()) * self.rms < self.of_neighbours_rms
     }
 
     /// With its standard error.
@@ -167,7 +166,7 @@ pub(crate) fn noise_of_means(times_s: &[f64], readings: &[f64], rms: f64, half_s
 fn of_neighbouring_means(times_s: &[f64], readings: &[f64], rms: f64, block: usize) -> f64 {
     let (times_s, readings) = (means(times_s, block), means(readings, block));
     let of_means = super::robust_of_samples(&times_s, &readings) * (block as f64).sqrt();
-    let chance = SURE / (2.0 * readings.len() as f64).sqrt();
+    let chance = CORRELATED_STDS / (2.0 * readings.len() as f64).sqrt();
     if of_means > (COLOURED_RATIO + chance) * rms { of_means } else { rms }
 }
 

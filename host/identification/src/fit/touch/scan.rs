@@ -26,9 +26,6 @@ pub(super) const BESIDE: usize = 4;
 /// Readings of a half swing that are looked at, as means of their neighbours: they show a jump as well as all do.
 const READINGS: usize = 32;
 
-/// Numbers that a window has of its own, the jump and its time among them.
-const N_OWN: usize = 8;
-
 /// A jump of which less is left, as a square, is what the window may do by itself.
 const OWN: f64 = 1e-6;
 
@@ -117,11 +114,13 @@ impl Seen {
         let answers: Vec<f64> = window.clone().map(answer).collect();
         let column = beyond(&answers, basis);
         let (square, product) = (dot(&column, &column), dot(&column, residuals));
-        if window.len() <= N_OWN || square <= OWN * dot(&answers, &answers) {
+        // A window has these numbers, the jump and its time.
+        let n_numbers = self.own.len() + 2;
+        if window.len() <= n_numbers || square <= OWN * dot(&answers, &answers) {
             return None;
         }
         let gain = product.powi(2) / square;
-        let freedom = (window.len() - N_OWN) as f64;
+        let freedom = (window.len() - n_numbers) as f64;
         let left = (dot(residuals, residuals) - gain).max(0.0);
         let variance = (left / freedom).max(self.noise);
         Some(Place {
