@@ -17,6 +17,15 @@ pub const VELOCITY_CUTOFF_HZ: f64 = 10.0;
 /// A crossing counts once the angle is this many noises beyond zero.
 const CROSSING_NOISES: f64 = 4.0;
 
+/// How much of new runs a surface predicts, in words: one that is worse than their mean predicts none of them.
+pub fn predicted(r_squared: f64, digits: usize) -> String {
+    if r_squared <= 0.0 {
+        return "none of the new runs".to_owned();
+    }
+    let only = if r_squared < 0.5 { "only " } else { "" };
+    format!("{only}{:.digits$} % of new runs", 100.0 * r_squared)
+}
+
 /// The five responses (paper, section 6).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Responses {
