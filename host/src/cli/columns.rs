@@ -183,6 +183,6 @@ mod tests {
         let typed = ["--columns", "t=0,theta=my angle", "--zero", "-1.5", "--mirror", "--run", "1,3", "--degrees"];
         assert_eq!(words(&typed), " --degrees --mirror --columns 't=0,theta=my angle' --zero -1.5 --run '1,3'");
         let others = ["--radians", "--rate", "200", "--pivot", "320,40", "--from", "0.5", "--to", "7"];
-        assert_eq!(words(&others), " --radians --rate 200 --pivot 320,40 --from 0.5 --to 7");
+        assert_eq!(words(&others), " --radians --rate 200 --pivot '320,40' --from 0.5 --to 7");
     }
 }
