@@ -58,8 +58,8 @@ pub struct Checkup {
 }
 
 /// Looks at the computer, the port, the board, its signal and its model. Without a port the only USB serial port is
-/// taken, if there is exactly one.
-pub fn examine(port: Option<&str>, model: Option<&RigFile>) -> Checkup {
+/// taken, if there is exactly one. Says so before it listens to a board for some seconds.
+pub fn examine(port: Option<&str>, model: Option<&RigFile>, listens: &dyn Fn()) -> Checkup {
     let ports = system::ports();
     let port = chosen(port, &ports);
     let mut findings = match &port {
@@ -69,16 +69,16 @@ pub fn examine(port: Option<&str>, model: Option<&RigFile>) -> Checkup {
     if let Some(name) = &port {
         match link::connect(name) {
             Err(error) => findings.push(unreachable(&error)),
-            Ok(mut session) => findings.extend(of_rig(&mut session, model)),
+            Ok(mut session) => {
+                if !is_simulated(name) {
+                    listens();
+                }
+                findings.extend(of_rig(&mut session, model));
+            }
         }
     }
     let healthy = findings.iter().all(|finding| finding.ok);
     Checkup { port, healthy, findings }
-}
-
-/// The port that would be looked at, if there is one.
-pub fn port(named: Option<&str>) -> Option<String> {
-    chosen(named, &system::ports())
 }
 
 fn chosen(named: Option<&str>, ports: &[SerialPortInfo]) -> Option<String> {

@@ -40,6 +40,9 @@ const UNKNOWN_LENGTH_M: f64 = 1e-3;
 /// found within half a percent, and a bob moved by a twentieth changes it by more.
 const OTHER_PERIOD: f64 = 0.02;
 
+/// Without any inertia but m·l² a rod's moment about the pivot is 4/3 too small; what is off by more than this is doubted.
+const OTHER_PENDULUM: f64 = 1.5;
+
 /// Angles that should lengthen the period by this much …
 const CLEAR_LENGTHENING: f64 = 1.05;
 
@@ -177,13 +180,36 @@ pub fn slower_than_seen(parameters: &Parameters<f64>, swings: &[Swing]) -> Optio
         format!(
             "the moment of inertia ends at zero, and with all mass in one point the pendulum would still be slower than it swings: \
              its period allows a length of {} m, and the model has {} m. Measure it again, or say how surely it was measured \
-             (host init --length-std), before you believe that a spring or anything else is missing; a clock that is {} % slow \
+             (its std in rig.toml), before you believe that a spring or anything else is missing; a clock that is {} % slow \
              looks alike",
             significant(most, 4),
             significant(length, 4),
             significant(slow, 2)
         )
     })
+}
+
+/// The first swing whose period asks for a moment about the pivot that is so far from the model's that the model may be another
+/// pendulum's, in words: a fit would find an inertia for it and say nothing.
+pub fn of_another(parameters: &Parameters<f64>, swings: &[Swing]) -> Option<String> {
+    let pendulum = &parameters.pendulum;
+    if is_unknown(pendulum) || has_drive(parameters) {
+        return None;
+    }
+    let usual = OTHER_PENDULUM.recip()..OTHER_PENDULUM;
+    let off = |swing: &Swing| {
+        let period_s = seen(swing)?.small_period_s();
+        let ratio = inertia_about_pivot(pendulum, period_s) / pendulum.pivot_inertia_kg_m2();
+        (!usual.contains(&ratio)).then(|| (swing.name.clone(), period_s, ratio))
+    };
+    let (name, period_s, ratio) = swings.iter().find_map(off)?;
+    Some(format!(
+        "doubtful: {name}: it swings like another pendulum: its period is {period_s:.3} s, the model's {:.3} s, so that the moment of \
+         inertia about the pivot would have to be {} times the model's; check that the model is this pendulum's, and its mass, \
+         length and inertia",
+        small_period_s(pendulum),
+        significant(ratio, 3)
+    ))
 }
 
 /// Swings among others of another period, by their place, with what is doubtful of them in words. A drive of the model may
@@ -435,6 +461,16 @@ mod tests {
         assert!(three.len() == 1 && three[0].0 == 2, "{three:?}");
         let told = "its period of small swings is 1.090 s, that of the others 1.047 s";
         assert!(three[0].1.starts_with(told), "{three:?}");
+    }
+
+    /// A period 1.3 times as long asks for 1.69 times the moment about the pivot; 1.2 times for 1.44, a rod's left out.
+    #[test]
+    fn a_period_far_from_the_models_is_told_as_another_pendulums() {
+        let told =
+            |times: f64| of_another(&paper_but(|_| {}), &swings(0.1, times * small_period_s(&Pendulum::paper())));
+        assert!(told(1.3).unwrap().contains("would have to be 1.69 times the model's"), "{:?}", told(1.3));
+        assert!(told(0.8).unwrap().contains("swings like another pendulum"), "{:?}", told(0.8));
+        assert_eq!([told(1.2), told(1.0), told(0.85)], [None, None, None]);
     }
 
     #[test]

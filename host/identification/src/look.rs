@@ -76,6 +76,11 @@ pub struct Look {
 }
 
 impl Look {
+    /// Are there too few swings yet to say anything?
+    pub fn is_too_early(&self) -> bool {
+        self.reason == Some(of_reason(Reason::TooFewSwings))
+    }
+
     /// Is it not physics that is missing, but a fit of the numbers?
     pub fn asks_for_a_fit(&self) -> bool {
         let reasons = [Reason::WrongNumbers, Reason::FrictionAboutRest].map(of_reason);
@@ -154,6 +159,14 @@ mod tests {
             }
         }
         assert!(findings.suspects.iter().any(|suspect| suspect.strengths.len() > 1));
+    }
+
+    #[test]
+    fn one_swing_that_says_nothing_is_no_news() {
+        let mut told = said(&found(), 1);
+        assert!(!told.is_too_early());
+        told.reason = Some(of_reason(Reason::TooFewSwings));
+        assert!(told.is_too_early());
     }
 
     #[test]

@@ -12,6 +12,22 @@ use crate::swing::Swing;
 use clap::Args;
 use rayon::prelude::*;
 use std::path::PathBuf;
+use std::str::FromStr;
+
+/// A choice of columns, and how it was typed.
+#[derive(Clone, Debug)]
+struct Typed {
+    text: String,
+    columns: Columns,
+}
+
+impl FromStr for Typed {
+    type Err = <Columns as FromStr>::Err;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(Self { text: text.to_owned(), columns: text.parse()? })
+    }
+}
 
 /// Options for reading recordings.
 #[derive(Clone, Debug, Args)]
@@ -19,7 +35,7 @@ use std::path::PathBuf;
 pub(super) struct Reading {
     /// Columns by number from 0 or by name, such as t=0,theta=2 or t=0:ms,theta=angle:deg or t=0,rate=2:deg/s
     #[arg(long, value_name = "COLUMNS")]
-    columns: Option<Columns>,
+    columns: Option<Typed>,
     /// The angles are in degrees, rates in degrees a second
     #[arg(long, conflicts_with = "radians")]
     degrees: bool,
@@ -63,6 +79,24 @@ impl Reading {
         Self { measured: model.measured(), ..self.clone() }
     }
 
+    /// The same options for a line to copy, each with a space before it.
+    pub(super) fn words(&self) -> String {
+        let flags = [(self.degrees, "--degrees"), (self.radians, "--radians"), (self.mirror, "--mirror")];
+        let number = |option: &'static str, value: Option<f64>| value.map(|value| (option, value.to_string()));
+        let values = [
+            self.columns.as_ref().map(|typed| ("--columns", typed.text.clone())),
+            number("--rate", self.rate),
+            number("--zero", self.zero),
+            self.pivot.map(|[x, y]| ("--pivot", format!("{x},{y}"))),
+            number("--from", self.from),
+            number("--to", self.to),
+            (!self.run.is_empty()).then(|| ("--run", self.run.join(","))),
+        ];
+        let flags = flags.into_iter().filter(|(is_given, _)| *is_given).map(|(_, flag)| format!(" {flag}"));
+        let valued = |(option, value): (&str, String)| format!(" {option} {}", output::command(&[&value]));
+        flags.chain(values.into_iter().flatten().map(valued)).collect()
+    }
+
     /// How files are read.
     pub(super) fn options(&self) -> ReadOptions {
         let angle_unit = match (self.degrees, self.radians) {
@@ -71,7 +105,7 @@ impl Reading {
             _ => None,
         };
         ReadOptions {
-            columns: self.columns.clone(),
+            columns: self.columns.as_ref().map(|typed| typed.columns.clone()),
             rate_hz: self.rate,
             angle_unit,
             zero: self.zero,
@@ -128,5 +162,27 @@ impl Reading {
 
     fn rules(&self) -> reading::Reading {
         reading::Reading { options: self.options(), segment: self.segment() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        reading: Reading,
+    }
+
+    #[test]
+    fn a_line_to_copy_reads_recordings_as_they_were_read() {
+        let words = |line: &[&str]| Line::parse_from(std::iter::once(&"host").chain(line)).reading.words();
+        assert_eq!(words(&[]), "");
+        let typed = ["--columns", "t=0,theta=my angle", "--zero", "-1.5", "--mirror", "--run", "1,3", "--degrees"];
+        assert_eq!(words(&typed), " --degrees --mirror --columns 't=0,theta=my angle' --zero -1.5 --run '1,3'");
+        let others = ["--radians", "--rate", "200", "--pivot", "320,40", "--from", "0.5", "--to", "7"];
+        assert_eq!(words(&others), " --radians --rate 200 --pivot '320,40' --from 0.5 --to 7");
     }
 }

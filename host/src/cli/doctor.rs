@@ -1,7 +1,7 @@
 //! `host doctor`: is everything well between the pendulum and this program?
 
 use super::{output, rig};
-use crate::doctor::{Checkup, Finding, UDEV_RULE, examine, port};
+use crate::doctor::{Checkup, Finding, UDEV_RULE, examine};
 use crate::error::Failure;
 use crate::rigfile::RigFile;
 use clap::Args;
@@ -41,10 +41,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     let path = rig::chosen_path(options.rig.as_deref());
     let model = path.map(|path| RigFile::load(&path)).transpose()?;
-    if port(options.port.as_deref()).is_some() {
-        output::say("looking, for about three seconds …");
-    }
-    let checkup = examine(options.port.as_deref(), model.as_ref());
+    let listens = || output::say("looking, for about three seconds …");
+    let checkup = examine(options.port.as_deref(), model.as_ref(), &listens);
     if options.json {
         output::json("doctor", &checkup)
     } else {

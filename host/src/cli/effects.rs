@@ -47,9 +47,10 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 }
 
 fn listing() -> String {
+    let width = Effect::<f64>::ALL.iter().map(|effect| acts_on(effect).chars().count()).max().unwrap_or(0);
     let line = |effect: &Effect<f64>| {
         let symbols: Vec<&str> = effect.parameters.iter().map(|p| p.symbol).collect();
-        format!("  {:<26}{:<20}{}", effect.name, acts_on(effect), symbols.join(", "))
+        format!("  {:<26}{:<width$}  {}", effect.name, acts_on(effect), symbols.join(", "))
     };
     let lines: Vec<String> = Effect::ALL.iter().map(line).collect();
     format!(
@@ -97,4 +98,16 @@ fn markdown() -> String {
     format!("# Physical effects\n\nMade from the code by `host effects --markdown`.\n{sections}\n{own}")
         .trim_end()
         .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_an_effect_acts_on_and_its_numbers_are_columns_of_their_own() {
+        let listing = listing();
+        let support = listing.lines().find(|line| line.contains("resonant-support")).unwrap();
+        assert!(support.contains("something that swings with it  cs, rs, zs, bs"), "{support}");
+    }
 }

@@ -12,7 +12,7 @@ use super::values::{Range, custom_effect};
 use super::{output, port, rig};
 use crate::error::Failure;
 use crate::fit::identify::{self, Fit};
-use crate::geometry::too_long;
+use crate::geometry::{of_another, too_long};
 use crate::link::Session;
 use crate::operations::fit::{self, Check, Outcome};
 use crate::operations::geometry;
@@ -142,13 +142,17 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut swings = reading.swings(&recordings)?;
     let (held_out, _) = reading.swings_quietly(&options.hold_out)?;
     refuse_doubles(&swings, &held_out)?;
+    // Told above already; a program reads it here.
+    let another = of_another(model.parameters(), &swings);
+    another.iter().for_each(|words| output::warn(words));
+    let told: Vec<String> = doubt.iter().chain(&another).filter(|_| options.json).cloned().collect();
     let too_long = too_long(model.parameters(), &swings).map(|(_, words)| words);
     let explained = |failure| geometry::explained(failure, doubt.as_deref().or(too_long.as_deref()));
     check_geometry(model.parameters(), &mut swings).map_err(explained)?;
     check_held_out(model.parameters(), &swings, &held_out);
 
     let mut outcome = identify(options, &swings, &held_out, &model).map_err(explained)?;
-    outcome.fit.warnings.extend(doubt.clone());
+    outcome.fit.warnings.extend(told);
     let fit = &outcome.fit;
     let source = Source::of_swings(options.method.words(), &swings);
     model.adopt_fit(fit, &source)?;
@@ -194,10 +198,13 @@ fn model(options: &Options, session: Option<&mut Session>) -> Result<RigFile, Fa
         (None, Some(session)) => session.model_file(),
         (Some(path), Some(session)) => {
             let file = RigFile::load(&path)?;
+            if options.rig.is_none() {
+                output::say(&rig::taken(&path, &file));
+            }
             tell_if_of_another_sensor(&file, &path, session)?;
             Ok(file)
         }
-        (path, None) => rig::load(path.as_deref()),
+        (_, None) => rig::load(options.rig.as_deref()),
     }
 }
 

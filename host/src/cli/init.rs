@@ -3,6 +3,7 @@
 use super::output;
 use super::values::{not_negative, positive};
 use crate::error::Failure;
+use crate::number::significant;
 use crate::operations::model::{Value, values};
 use crate::rigfile::{RigFile, RigFileError};
 use clap::Args;
@@ -76,6 +77,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     // The numbers were typed just now.
     let file =
         model(options).map_err(|error| Failure::wrong_use(error).next("give a value within the range, in SI units"))?;
+    let typed = (!file.is_normalised()).then_some(&file.parameters().pendulum);
+    typed.into_iter().flat_map(implausible).for_each(|doubt| output::warn(&doubt));
     file.save(&options.output)?;
     let pendulum = &file.parameters().pendulum;
     let (gravity_torque_nm, pivot_inertia_kg_m2) = (pendulum.gravity_torque_nm(), pendulum.pivot_inertia_kg_m2());
@@ -93,6 +96,40 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         output::result(&in_words(&written))
     }
     Ok(())
+}
+
+/// No pendulum on a bench has a mass beyond this, kg …
+const HEAVIEST_KG: f64 = 100.0;
+
+/// … its centre of mass farther from the pivot, m …
+const LONGEST_M: f64 = 20.0;
+
+/// … or spreads its mass so much farther than to the pivot: a balanced wheel, I over m·l².
+const WIDEST: f64 = 100.0;
+
+/// What can't well be meant, because it looks like another unit, with the cure.
+fn implausible(pendulum: &Pendulum<f64>) -> Vec<String> {
+    let Pendulum { mass_kg, length_m, inertia_kg_m2, .. } = *pendulum;
+    let ratio = inertia_kg_m2 / (mass_kg * length_m.powi(2));
+    let doubts = [
+        (mass_kg > HEAVIEST_KG).then(|| {
+            format!("a mass of {mass_kg} kg is much for a pendulum; of {mass_kg} g it is --mass {}", mass_kg / 1e3)
+        }),
+        (length_m > LONGEST_M).then(|| {
+            format!(
+                "{length_m} m to the centre of mass is much for a pendulum; of {length_m} mm it is --length {}",
+                length_m / 1e3
+            )
+        }),
+        (ratio > WIDEST).then(|| {
+            format!(
+                "an inertia of {inertia_kg_m2} kg·m² is {} times m·l²; 1 kg·m² is 10⁷ g·cm² or 10⁹ g·mm²",
+                significant(ratio, 2)
+            )
+        }),
+    ];
+    let doubts = doubts.into_iter().flatten();
+    doubts.map(|doubt| format!("{doubt}: give all in kg, m and kg·m², and --force to write the file anew")).collect()
 }
 
 fn model(options: &Options) -> Result<RigFile, RigFileError> {
@@ -115,8 +152,10 @@ fn in_words(written: &Written) -> String {
         "The geometry is unknown: m·g·l counts as 1, so every torque and inertia in the file is per m·g·l.".to_owned()
     } else {
         format!(
-            "A pendulum with m·g·l = {:.4} N·m, m·l² + I = {:.6} kg·m² and a period of {:.3} s for small swings.",
-            written.gravity_torque_nm, written.pivot_inertia_kg_m2, written.period_s
+            "A pendulum with m·g·l = {} N·m, m·l² + I = {} kg·m² and a period of {} s for small swings.",
+            significant(written.gravity_torque_nm, 4),
+            significant(written.pivot_inertia_kg_m2, 4),
+            significant(written.period_s, 4)
         )
     };
     // Without geometry there is nothing to send to a rig.
@@ -124,4 +163,20 @@ fn in_words(written: &Written) -> String {
     format!(
         "wrote {file}\n{geometry}\nFriction is a guess until a fit: host fit swing.csv --rig {file} -o {file}{or_port}"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_in_grams_and_millimetres_are_doubted_with_the_cure() {
+        let doubts = |mass_kg, length_m, inertia_kg_m2| {
+            implausible(&Pendulum { mass_kg, length_m, inertia_kg_m2, gravity_m_s2: GRAVITY_M_S2 })
+        };
+        let all = doubts(146.0, 156.0, 2842.0);
+        assert!(all[0].contains("of 146 g it is --mass 0.146") && all[1].contains("--length 0.156"), "{all:?}");
+        assert!(doubts(0.146, 0.156, 2842.0)[0].contains("10⁹ g·mm²"));
+        assert!(doubts(0.1466084, 0.1562177, 0.00284252).is_empty() && doubts(47.0, 67.0 / 4.0, 0.5).is_empty());
+    }
 }

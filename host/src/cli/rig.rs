@@ -4,7 +4,7 @@ use super::output;
 use crate::error::Failure;
 use crate::files::are_one;
 use crate::link::Session;
-use crate::number::with_spread;
+use crate::number::{significant, with_spread};
 use crate::operations::model::{Value, values};
 use crate::rigfile::{RigFile, Source, USUAL_NAME};
 use std::path::{Path, PathBuf};
@@ -23,7 +23,23 @@ pub(super) fn load(named: Option<&Path>) -> Result<RigFile, Failure> {
                    `host init --unknown-geometry` will do where nothing is known but the motion",
         ));
     };
-    Ok(RigFile::load(&path)?)
+    let file = RigFile::load(&path)?;
+    if named.is_none() {
+        output::say(&taken(&path, &file));
+    }
+    Ok(file)
+}
+
+/// The model that was taken because it lies here: it may be another pendulum's.
+pub(super) fn taken(path: &Path, file: &RigFile) -> String {
+    let pendulum = &file.parameters().pendulum;
+    let geometry = if file.is_normalised() {
+        "geometry unknown".to_owned()
+    } else {
+        let [mass, length] = [pendulum.mass_kg, pendulum.length_m].map(|value| significant(value, 4));
+        format!("m = {mass} kg, l = {length} m")
+    };
+    format!("model: {} ({geometry}); --rig names another", path.display())
 }
 
 /// Says what the units of a model without geometry mean.
@@ -73,4 +89,21 @@ pub(super) fn listing(file: &RigFile) -> String {
 fn short(value: f64) -> String {
     let plain = value == 0.0 || (1e-3..1e6).contains(&value.abs());
     if plain { format!("{}", (value * 1e9).round() / 1e9) } else { format!("{value:.5e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shared::motion::Pendulum;
+
+    #[test]
+    fn a_model_that_nobody_named_is_told_with_its_mass_and_length() {
+        let told = |file: &RigFile| taken(Path::new("rig.toml"), file);
+        let mut paper = Pendulum::paper();
+        (paper.mass_kg, paper.length_m) = (0.1466084, 0.15);
+        let file = RigFile::new(paper).unwrap();
+        assert_eq!(told(&file), "model: rig.toml (m = 0.1466 kg, l = 0.1500 m); --rig names another");
+        let unknown = RigFile::normalised(9.81).unwrap();
+        assert_eq!(told(&unknown), "model: rig.toml (geometry unknown); --rig names another");
+    }
 }

@@ -51,6 +51,11 @@ fn in_words(shown: &Shown) -> String {
     let measured = |value: bool, text: String| if value { text } else { "not measured".to_owned() };
     let cpu = measured(health.cpu_permille > 0, format!("{:.1} %", f64::from(health.cpu_permille) / 10.0));
     let stack = measured(health.stack_size > 0, format!("{} of {} bytes", health.stack_used, health.stack_size));
+    // Without a sample nothing was predicted.
+    let innovation = match statistics.samples {
+        0 => "–".to_owned(),
+        _ => format!("{:.2} mrad", 1e3 * statistics.innovation_rms_rad),
+    };
     let fault = if health.last_fault.is_empty() { "none" } else { health.last_fault.as_str() };
     let rows = [
         ("rig", shown.firmware.clone()),
@@ -60,7 +65,7 @@ fn in_words(shown: &Shown) -> String {
         ("frames dropped", statistics.dropped_frames.to_string()),
         ("bad frames received", statistics.bad_frames.to_string()),
         ("samples disconnected", statistics.disconnected.to_string()),
-        ("innovation, rms", format!("{:.2} mrad", 1e3 * statistics.innovation_rms_rad)),
+        ("innovation, rms", innovation),
         ("processor in use", cpu),
         ("stack used at most", stack),
         ("restarts", format!("{}, the last {}", health.resets, cause(health.cause))),
@@ -162,6 +167,12 @@ mod tests {
         ] {
             assert!(told.contains(&format!("{what:<24}{value}")), "{what}: {told:?}");
         }
+    }
+
+    #[test]
+    fn without_a_sample_there_is_no_innovation() {
+        let told = said(Statistics::default(), None);
+        assert!(told.contains(&format!("{:<24}–", "innovation, rms")), "{told:?}");
     }
 
     #[test]

@@ -71,9 +71,16 @@ fn tell_result(look: &Look, is_json: bool) {
 fn in_words(look: &Look) -> String {
     let mut parts = vec![sentence(look)];
     if !look.candidates.is_empty() {
-        parts.push(bars(look).join("\n"));
+        let lines: Vec<String> = key(look).map(str::to_owned).into_iter().chain(bars(look)).collect();
+        parts.push(lines.join("\n"));
     }
     parts.join("\n\n")
+}
+
+/// What the bars mean, where there are some.
+fn key(look: &Look) -> Option<&'static str> {
+    (!look.candidates.is_empty())
+        .then_some("suspects, the largest gain first; the longer its bar, the less likely one is chance:")
 }
 
 /// A bar of evidence for each of the likeliest effects.
@@ -124,14 +131,15 @@ impl Screen {
 
     fn looked(&mut self, look: &Look) {
         if output::is_watched() {
-            let lines = bars(look);
+            let lines: Vec<String> = key(look).map(str::to_owned).into_iter().chain(bars(look)).collect();
             let up = if self.n_lines > 0 { format!("\x1b[{}A", self.n_lines) } else { String::new() };
             let text: String = lines.iter().map(|line| format!("\x1b[K{line}\n")).collect();
             let _ = write!(std::io::stderr(), "{up}{text}\x1b[J");
             self.n_lines = lines.len();
         }
         let told = Some((look.named.clone(), look.reason));
-        if told != self.told {
+        // What is too early to be said is no news while it swings.
+        if told != self.told && !look.is_too_early() {
             self.n_lines = 0;
             self.told = told;
             output::say(&sentence(look));
@@ -160,6 +168,8 @@ mod tests {
             left: None,
             judge: Judge::Program,
         };
+        assert!(key(&look).unwrap().contains("largest gain first"));
+        assert_eq!(key(&Look { candidates: Vec::new(), ..look.clone() }), None);
         let bars = bars(&look);
         assert_eq!(bars.iter().map(|bar| bar.matches('█').count()).collect::<Vec<_>>(), [20, 6, BAR, 0]);
         assert!(bars[0].ends_with("F 12.3      p 1e-10"), "{bars:?}");

@@ -43,6 +43,9 @@ fn seen(ports: &[SerialPortInfo], port: Option<&str>) -> Finding {
     let names: Vec<String> = ports.iter().map(described).collect();
     let list = if names.is_empty() { "no USB serial port".to_owned() } else { names.join(", ") };
     let next = match (port, names.len()) {
+        (Some(_), 0) => {
+            "the board behind this port does not show itself here: is it plugged in, with a cable that carries data?"
+        }
         (Some(_), _) => return Finding::ok("serial ports", list),
         (None, 0) => {
             "no board shows itself. Plug one in, with a cable that carries data; a new one shows itself only once it has \
@@ -84,4 +87,16 @@ fn is_running(program: &str) -> bool {
         .flatten()
         .filter_map(|process| std::fs::read_to_string(process.path().join("comm")).ok())
         .any(|name| name.trim() == program)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_computer_without_a_board_is_judged_alike_with_and_without_a_named_port() {
+        let [named, unnamed] = [Some("/dev/ttyUSB7"), None].map(|port| seen(&[], port));
+        assert!(!named.ok && !unnamed.ok, "{named:?} {unnamed:?}");
+        assert!(named.next.unwrap().contains("is it plugged in"));
+    }
 }

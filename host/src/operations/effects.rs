@@ -51,7 +51,26 @@ pub fn chosen(name: Option<&str>) -> Result<Vec<&'static Effect<f64>>, Failure> 
 
 fn unknown(name: &str) -> Failure {
     let names: Vec<&str> = Effect::<f64>::ALL.iter().map(|effect| effect.name).collect();
-    Failure::wrong_use(format!("there is no effect called {name}")).next(format!("choose one of {}", names.join(", ")))
+    let near: Vec<&str> = names.iter().copied().filter(|known| is_near(name, known)).collect();
+    let next = if near.is_empty() {
+        format!("choose one of {}", names.join(", "))
+    } else {
+        format!("did you mean {}? `host effects` lists all", near.join(" or "))
+    };
+    Failure::wrong_use(format!("there is no effect called {name}")).next(next)
+}
+
+/// Less of a name is part of too many.
+const LEAST_PART: usize = 3;
+
+/// Names that begin with so many letters alike are the same one mistyped, or of one kind.
+const LEAST_BEGIN: usize = 5;
+
+/// Is what was typed part of this name, or does it begin like it?
+fn is_near(typed: &str, known: &str) -> bool {
+    let typed = typed.trim().to_lowercase().replace(['_', ' '], "-");
+    let n_alike = typed.chars().zip(known.chars()).take_while(|(a, b)| a == b).count();
+    (typed.len() >= LEAST_PART && known.contains(&typed)) || n_alike >= LEAST_BEGIN
 }
 
 /// What an effect acts on, in words.
@@ -106,6 +125,15 @@ mod tests {
         let on = |name: &str| acts_on(chosen(Some(name)).unwrap()[0]);
         assert_eq!(["coulomb", "quadratic-drag", "angle-offset"].map(on), ["base model", "torque", "sensor"]);
         assert_eq!(["presliding", "resonant-support"].map(on), ["torque with memory", "something that swings with it"]);
-        assert!(chosen(Some("drag")).unwrap_err().next_step().unwrap().contains("quadratic-drag"));
+    }
+
+    #[test]
+    fn a_name_that_is_none_is_answered_by_those_that_are_near() {
+        let next = |name: &str| chosen(Some(name)).unwrap_err().next_step().unwrap().to_owned();
+        for typed in ["quadratic", "quadratik-drag", "Quadratic_Drag"] {
+            assert_eq!(next(typed), "did you mean quadratic-drag? `host effects` lists all", "{typed}");
+        }
+        assert!(next("drag").contains("quadratic-drag or "), "{}", next("drag"));
+        assert!(next("xyz").starts_with("choose one of "), "{}", next("xyz"));
     }
 }

@@ -59,7 +59,10 @@ fn found(study: &Study) -> Markup {
     };
     let differs = study.standing_out();
     let differs = differs.iter().map(|(rig, words)| card("bad", rig, "differs", words));
-    let models = study.diagnoses.iter().map(|(rig, diagnosis)| card("unsure", rig, "model", &diagnosis.words));
+    let models = study.diagnoses.iter().map(|(rig, diagnosis)| {
+        let label = if diagnosis.missing.is_empty() { "what the model leaves" } else { "physics is missing" };
+        card("unsure", rig, label, &words::begun(&diagnosis.words))
+    });
     let cards: Vec<Markup> = findings(true).chain(differs).chain(findings(false)).chain(models).collect();
     html! {
         section.found {
@@ -116,24 +119,30 @@ fn beside(between: &Between) -> Markup {
 }
 
 fn of_rig(study: &Study, rig: &RigView) -> Markup {
+    let is_imitating = study.diagnoses.get(&rig.name).is_some_and(|diagnosis| !diagnosis.missing.is_empty());
     html! {
         section id=(anchor(&rig.name)) {
             h2 { (rig.name) }
             p {
                 (words::of_rig(rig))
-                @if let Some(diagnosis) = study.diagnoses.get(&rig.name) { " " (diagnosis.words) "." }
+                @if let Some(diagnosis) = study.diagnoses.get(&rig.name) { " " (words::begun(&diagnosis.words)) "." }
             }
-            div.charts { @for friction in &rig.friction { (chart(rig, friction)) } }
+            div.charts { @for friction in &rig.friction { (chart(rig, friction, is_imitating)) } }
             (swings(rig))
         }
     }
 }
 
-fn chart(rig: &RigView, friction: &Friction) -> Markup {
-    let (symbol, name) = (friction.symbol, friction.name);
+fn chart(rig: &RigView, friction: &Friction, is_imitating: bool) -> Markup {
+    let (symbol, name, mean, unit) = (friction.symbol, friction.name, &friction.mean, friction.unit.clone());
+    let value = if is_imitating {
+        words::imitating(mean.value, &unit)
+    } else {
+        format!("{} {unit}", number(mean.value, mean.std_error))
+    };
     html! {
         figure {
-            h3 { (name) " " (symbol) ": " (number(friction.mean.value, friction.mean.std_error)) " " (friction.unit) }
+            h3 { (name) " " (symbol) ": " (value) }
             (control(rig, friction))
             (sums(friction))
         }
@@ -213,6 +222,18 @@ fn how_to_read() -> Markup {
 mod tests {
     use super::super::rig::tests::row;
     use super::*;
+
+    #[test]
+    fn friction_that_imitates_missing_physics_has_no_uncertainty() {
+        let rows = [("1.csv", 0.9), ("2.csv", 1.0), ("3.csv", 1.1)].map(|(name, value)| row(name, value, 0.5));
+        let rig = RigView::new("rig", rows.to_vec());
+        let head = |is_imitating| {
+            let drawn = chart(&rig, &rig.friction[0], is_imitating).into_string();
+            drawn.split("</h3>").next().unwrap().to_owned()
+        };
+        assert!(head(false).contains('±') && !head(false).contains("imitating"), "{}", head(false));
+        assert!(!head(true).contains('±') && head(true).contains("imitating what is missing"), "{}", head(true));
+    }
 
     #[test]
     fn an_error_is_told_in_times_the_noise_and_what_failed_with_dashes() {

@@ -113,7 +113,7 @@ fn reason(swing: &Swing, parameters: &Parameters<f64>, judged: &Judged, begins_w
     match other_inertia(swing, parameters) {
         Some(ratio) => format!(
             "it swings like another pendulum: the moment of inertia about the pivot would have to be {ratio:.2} times \
-             the model's; check mass, length and inertia (host init)"
+             the model's; check mass, length and inertia"
         ),
         None => {
             "no other unit, zero or inertia helps: another pendulum, a driven one, or one that was touched".to_owned()

@@ -15,6 +15,15 @@ use simulation::lanes::Lanes;
 /// Cut-off for the velocities: far above the swing, far below the noise.
 pub const VELOCITY_CUTOFF_HZ: f64 = 10.0;
 
+/// How much of new runs a surface predicts, in words: one that is worse than their mean predicts none of them.
+pub fn predicted(r_squared: f64, digits: usize) -> String {
+    if r_squared <= 0.0 {
+        return "none of the new runs".to_owned();
+    }
+    let only = if r_squared < 0.5 { "only " } else { "" };
+    format!("{only}{:.digits$} % of new runs", 100.0 * r_squared)
+}
+
 /// The five responses (paper, section 6).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Responses {

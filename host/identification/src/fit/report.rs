@@ -6,7 +6,7 @@ use super::fitted::Fitted;
 use super::found::{Fit, Identified, Verdict};
 use super::held_out::held_out_rmse;
 use super::problem::{Point, Problem, Quantity};
-use super::quality::Responses;
+use super::quality::{Responses, predicted};
 use super::runs::responses_at;
 use super::sequential::Stage;
 use super::uncertainty::{Number, Status, UNKNOWN_SHARE, Uncertainty, uncertainty};
@@ -106,16 +106,13 @@ impl Report<'_, '_> {
         warnings.extend(uncertainty.alike.iter().map(|symbols| {
             format!("{} can't be told apart here: only what they do together is known", symbols.join(" and "))
         }));
-        for number in identified {
-            warnings.extend(self.warning_of(number, left));
-        }
+        let of_numbers = identified.iter().filter_map(|number| Some((number.symbol, self.warning_of(number, left)?)));
+        warnings.extend(said_once(of_numbers.collect()));
         warnings.extend(self.far_from_measured());
         let last = stages.last().and_then(|stage| stage.r_squared_predicted);
         if let Some(r_squared) = last.filter(|r_squared| *r_squared < 0.5) {
-            let percent = 100.0 * r_squared;
-            warnings.push(format!(
-                "the last surface of mseA predicts only {percent:.0} % of new runs: don't trust its optimum"
-            ));
+            let predicts = predicted(r_squared, 0);
+            warnings.push(format!("the last surface of mseA predicts {predicts}: don't trust its optimum"));
         }
         warnings
     }
@@ -200,6 +197,28 @@ fn what_is_wrong(ratio: f64, share: f64) -> String {
          swings; before you ask what physics is missing, {LOOK_FIRST}",
         100.0 * share
     )
+}
+
+/// What is said of several numbers alike is said once, of all of them.
+fn said_once(of_numbers: Vec<(&str, String)>) -> Vec<String> {
+    let mut said: Vec<(Vec<&str>, String)> = Vec::new();
+    for (symbol, words) in of_numbers {
+        let Some(rest) = words.strip_prefix(&format!("{symbol} is ")) else {
+            said.push((Vec::new(), words));
+            continue;
+        };
+        let rest = rest.replace(&format!("draw {symbol} "), "draw it ");
+        match said.iter_mut().find(|(_, other)| *other == rest) {
+            Some((symbols, _)) => symbols.push(symbol),
+            None => said.push((vec![symbol], rest)),
+        }
+    }
+    let sentence = |(symbols, rest): (Vec<&str>, String)| match symbols.as_slice() {
+        [] => rest,
+        [symbol] => format!("{symbol} is {}", rest.replace("draw it ", &format!("draw {symbol} "))),
+        _ => format!("{} are {}", symbols.join(" and "), rest.replace("draw it ", "draw them ")),
+    };
+    said.into_iter().map(sentence).collect()
 }
 
 /// The cause is not a lack of swings: what is missing asks the other numbers to imitate it.
@@ -328,6 +347,20 @@ mod tests {
     }
 
     #[test]
+    fn what_is_true_of_several_numbers_is_said_once() {
+        let missing = |symbol: &str| {
+            format!("{symbol} is not identifiable while physics is missing, and draw {symbol} towards zero")
+        };
+        let all = vec![("Mw", missing("Mw")), ("I", "it ends at zero".to_owned()), ("Mc", missing("Mc"))];
+        let told = said_once(all);
+        assert_eq!(
+            told,
+            ["Mw and Mc are not identifiable while physics is missing, and draw them towards zero", "it ends at zero"]
+        );
+        assert_eq!(said_once(vec![("Mw", missing("Mw"))]), [missing("Mw")]);
+    }
+
+    #[test]
     fn a_geometry_that_is_too_large_or_too_small_by_three_standard_deviations_is_doubted() {
         let (swings, count) = (viscous_swing(4e-4), Tally::default());
         let doubts = |stds: f64| {
@@ -365,6 +398,7 @@ mod tests {
         };
         let said = |share: f64| report.warnings(&[], &nothing, &[stage(share)], Left::Noise).join(" ");
         assert!(said(0.31).contains("the last surface of mseA predicts only 31 % of new runs"), "{}", said(0.31));
+        assert!(said(-3.54).contains("the last surface of mseA predicts none of the new runs: "), "{}", said(-3.54));
         assert_eq!(said(0.9), "");
     }
 }

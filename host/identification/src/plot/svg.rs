@@ -3,6 +3,9 @@
 use super::{Axis, Content, Curve, Heat, Picture, Style, colour, diverging};
 use crate::shorten::shortened;
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+use plotters::coord::types::RangedCoordf64;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use std::ops::Range;
 
@@ -67,7 +70,7 @@ fn draw_curves<'a>(
         .margin(12)
         .x_label_area_size(46)
         .y_label_area_size(74)
-        .build_cartesian_2d(x_range.clone(), y_range.clone())?;
+        .build_cartesian_2d(ticked(&picture.x, &x_range), ticked(&picture.y, &y_range))?;
     let (x_size, y_size) = (x_range.end - x_range.start, y_range.end - y_range.start);
     chart
         .configure_mesh()
@@ -94,8 +97,8 @@ fn draw_curves<'a>(
             }
         };
         if !curve.name.is_empty() {
-            let dot = matches!(curve.style, Style::Dots | Style::Cloud);
-            annotated.label(shortened(&curve.name, LONGEST_NAME)).legend(move |(x, y)| legend_mark(x, y, paint, dot));
+            let style = curve.style;
+            annotated.label(shortened(&curve.name, LONGEST_NAME)).legend(move |(x, y)| legend_mark(x, y, paint, style));
         }
         if let Some(bars) = &curve.bars {
             let bar = |((x, y), bar): ((&f64, &f64), &f64)| {
@@ -126,13 +129,65 @@ fn with_usual_bars(curve: &Curve) -> Vec<f64> {
     curve.y.iter().flat_map(|y| [y - bar, y + bar]).collect()
 }
 
-/// A short line or a dot beside a name.
-fn legend_mark<'a>(x: i32, y: i32, paint: RGBColor, dot: bool) -> DynElement<'static, SVGBackend<'a>, (i32, i32)> {
-    if dot {
-        Circle::new((x + 9, y), 3, paint.filled()).into_dyn()
-    } else {
-        PathElement::new(vec![(x, y), (x + 18, y)], paint.stroke_width(2)).into_dyn()
+/// What a curve is drawn with, beside its name.
+fn legend_mark<'a>(x: i32, y: i32, paint: RGBColor, style: Style) -> DynElement<'static, SVGBackend<'a>, (i32, i32)> {
+    let ends = [(x, y), (x + 18, y)];
+    match style {
+        Style::Dots | Style::Cloud => Circle::new((x + 9, y), 3, paint.filled()).into_dyn(),
+        Style::Line => PathElement::new(ends, paint.stroke_width(2)).into_dyn(),
+        Style::Dashed => DashedPathElement::new(ends, 6, 4, paint.stroke_width(1)).into_dyn(),
     }
+}
+
+/// Beside an axis stand at most so many numbers.
+const MOST_TICKS: usize = 11;
+
+/// A range with the places of its numbers: round ones on a logarithmic axis, too.
+struct Ticked {
+    inner: RangedCoordf64,
+    ticks: Vec<f64>,
+}
+
+fn ticked(axis: &Axis, range: &Range<f64>) -> Ticked {
+    let inner = RangedCoordf64::from(range.clone());
+    let ticks = if axis.is_logarithmic { round_logarithms(range) } else { inner.key_points(MOST_TICKS) };
+    Ticked { inner, ticks }
+}
+
+impl Ranged for Ticked {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        self.inner.map(value, limit)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
+        self.ticks.clone()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.inner.range()
+    }
+}
+
+/// Logarithms of 1, 2, 5, 10 …; over many decades of every power of ten, or of some.
+fn round_logarithms(range: &Range<f64>) -> Vec<f64> {
+    let decades = range.start.floor() as i32..=range.end.ceil() as i32;
+    let of = |digits: &'static [f64], step: usize| {
+        let first = decades.start() - decades.start().rem_euclid(step as i32);
+        let powers = (first..=*decades.end()).step_by(step);
+        let all = powers.flat_map(|power| digits.iter().map(move |digit| f64::from(power) + digit.log10()));
+        all.filter(|value| range.contains(value)).collect::<Vec<f64>>()
+    };
+    let all = [of(&[1.0, 2.0, 5.0], 1), of(&[1.0], 1), of(&[1.0], 2), of(&[1.0], 5), of(&[1.0], 50)];
+    let fit = all.into_iter().find(|ticks| ticks.len() <= MOST_TICKS).unwrap_or_default();
+    if fit.len() > 1 {
+        return fit;
+    }
+    // In less than an octave there may be none of these: then other round numbers do.
+    let values = 10f64.powf(range.start)..10f64.powf(range.end);
+    RangedCoordf64::from(values).key_points(MOST_TICKS).into_iter().map(f64::log10).collect()
 }
 
 /// A number beside an axis, with as many digits as its range needs.
@@ -340,6 +395,32 @@ mod tests {
         let falling = vec![Curve::new("noise of the measurement", Style::Line, 0, [(0.0, 1.0), (1.0, 0.0)])];
         let (corner, y) = legend.placed(&picture(falling.clone()), &falling, &(0.0..1.0), 0.0..1.0);
         assert!(matches!(corner, SeriesLabelPosition::UpperRight) && y == (0.0..1.0), "{corner:?} {y:?}");
+    }
+
+    #[test]
+    fn a_logarithmic_axis_has_round_numbers() {
+        let told = |from: f64, to: f64| {
+            let range = from.log10()..to.log10();
+            round_logarithms(&range).iter().map(|tick| logarithmic_label(10f64.powf(*tick), 3.0)).collect::<Vec<_>>()
+        };
+        assert_eq!(told(0.9, 110.0), ["1", "2", "5", "10", "20", "50", "100"]);
+        assert_eq!(told(0.05, 5e4), ["0.1", "1", "10", "100", "1000", "1e4"]);
+        assert_eq!(told(1e-12, 1.0e8).len(), 10);
+        let narrow = round_logarithms(&(1.001_f64.log10()..1.033_f64.log10()));
+        let narrow: Vec<String> = narrow.iter().map(|tick| logarithmic_label(10f64.powf(*tick), 0.01)).collect();
+        assert!(narrow.contains(&"1.01".to_owned()) && narrow.contains(&"1.02".to_owned()), "{narrow:?}");
+    }
+
+    #[test]
+    fn a_broken_line_is_broken_in_the_legend_too() {
+        let ends = [(0.0, 1.0), (1.0, 2.0)];
+        let marks = |style: Style| {
+            let drawn = svg(&picture(vec![Curve::new("a", style, 0, ends)]));
+            drawn.matches("stroke=\"#0072B2\"").count()
+        };
+        let unnamed = svg(&picture(vec![Curve::new("", Style::Dashed, 0, ends)])).matches("stroke=\"#0072B2\"").count();
+        assert_eq!(marks(Style::Line), 2);
+        assert_eq!(marks(Style::Dashed), unnamed + 2);
     }
 
     #[test]

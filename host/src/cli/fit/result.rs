@@ -4,7 +4,7 @@ use super::Options;
 use crate::cli::table::{table, wrapped};
 use crate::cli::{evidence, output};
 use crate::fit::identify::{Fit, Identified, Verdict};
-use crate::fit::quality::Responses;
+use crate::fit::quality::{Responses, predicted};
 use crate::geometry::{PER_GRAVITY, about_the_pivot, is_unknown};
 use crate::number::{count, noises, significant, with_spread};
 use crate::operations::fit::{After, Check, Outcome};
@@ -118,14 +118,10 @@ fn lowered(stages: &[After], fit: &Fit) -> String {
     };
     let header = ["after", "mseA (rad²)", "mseV (rad²/s²)", "ePM", "eNM", "eZC"];
     let shown = table(header, stages.iter().map(row).collect(), 1);
-    let predicted = fit.stages.last().and_then(|stage| stage.r_squared_predicted);
-    match predicted {
+    match fit.stages.last().and_then(|stage| stage.r_squared_predicted) {
         Some(share) => {
             let n_designs = fit.stages.len();
-            format!(
-                "{shown}\n({n_designs} designs; the last surface of mseA predicts {:.1} % of new runs)",
-                100.0 * share
-            )
+            format!("{shown}\n({n_designs} designs; the last surface of mseA predicts {})", predicted(share, 1))
         }
         None => shown,
     }
@@ -192,11 +188,24 @@ fn strong_correlations(fit: &Fit) -> Vec<String> {
         let (correlation, [a, b]) = (fit.correlations[j][i].unwrap_or(0.0), [found[j].symbol, found[i].symbol]);
         let alike = if correlation < 0.0 { "more of one and less of the other" } else { "more of both" };
         format!(
-            "{a} and {b} are hard to tell apart (correlation {correlation:.2}): {alike} gives nearly the same swing."
+            "{a} and {b} are hard to tell apart (correlation {}): {alike} gives nearly the same swing.",
+            not_one(correlation)
         )
     };
     strong.into_iter().map(sentence).collect()
 }
+
+/// Two digits, but none that is not one is told as one.
+fn not_one(correlation: f64) -> String {
+    match correlation {
+        almost if almost >= NEXT_TO_ONE => format!("beyond {NEXT_TO_ONE}"),
+        almost if almost <= -NEXT_TO_ONE => format!("beyond -{NEXT_TO_ONE}"),
+        correlation => format!("{correlation:.2}"),
+    }
+}
+
+/// Two digits make one of what is beyond it.
+const NEXT_TO_ONE: f64 = 0.995;
 
 fn physics_is_missing(fit: &Fit) -> bool {
     fit.left == Left::Missing
@@ -229,7 +238,8 @@ fn ending(options: &Options, recordings: &[PathBuf], shown: &Shown) -> String {
 
 /// The next command to try, and what it is good for.
 fn next(options: &Options, recordings: &[PathBuf], shown: &Shown) -> (Cow<'static, str>, String) {
-    let names = output::recordings(recordings);
+    // Of a rig's own recordings nothing has to be said.
+    let names = format!("{}{}", output::recordings(recordings), options.reading.words());
     let rig = options.rig.as_deref().map_or(String::new(), |path| format!(" --rig {}", output::file(path)));
     let file = kept_in(options.rig.as_deref());
     let is_pushed = shown.done.is_pushed;
@@ -365,6 +375,7 @@ mod tests {
         assert!(told[0].starts_with(&less), "{told:?}");
         let more = format!("{b} and {c} are hard to tell apart (correlation 0.95): more of both gives");
         assert!(told[1].starts_with(&more) && told[2].contains("0.93"), "{told:?}");
+        assert_eq!([0.9949, 0.996, -0.9999].map(not_one), ["0.99", "beyond 0.995", "beyond -0.995"]);
     }
 
     #[test]

@@ -36,6 +36,10 @@ export async function load(chosen) {
 /** The file of a recording of the list, if it was chosen in this tab. */
 export const fileOf = (name) => kept.get(name);
 
+/** How what a message names is read otherwise: after a reload nothing is left of the files that were chosen before. */
+export const readOtherwise = (message) => ([...kept.keys()].some((name) => message.includes(name))
+  ? 'The ⚙ beside it reads it otherwise.' : 'Load its file here again: the ⚙ beside it then reads it otherwise.');
+
 async function isTable(chosen) {
   try { return (await send('api/preview', beginning(chosen))).columns.length > 0; } catch { return false; }
 }

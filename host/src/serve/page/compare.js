@@ -1,8 +1,8 @@
 // Measured over model, the verdict, the list of recordings, and sliders to feel what each number does.
 
-import { fileOf, open } from './columns.js';
+import { fileOf, open, readOtherwise } from './columns.js';
 import { Chart } from './chart.js';
-import { byId, element, measuring, milliUnit, mrad, number, times } from './numbers.js';
+import { byId, element, measuring, milliUnit, mrad, number, times, withSpread } from './numbers.js';
 import { draw as plot, pictureOf } from './plots.js';
 import { get, post, remove } from './server.js';
 import { onPage, withoutOptions } from './words.js';
@@ -72,7 +72,7 @@ export function show(now) {
   if (drawing !== now.drawing) { drawing = now.drawing; answer = null; fetchTrace(); showPictures(); }
   showRecordings();
   showVerdict();
-  byId('doubts').replaceChildren(...now.doubts.map((doubt) => element('li', {}, withoutOptions(doubt, 'The ⚙ beside it reads it otherwise.'))));
+  byId('doubts').replaceChildren(...now.doubts.map((doubt) => element('li', {}, withoutOptions(doubt, readOtherwise(doubt)))));
   byId('limits').hidden = !now.comparison?.limits.length;
   byId('limits-list').replaceChildren(...(now.comparison?.limits ?? []).map((limit) => element('li', {}, limit)));
 }
@@ -258,9 +258,10 @@ const removable = (owner) => owner !== 'pendulum' && state.model.effects.include
 
 function sliderRow(slider) {
   const value = whatIf[slider.name] ?? slider.value;
-  const spread = slider.std && !(slider.name in whatIf) ? element('small', {}, `± ${number(slider.std, 2)}`) : null;
-  const output = element('output', {}, number(value), spread);
-  const label = element('label', { class: slider.name in whatIf ? 'moved' : '', title: `${slider.meaning}${slider.std ? `; ± ${number(slider.std, 2)}` : ''}, ${slider.unit === '1' ? 'no unit' : slider.unit}` },
+  const [shown, std] = withSpread(slider.value, slider.std);
+  const isMoved = slider.name in whatIf;
+  const output = element('output', {}, isMoved ? number(value) : shown, !isMoved && std && element('small', {}, `± ${std}`));
+  const label = element('label', { class: slider.name in whatIf ? 'moved' : '', title: `${slider.meaning}${std ? `; ± ${std}` : ''}, ${slider.unit === '1' ? 'no unit' : slider.unit}` },
     element('span', {}, slider.symbol));
   const input = element('input', { type: 'range', min: slider.low, max: slider.high, step: 'any', 'data-name': slider.name, 'aria-label': `${slider.symbol}: ${slider.meaning}` });
   input.value = value;

@@ -1,9 +1,10 @@
 // Which effect is missing: candidates as bars, their evidence, one click to add, and the staircase of errors.
 
 import { ZERO, findings } from './findings.js';
-import { byId, element, mrad, number, times } from './numbers.js';
+import { byId, element, mrad, number, times, waits, withSpread } from './numbers.js';
 import { draw, pictureOf } from './plots.js';
 import { get, post } from './server.js';
+import { onPage } from './words.js';
 
 const CURVE = 'friction-curve';
 
@@ -20,13 +21,15 @@ export function begin(report, all) {
     const formula = byId('formula').value.trim();
     if (formula) done(post('api/formula', { formula }));
   });
-  byId('diagnose').addEventListener('click', () => done(post('api/diagnose')));
+  byId('diagnose').addEventListener('click', () => { waits('The search'); done(post('api/diagnose')); });
   byId('curve-add').addEventListener('click', () => done(post('api/change', { [hasCurve() ? 'remove' : 'add']: [CURVE] })));
 }
 
 export function show(now) {
   state = now;
-  byId('diagnose').disabled = !now.model || !now.recordings.some((recording) => !recording.held_out);
+  const why = whyNot(now);
+  byId('diagnose').disabled = why !== null;
+  byId('diagnose').title = why ?? '';
   showWords();
   showCandidates();
   byId('formula-add').disabled = byId('diagnose').disabled;
@@ -35,6 +38,13 @@ export function show(now) {
   showSuggestions();
   showExplanation();
   showStaircase();
+}
+
+/** Why nothing can be searched for, if so. */
+function whyNot(now) {
+  if (!now.model) return 'There is no model yet.';
+  if (!now.recordings.some((recording) => !recording.held_out)) return 'No recording takes part.';
+  return now.not_compared ? `Nothing is compared: ${onPage(now.not_compared.what)}.` : null;
 }
 
 function showWords() {
@@ -90,7 +100,7 @@ const namesOf = (candidate) => (candidate.name === 'none' ? [] : candidate.name.
 function showCandidates() {
   const found = state.diagnosis;
   const list = byId('candidates');
-  const made = JSON.stringify([found?.candidates, state.model?.effects, opened]);
+  const made = JSON.stringify([found?.candidates, state.model?.effects, opened, state.diagnosis_is_old]);
   if (list.dataset.made === made) return;
   list.dataset.made = made;
   byId('candidates-hint').hidden = !found;
@@ -125,7 +135,7 @@ function row(candidate, place, found, widest) {
   const tags = [here && element('span', { class: 'tag in' }, 'in the model'), standing && !(here && standing === 'claimed') && element('span', { class: `tag ${standing}` }, STANDINGS[standing])];
   const absent = names.filter((name) => !state.model?.effects.includes(name));
   const button = !absent.length ? element('span')
-    : element('button', { class: 'add', 'data-add': absent.join('+'), 'aria-label': `add ${absent.join(' and ')} to the model`, click: () => done(post('api/change', { add: absent })) }, 'Add');
+    : element('button', { class: 'add', 'data-add': absent.join('+'), disabled: state.diagnosis_is_old, title: state.diagnosis_is_old ? 'outdated: “Find out” looks again' : null, 'aria-label': `add ${absent.join(' and ')} to the model`, click: () => done(post('api/change', { add: absent })) }, 'Add');
   const open = () => { opened = opened === candidate.name ? null : candidate.name; showCandidates(); showExplanation(); };
   const look = () => showExplanation(candidate.name);
   return element('li', { class: `${place === 0 ? 'best' : ''} ${opened === candidate.name ? 'shown' : ''}`, 'data-name': candidate.name, mouseenter: look, mouseleave: () => showExplanation() },
@@ -146,7 +156,7 @@ function showExplanation(name = opened) {
     return effect && element('div', {}, element('p', {}, element('strong', {}, effectName), ' ', effect.summary),
       element('p', {}, element('code', {}, effect.formula)), element('p', { class: 'hint' }, `Shows best: ${effect.experiment} Source: ${effect.source}`));
   };
-  const values = candidate.parameters.map((value) => `${value.symbol} = ${number(value.value)}${value.std ? ` ± ${number(value.std, 2)}` : ''}${value.unit === '1' ? '' : ` ${value.unit}`}`);
+  const values = candidate.parameters.map((value) => `${value.symbol} = ${withSpread(value.value, value.std).filter(Boolean).join(' ± ')}${value.unit === '1' ? '' : ` ${value.unit}`}`);
   const base = found.candidates.find((one) => one.name === 'none');
   const evidence = base && candidate !== base ? ` Evidence (difference of criterion to the base model): ${number(base.criterion - candidate.criterion, 3)}.` : '';
   const told = (found.evidence ?? []).filter((one) => namesOf(candidate).includes(one.effect)).map((one) => element('p', {}, one.words));

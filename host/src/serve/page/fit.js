@@ -1,6 +1,7 @@
 // The story of the fit: how the box narrowed, each design's surfaces, and how far they can be believed.
 
-import { byId, element, fillTable, number } from './numbers.js';
+import { byId, element, fillTable, number, waits, withSpread } from './numbers.js';
+import { readOtherwise } from './columns.js';
 import { axis, bar, colours, draw as plot, rising } from './plots.js';
 import { get, post } from './server.js';
 import { onPage, withoutOptions } from './words.js';
@@ -11,7 +12,7 @@ let path = null;
 
 export function begin(report) {
   done = report;
-  byId('fit').addEventListener('click', () => done(post('api/fit')));
+  byId('fit').addEventListener('click', () => { waits('The fit'); done(post('api/fit')); });
   for (const id of ['stage', 'response', 'factor-x', 'factor-y']) byId(id).addEventListener('input', showStage);
 }
 
@@ -29,11 +30,13 @@ export function show(state) {
   showPath();
 }
 
+const spread = (found) => withSpread(found.value, found.std).map((text) => text ?? '–');
+
 function showIdentified(fit) {
   const verdicts = { identified: 'identified', weak: 'weak', not: 'not identified' };
   fillTable(byId('identified'), ['Number', 'Value', '±', 'Unit', 'Of', 'Verdict'], fit.parameters.map((found) =>
-    [found.symbol, number(found.value, 5), number(found.std, 2), found.unit === '1' ? '' : found.unit, found.name, verdicts[found.verdict]]));
-  byId('fit-warnings').replaceChildren(...fit.warnings.map((warning) => element('li', {}, withoutOptions(onPage(warning), 'The ⚙ beside the recording reads it otherwise.'))));
+    [found.symbol, ...spread(found), found.unit === '1' ? '' : found.unit, found.name, verdicts[found.verdict]]));
+  byId('fit-warnings').replaceChildren(...fit.warnings.map((warning) => element('li', {}, withoutOptions(onPage(warning), readOtherwise(warning)))));
 }
 
 async function showPath() {

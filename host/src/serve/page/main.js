@@ -56,11 +56,14 @@ function show() {
   document.body.dataset.ready = 'true';
 }
 
+let doing = null;
 function showJob(job) {
   byId('job').hidden = job === null;
   const isNews = document.body.dataset.busy !== String(job !== null);
   document.body.dataset.busy = String(job !== null);
   if (isNews && state) compare.showVerdict();
+  if (job?.name !== doing) byId('job-waits').textContent = '';
+  doing = job?.name;
   if (!job) return;
   const bar = byId('job-bar');
   if (job.share === null) bar.removeAttribute('value'); else bar.value = Math.max(job.share, 0.02);

@@ -71,12 +71,12 @@ pub(super) fn control(rig: &RigView, friction: &Friction) -> Markup {
     let name = |idx: usize| &rig.rows[friction.of[idx]].key.recording;
     let alarm = |idx: usize| friction.chart.alarms.iter().find(|alarm| alarm.at == idx);
     let exponent = friction.mean.value.abs().log10().floor() as i32;
-    let tick = |value: f64| format!("{:.3}", value / 10f64.powi(exponent));
-    let ticks = [0.1, 0.5, 0.9].map(|share| scale.low + share * (scale.high - scale.low));
+    let unit = 10f64.powi(exponent);
+    let (ticks, digits) = round_ticks(scale.low / unit, scale.high / unit);
     let label = format!("10{} {}", raised(exponent), friction.unit);
     plot(
         &label,
-        &ticks.map(|value| (scale.y(value), tick(value))),
+        &ticks.iter().map(|tick| (scale.y(tick * unit), format!("{tick:.digits$}"))).collect::<Vec<_>>(),
         CONTROL,
         html! {
             (band(friction, &places, &scale))
@@ -90,6 +90,16 @@ pub(super) fn control(rig: &RigView, friction: &Friction) -> Markup {
         },
         &ends_of(&places, shown.end),
     )
+}
+
+/// Three to eight round numbers within a range, and how many digits they have behind the point.
+fn round_ticks(low: f64, high: f64) -> (Vec<f64>, usize) {
+    let rough = (high - low) / 3.0;
+    let power = rough.log10().floor();
+    let step = [1.0, 2.0, 5.0].iter().rev().map(|digit| digit * 10f64.powf(power)).find(|step| *step <= rough);
+    let step = step.unwrap_or(rough);
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    ((first..=last).map(|k| k as f64 * step).collect(), (-power).clamp(0.0, 9.0) as usize)
 }
 
 /// From where to where the chart goes.
@@ -239,6 +249,17 @@ mod tests {
         let [low, high] = extent(&view.friction[0], 0..40);
         let size = values[39] - values[2];
         assert!(low <= values[2] && high >= values[39] && high - low < 2.1 * size, "{low} … {high}");
+    }
+
+    #[test]
+    fn beside_a_chart_stand_round_numbers() {
+        let told = |low, high| {
+            let (ticks, digits) = round_ticks(low, high);
+            ticks.iter().map(|tick| format!("{tick:.digits$}")).collect::<Vec<_>>()
+        };
+        assert_eq!(told(4.3, 7.1), ["4.5", "5.0", "5.5", "6.0", "6.5", "7.0"]);
+        assert_eq!(told(0.9979, 1.0041), ["0.998", "1.000", "1.002", "1.004"]);
+        assert_eq!(told(-0.2, 12.0), ["0", "2", "4", "6", "8", "10", "12"]);
     }
 
     #[test]

@@ -16,6 +16,7 @@ pub(super) fn number(value: f64, std: Option<f64>) -> String {
     let spread = std.map_or(String::new(), |std| format!(" ± {:.digits$}", std / power));
     match exponent {
         0 => format!("{value:.digits$}{spread}"),
+        _ if spread.is_empty() => format!("{:.digits$}·10{}", value / power, raised(exponent)),
         _ => format!("({:.digits$}{spread})·10{}", value / power, raised(exponent)),
     }
 }
@@ -46,7 +47,23 @@ pub(super) fn extent(study: &Study) -> String {
         .map(|row| row.studied.as_str())
         .max()
         .map_or(String::new(), |last| format!(", studied until {}", day(last)));
-    format!("{} rigs, {} recordings{dates}{studied}", study.rigs.len(), rows().count())
+    format!("{}, {}{dates}{studied}", counted(study.rigs.len(), "rig"), counted(rows().count(), "recording"))
+}
+
+/// One thing, or several of them.
+fn counted(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+}
+
+/// The words as a sentence begins.
+pub(super) fn begun(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// What stands for a number that imitates missing physics: its ± would be that of a model that is not true.
+pub(super) fn imitating(value: f64, unit: &str) -> String {
+    format!("about {} {unit}, imitating what is missing", number(value, None))
 }
 
 /// The day of a date with a time.
@@ -64,7 +81,12 @@ pub(super) fn of_rig(rig: &RigView) -> String {
         let share = 100.0 * mean.spread? / mean.value.abs();
         Some(format!(" {symbol} varies by {share:.2} % from swing to swing."))
     };
-    format!("{n} recordings{without}.{}{}", spread("Mc").unwrap_or_default(), spread("Mw").unwrap_or_default())
+    format!(
+        "{}{without}.{}{}",
+        counted(n, "recording"),
+        spread("Mc").unwrap_or_default(),
+        spread("Mw").unwrap_or_default()
+    )
 }
 
 #[cfg(test)]
@@ -76,8 +98,15 @@ mod tests {
     fn numbers_are_written_as_by_hand() {
         assert_eq!(number(7.1251e-4, Some(9.2e-7)), "(7.1251 ± 0.0092)·10⁻⁴");
         assert_eq!(number(2.5, Some(0.1)), "2.50 ± 0.10");
-        assert_eq!(number(-1.5e12, None), "(-1.500)·10¹²");
+        assert_eq!(number(-1.5e12, None), "-1.500·10¹²");
         assert_eq!(anchor("lab 1/rig_2"), "rig-lab-1-rig-2");
+    }
+
+    #[test]
+    fn one_is_one_and_a_sentence_begins_with_a_capital() {
+        assert_eq!([counted(1, "rig"), counted(0, "rig"), counted(2, "rig")], ["1 rig", "0 rigs", "2 rigs"]);
+        assert_eq!([begun("missing: a"), begun("")], ["Missing: a", ""]);
+        assert_eq!(imitating(7.1251e-4, "N·m"), "about 7.125·10⁻⁴ N·m, imitating what is missing");
     }
 
     #[test]

@@ -162,7 +162,7 @@ fn spectrum(comparison: &Comparison) -> Picture {
         curves.push(Curve::new(short_name(&judged.name), Style::Line, k, points));
         let ends = [found.frequencies_hz.first(), found.frequencies_hz.last()];
         let level = ends.into_iter().flatten().map(|f| (*f, found.white_density));
-        curves.push(Curve::new(if k == 0 { "noise" } else { "" }, Style::Dashed, k, level));
+        curves.push(Curve::new(if k == 0 { "noise" } else { "" }, Style::Dashed, 6, level));
     }
     Picture {
         key: "spectrum".to_owned(),
