@@ -269,7 +269,7 @@ fn without_a_geometry_every_table_and_drawing_says_what_its_units_mean() {
     let path = folder.path();
     host(path, "init --unknown-geometry -o unknown.toml").succeeded();
     let text = host(path, "fit a.csv --rig unknown.toml -o unknown.toml --plot fit.svg").succeeded().to_owned();
-    assert!(text.contains("per m·g·l"), "{text}");
+    assert!(text.contains("per m·g·l") && text.contains(" m·g·l·s² ") && !text.contains("N·m·s"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     assert!(fs::read_to_string(path.join("fit.svg")).unwrap().contains("(per m·g·l)"));
     let text =
@@ -277,6 +277,7 @@ fn without_a_geometry_every_table_and_drawing_says_what_its_units_mean() {
     assert!(text.contains("per m·g·l"), "{text}");
     let report = fs::read_to_string(path.join("report.html")).unwrap();
     assert!(report.contains("every torque and inertia is per m·g·l") && !report.contains("in mN·m"));
+    assert!(report.contains("<td>m·g·l·s/rad</td>") && !report.contains("<td>N·m"), "{report}");
 }
 
 #[test]

@@ -15,6 +15,7 @@ use crate::swing::Swing;
 use shared::effect::{Action, CUSTOM_FORMULA_ID, Effect};
 use shared::motion::Pendulum;
 use shared::parameters::Parameters;
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// Springs and magnets that the model lacks change a period, but not to half or twice: four times the moment of inertia.
@@ -259,7 +260,19 @@ pub fn is_unknown(pendulum: &Pendulum<f64>) -> bool {
 }
 
 /// What the units of such a model mean.
-pub const PER_GRAVITY: &str = "The geometry is unknown: every torque and inertia is per m·g·l, whatever its unit says.";
+pub const PER_GRAVITY: &str =
+    "The geometry is unknown: every torque and inertia is per m·g·l, which counts as 1 N·m in files and commands.";
+
+/// The unit of a parameter as a person is told it: where the geometry is unknown, torques and inertia are in m·g·l.
+pub fn unit_of<'a>(unit: &'a str, pendulum: &Pendulum<f64>) -> Cow<'a, str> {
+    if unit == "1" {
+        return "".into();
+    }
+    if !is_unknown(pendulum) {
+        return unit.into();
+    }
+    unit.replace("kg·m²", "m·g·l·s²").replace("N·m", "m·g·l").into()
+}
 
 /// What of such a model the period tells: the inertia about the pivot, of which `I` lacks m·l².
 pub fn about_the_pivot(pendulum: &Pendulum<f64>) -> String {
@@ -385,6 +398,16 @@ mod tests {
     fn refusal(change: impl Fn(&mut Pendulum<f64>)) -> String {
         let period_s = small_period_s(&Pendulum::paper());
         check(&paper_but(change), &swings(0.1, period_s)).expect_err("a refusal").to_string()
+    }
+
+    #[test]
+    fn of_an_unknown_geometry_torques_are_told_in_those_of_gravity() {
+        let unknown = Pendulum { length_m: UNKNOWN_LENGTH_M, ..Pendulum::paper() };
+        let units = ["N·m·s/rad", "N·m", "kg·m²", "N·m·s²/rad²", "N·m/rad", "rad", "s", "1"];
+        let told = |pendulum: &Pendulum<f64>| units.map(|unit| unit_of(unit, pendulum).into_owned());
+        let own = ["m·g·l·s/rad", "m·g·l", "m·g·l·s²", "m·g·l·s²/rad²", "m·g·l/rad", "rad", "s", ""];
+        assert_eq!(told(&unknown), own);
+        assert_eq!(told(&Pendulum::paper())[..3], units[..3]);
     }
 
     #[test]

@@ -6,9 +6,10 @@ use crate::compare::knowledge::Known;
 use crate::compare::pictures::short_name;
 use crate::compare::recording::Judged;
 use crate::compare::verdict::in_mrad;
-use crate::geometry::{PER_GRAVITY, is_unknown};
+use crate::geometry::{PER_GRAVITY, is_unknown, unit_of};
 use crate::number::with_spread;
 use crate::shorten::shortened;
+use shared::motion::Pendulum;
 
 /// The numbers beside a longer name would leave the screen.
 const LONGEST_NAME: usize = 32;
@@ -21,7 +22,7 @@ pub(super) fn text(comparison: &Comparison) -> String {
     parts.push(sentences(&comparison.verdict));
     parts.push(recordings(comparison));
     if let Some(knowledge) = &comparison.knowledge {
-        parts.push(parameters(&knowledge.parameters));
+        parts.push(parameters(&knowledge.parameters, &comparison.parameters.pendulum));
     }
     if is_unknown(&comparison.parameters.pendulum) {
         parts.push(wrapped(PER_GRAVITY, 2));
@@ -60,13 +61,13 @@ fn recordings(comparison: &Comparison) -> String {
     table([head.as_str(), "noise", "free run", "a swing ahead", "a step ahead"], fitted.chain(held_out).collect(), 1)
 }
 
-fn parameters(parameters: &[Known]) -> String {
+fn parameters(parameters: &[Known], pendulum: &Pendulum<f64>) -> String {
     let row = |known: &Known| {
         vec![
             known.symbol.to_owned(),
             with_spread(known.given, None),
             with_spread(known.chosen.value, known.chosen.std),
-            known.unit.to_owned(),
+            unit_of(known.unit, pendulum).into_owned(),
             format!("{}{}", known.verdict.words(), if known.disagrees() { ", recordings disagree" } else { "" }),
         ]
     };
@@ -121,7 +122,7 @@ mod tests {
         let mut known = comparison().knowledge.unwrap().parameters;
         known.truncate(1);
         (known[0].given, known[0].chosen) = (3e-4, Estimate { value: 2e-4, std: Some(1e-6) });
-        let table = parameters(&known);
+        let table = parameters(&known, &Pendulum::paper());
         assert_eq!(cells(&table, known[0].symbol)[1..5], ["3.000e-4", "(2.000", "±", "0.010)e-4"], "{table}");
     }
 }

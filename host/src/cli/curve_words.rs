@@ -3,6 +3,7 @@
 use super::table::wrapped;
 use crate::diagnose::{Diagnosis, FrictionCurve};
 use crate::fit::uncertainty::UNKNOWN_SHARE;
+use crate::geometry::is_unknown;
 use crate::number::with_spread;
 
 /// Speeds that are told, spread over the knots whose torque is known.
@@ -11,8 +12,9 @@ const TOLD: usize = 4;
 /// The curve for a person.
 pub(super) fn in_words(diagnosis: &Diagnosis, curve: &FrictionCurve) -> String {
     let mut lines = vec![wrapped(&curve.in_words(diagnosis), 0)];
+    let unit = if is_unknown(&diagnosis.parameters.pendulum) { "10⁻³ m·g·l" } else { "mN·m" };
     lines.extend(told(curve).map(|(speed, torque, std)| {
-        format!("  friction at {speed:.2} rad/s is {} mN·m", with_spread(1e3 * torque, Some(1e3 * std)))
+        format!("  friction at {speed:.2} rad/s is ({}) {unit}", with_spread(1e3 * torque, Some(1e3 * std)))
     }));
     lines.push("Take it: host improve … --add friction-curve -o rig.toml; draw it with --plot".to_owned());
     lines.join("\n")

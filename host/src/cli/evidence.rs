@@ -11,11 +11,12 @@ use crate::diagnose::zero::PUT_RIGHT;
 use crate::diagnose::{Candidate, Diagnosis, NotTried, Standing, Step, Suggestion, Value};
 use crate::fit::identify::Carries;
 use crate::formula::effect_of;
-use crate::geometry::{PER_GRAVITY, is_unknown};
+use crate::geometry::{PER_GRAVITY, is_unknown, unit_of};
 use crate::number::{angle, noises, with_spread};
 use crate::plot::staircase::Tread;
 use crate::verdict::{Left, far_below, is_far_below_noise};
 use shared::effect::Effect;
+use shared::motion::Pendulum;
 
 /// For what no effect explains.
 const HINT: &str = "With --formulas small formulas are searched for what remains; that takes up to a minute.";
@@ -210,12 +211,12 @@ fn unnamed(diagnosis: &Diagnosis) -> String {
 
 /// One claimed effect: what it is, its numbers, and what it does.
 fn claimed(diagnosis: &Diagnosis, name: &str) -> Option<String> {
-    let present = &diagnosis.parameters.effects;
+    let (present, pendulum) = (&diagnosis.parameters.effects, &diagnosis.parameters.pendulum);
     let in_model = present.iter().filter_map(|present| effect_of(&diagnosis.parameters, present.id));
     let effect = in_model.chain(Effect::by_name(name)).find(|effect| effect.name == name)?;
     let mut lines = vec![format!("{name}: {}", effect.summary), format!("  {}", effect.formula)];
     let values = diagnosis.values.iter().filter(|value| value.effect == name);
-    lines.extend(values.map(|value| format!("  {}", number(value))));
+    lines.extend(values.map(|value| format!("  {}", number(value, pendulum))));
     if let Some(evidence) = diagnosis.evidence.iter().find(|evidence| evidence.effect == name) {
         lines.push(format!("  {}", wrapped(&evidence.words, 4)));
         lines.push(format!("  shows in:   {} (host compare --report)", evidence.picture));
@@ -229,8 +230,8 @@ fn claimed(diagnosis: &Diagnosis, name: &str) -> Option<String> {
     Some(lines.join("\n"))
 }
 
-fn number(value: &Value) -> String {
-    let unit = if value.unit == "1" { "" } else { value.unit };
+fn number(value: &Value, pendulum: &Pendulum<f64>) -> String {
+    let unit = unit_of(value.unit, pendulum);
     let end = if value.is_on_an_end() { ", the end of its range" } else { "" };
     format!("{:<4} = {} {unit}", value.symbol, with_spread(value.value, value.std)).trim_end().to_owned() + end
 }
@@ -240,8 +241,9 @@ fn formulas(diagnosis: &Diagnosis) -> Option<String> {
     let Some(best) = diagnosis.formulas.first() else {
         return diagnosis.unexplained.then(|| HINT.to_owned());
     };
+    let pendulum = &diagnosis.parameters.pendulum;
     let mut parts = vec![format!("What remains is something like\n  torque = {}", best.words)];
-    parts.extend(best.parameters.iter().map(|value| format!("  {}", number(value))));
+    parts.extend(best.parameters.iter().map(|value| format!("  {}", number(value, pendulum))));
     parts.push(wrapped(&trust(diagnosis, best), 0));
     for other in &diagnosis.formulas[1..] {
         parts.push(format!("  also: torque = {:<44} {:.2} noises", other.words, other.rmse / diagnosis.noise));
@@ -391,9 +393,9 @@ mod tests {
             status,
             upper: None,
         };
-        assert_eq!(number(&exponent(Status::AtBound)), "iD   = 0.2500, the end of its range");
-        assert_eq!(number(&exponent(Status::Identified)), "iD   = 0.2500");
-        assert_eq!(number(&Value { value: 0.0, ..exponent(Status::AtBound) }), "iD   = 0");
+        assert_eq!(number(&exponent(Status::AtBound), &Pendulum::paper()), "iD   = 0.2500, the end of its range");
+        assert_eq!(number(&exponent(Status::Identified), &Pendulum::paper()), "iD   = 0.2500");
+        assert_eq!(number(&Value { value: 0.0, ..exponent(Status::AtBound) }, &Pendulum::paper()), "iD   = 0");
     }
 
     #[test]

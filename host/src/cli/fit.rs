@@ -142,10 +142,9 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut swings = reading.swings(&recordings)?;
     let (held_out, _) = reading.swings_quietly(&options.hold_out)?;
     refuse_doubles(&swings, &held_out)?;
-    // Told above already; a program reads it here.
     let another = of_another(model.parameters(), &swings);
     another.iter().for_each(|words| output::warn(words));
-    let told: Vec<String> = doubt.iter().chain(&another).filter(|_| options.json).cloned().collect();
+    let told: Vec<String> = doubt.iter().chain(&another).cloned().collect();
     let too_long = too_long(model.parameters(), &swings).map(|(_, words)| words);
     let explained = |failure| geometry::explained(failure, doubt.as_deref().or(too_long.as_deref()));
     check_geometry(model.parameters(), &mut swings).map_err(explained)?;

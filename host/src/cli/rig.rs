@@ -45,7 +45,7 @@ pub(super) fn taken(path: &Path, file: &RigFile) -> String {
 /// Says what the units of a model without geometry mean.
 pub(super) fn tell_if_normalised(file: &RigFile) {
     if file.is_normalised() {
-        output::warn("the geometry is unknown: every torque and inertia is per m·g·l, whatever its unit says");
+        output::warn("the geometry is unknown: every torque and inertia is per m·g·l, which counts as 1 N·m");
     }
 }
 

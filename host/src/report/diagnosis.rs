@@ -7,6 +7,7 @@ use crate::diagnose::holds::Part;
 use crate::diagnose::levels::Levels;
 use crate::diagnose::{Candidate, Diagnosis, Holding, Suggestion, Value};
 use crate::formula::effect_of;
+use crate::geometry::unit_of;
 use crate::number::{noises, with_spread};
 use crate::plot::friction::friction;
 use crate::plot::staircase::{Tread, staircase};
@@ -14,6 +15,7 @@ use crate::shorten::shortened;
 use crate::verdict::Left;
 use maud::{Markup, html};
 use shared::effect::Effect;
+use shared::motion::Pendulum;
 
 /// The whole page; the sentences say what the tables and pictures show.
 pub fn report(diagnosis: &Diagnosis, sentences: &[String], treads: &[Tread]) -> String {
@@ -49,7 +51,7 @@ fn claimed(diagnosis: &Diagnosis, name: &str) -> Markup {
                 p { (effect.summary) }
                 p { code { (effect.formula) } }
             }
-            @if !values.is_empty() { table { @for value in values { (number(value)) } } }
+            @if !values.is_empty() { table { @for value in values { (number(value, &diagnosis.parameters.pendulum)) } } }
             @if let Some(evidence) = evidence { p { (evidence.words) } }
             @if let Some(holding) = holding { (holds_on(holding)) }
             @if let Some(effect) = effect { p { "Shows best: " (effect.experiment) " Source: " (effect.source) "." } }
@@ -57,8 +59,8 @@ fn claimed(diagnosis: &Diagnosis, name: &str) -> Markup {
     }
 }
 
-fn number(value: &Value) -> Markup {
-    let unit = if value.unit == "1" { "" } else { value.unit };
+fn number(value: &Value, pendulum: &Pendulum<f64>) -> Markup {
+    let unit = unit_of(value.unit, pendulum);
     let end = if value.is_on_an_end() { "the end of its range" } else { "" };
     html! { tr { td { (value.symbol) } td { (with_spread(value.value, value.std)) } td { (unit) } td { (end) } } }
 }

@@ -6,6 +6,8 @@ use crate::compare::per_swing::Row;
 use crate::compare::pictures::short_name;
 use crate::compare::recording::Judged;
 use crate::compare::verdict::in_mrad;
+use crate::geometry::unit_of;
+use crate::number::with_spread;
 use crate::shorten::shortened;
 use maud::{Markup, html};
 
@@ -47,9 +49,9 @@ pub(super) fn parameters(comparison: &Comparison) -> Markup {
             tr {
                 td { (known.symbol) " (" (known.name) ")" }
                 td { (format!("{:.4e}", known.given)) }
-                td { (format!("{:.4e}", known.chosen.value)) }
-                td { @if let Some((low, high)) = interval { (format!("{low:.4e} … {high:.4e}")) } @else { "–" } }
-                td { (known.unit) }
+                td { (with_spread(known.chosen.value, known.chosen.std)) }
+                td { @if let Some((low, high)) = interval { (format!("{low:.2e} … {high:.2e}")) } @else { "–" } }
+                td { (unit_of(known.unit, &comparison.parameters.pendulum)) }
                 td { (known.verdict.words()) @if known.disagrees() { ", recordings disagree" } }
             }
         }

@@ -30,7 +30,7 @@ pub const fn effect<R: Real>() -> Effect<R> {
         family: Family::Speed,
         generalises: None,
         is_fine: false,
-        rules: Rules::NONE,
+        rules: Rules { is_left_to_diagnosis: true, ..Rules::NONE },
         action: Action::Friction(torque),
     }
 }

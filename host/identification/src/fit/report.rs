@@ -11,7 +11,7 @@ use super::runs::responses_at;
 use super::sequential::Stage;
 use super::uncertainty::{Number, Status, UNKNOWN_SHARE, Uncertainty, uncertainty};
 use crate::fit::tally::Tally;
-use crate::geometry::slower_than_seen;
+use crate::geometry::{slower_than_seen, unit_of};
 use crate::number::{angle, noises};
 use crate::swing::{Swing, Window, kind};
 use crate::verdict::{CHANCE_STDS, LOOK_FIRST, Left, followed_one_by_one, hardly_follows};
@@ -130,7 +130,8 @@ impl Report<'_, '_> {
     }
 
     fn warning_of(&self, number: &Identified, left: Left) -> Option<String> {
-        let Identified { symbol, value, unit, .. } = number;
+        let Identified { symbol, value, .. } = number;
+        let unit = unit_of(number.unit, &self.model.parameters.pendulum);
         let given = self.given.iter().find(|(name, ..)| name == symbol);
         if let Some((_, low, high)) = given.filter(|(_, low, high)| value < low || value > high) {
             return Some(format!("{symbol} lies outside the range {low} … {high} that was given"));

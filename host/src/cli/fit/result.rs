@@ -5,7 +5,7 @@ use crate::cli::table::{table, wrapped};
 use crate::cli::{evidence, output};
 use crate::fit::identify::{Fit, Identified, Verdict};
 use crate::fit::quality::{Responses, predicted};
-use crate::geometry::{PER_GRAVITY, about_the_pivot, is_unknown};
+use crate::geometry::{PER_GRAVITY, about_the_pivot, is_unknown, unit_of};
 use crate::number::{count, noises, significant, with_spread};
 use crate::operations::fit::{After, Check, Outcome};
 use crate::operations::json::all_named;
@@ -96,13 +96,13 @@ fn parameters(fit: &Fit) -> String {
         Verdict::Weak => "weak",
         Verdict::Not => "not identified",
     };
+    let pendulum = &fit.parameters.pendulum;
     let row = |found: &Identified| {
-        let texts = [found.symbol, found.unit, found.name, verdict(found)].map(str::to_owned);
-        let [symbol, unit, name, verdict] = texts;
+        let unit = unit_of(found.unit, pendulum).into_owned();
+        let [symbol, name, verdict] = [found.symbol, found.name, verdict(found)].map(str::to_owned);
         vec![symbol, with_spread(found.value, found.std), unit, name, verdict]
     };
     let shown = table(["", "value", "unit", "what", "verdict"], fit.identified.iter().map(row).collect(), 5);
-    let pendulum = &fit.parameters.pendulum;
     if !is_unknown(pendulum) {
         return shown;
     }
