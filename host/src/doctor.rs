@@ -58,7 +58,7 @@ pub struct Checkup {
 }
 
 /// Looks at the computer, the port, the board, its signal and its model. Without a port the only USB serial port is
-/// taken, if there is exactly one. Says so before it listens to a board for some seconds.
+/// taken, if there is exactly one. `listens` is called before a board is listened to for some seconds.
 pub fn examine(port: Option<&str>, model: Option<&RigFile>, listens: &dyn Fn()) -> Checkup {
     let ports = system::ports();
     let port = chosen(port, &ports);

@@ -12,9 +12,9 @@ const TOLD: usize = 4;
 /// The curve for a person.
 pub(super) fn in_words(diagnosis: &Diagnosis, curve: &FrictionCurve) -> String {
     let mut lines = vec![wrapped(&curve.in_words(diagnosis), 0)];
-    let unit = if is_unknown(&diagnosis.parameters.pendulum) { "10⁻³ m·g·l" } else { "mN·m" };
+    let (unit, times) = if is_unknown(&diagnosis.parameters.pendulum) { ("m·g·l", 1.0) } else { ("mN·m", 1e3) };
     lines.extend(told(curve).map(|(speed, torque, std)| {
-        format!("  friction at {speed:.2} rad/s is ({}) {unit}", with_spread(1e3 * torque, Some(1e3 * std)))
+        format!("  friction at {speed:.2} rad/s is {} {unit}", with_spread(times * torque, Some(times * std)))
     }));
     lines.push("Take it: host improve … --add friction-curve -o rig.toml; draw it with --plot".to_owned());
     lines.join("\n")
